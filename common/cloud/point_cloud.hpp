@@ -1,0 +1,33 @@
+#pragma once
+// Clouds of points, in metres, in the frame that the variable's name says.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace headframe {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+/// Points seen from one place. The origin is where the sensor stood, so that rays can be drawn (free space).
+struct Sweep {
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+  Points points;
+};
+
+/// What a robot saw on the way to a keyframe, in the keyframe's sensor frame: the keyframe's own scan is the last sweep
+/// (origin zero), the ones before it were taken since the previous keyframe.
+struct KeyframeCloud {
+  std::vector<Sweep> sweeps;
+};
+
+std::size_t point_count(const KeyframeCloud& cloud);
+
+/// Points without NaN, infinity, or the zeros that drivers write for "no return" (nearer than min_range_m).
+Points finite_points(const Points& points, float min_range_m);
+
+/// One point per cube of leaf_m: the mean of the points in it. Deterministic: cubes come in the order of their first
+/// point. leaf_m > 0; points must be finite and within 1e6 leaves of the origin (others are dropped).
+Points voxel_grid(const Points& points, float leaf_m);
+
+}  // namespace headframe

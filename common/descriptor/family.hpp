@@ -1,0 +1,41 @@
+#pragma once
+// Descriptor families behind one interface.
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "common/cloud/point_cloud.hpp"
+#include "common/result.hpp"
+#include "common/session/keyframe.hpp"
+
+namespace headframe {
+
+struct YawScore {
+  double yaw_rad = 0;  // yaw of frame b in frame a: turning b by it lines it up with a
+  double score = 0;    // greater is better; comparable within one call
+};
+
+/// Turns a scan into a descriptor and compares descriptors. Stateless after construction: all calls are thread safe.
+class DescriptorFamily {
+ public:
+  virtual ~DescriptorFamily() = default;
+  virtual FamilyId id() const = 0;
+  virtual std::size_t q_size() const = 0;
+  virtual std::size_t w_size() const = 0;
+
+  /// points_level: one scan in the levelled sensor frame (origin at the sensor, z along gravity, heading kept), finite.
+  /// Fails with bad_input when there are too few points to describe.
+  virtual Result<Descriptor> extract(const Points& points_level) const = 0;
+
+  /// Best first, at most `most` distinct peaks; empty when the family has no w.
+  virtual std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
+                                               std::size_t most) const = 0;
+};
+
+/// The family of that name, or not_found with the names there are. The default is default_family_name.
+Result<std::unique_ptr<DescriptorFamily>> make_family(std::string_view name);
+
+inline constexpr std::string_view default_family_name = "scan_context";
+
+}  // namespace headframe

@@ -1,0 +1,15 @@
+#pragma once
+// Limits that both sides keep, checked before anything is allocated.
+
+#include <cstddef>
+
+namespace headframe::limits {
+
+inline constexpr std::size_t frame_bytes = 256 * 1024;        // payload of one frame
+inline constexpr std::size_t chunk_bytes = 8 * 1024;          // cloud bytes in one CloudChunk
+inline constexpr std::size_t cloud_bytes = 16 * 1024 * 1024;  // one encoded cloud
+inline constexpr std::size_t cloud_points = 4'000'000;        // one decoded cloud
+inline constexpr std::size_t descriptor_floats = 4096;        // q or w
+inline constexpr std::size_t name_bytes = 128;                // robot, session, family, sensor model
+
+}  // namespace headframe::limits

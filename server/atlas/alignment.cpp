@@ -1,0 +1,37 @@
+#include "server/atlas/alignment.hpp"
+
+#include <array>
+
+namespace headframe {
+namespace {
+
+constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
+
+constexpr std::array<EvidenceField, 12> fields{{
+    {"probability", &Evidence::probability},
+    {"pairs", &Evidence::pairs},
+    {"inlier_fraction", &Evidence::inlier_fraction},
+    {"rmse_m", &Evidence::rmse_m},
+    {"overlap_a", &Evidence::overlap_a},
+    {"overlap_b", &Evidence::overlap_b},
+    {"freespace_violation", &Evidence::freespace_violation},
+    {"weakest_information", &Evidence::weakest_information},
+    {"slide_ratio", &Evidence::slide_ratio},
+    {"tilt_deg", &Evidence::tilt_deg},
+    {"support", &Evidence::support},
+    {"runner_up", &Evidence::runner_up},
+}};
+
+}  // namespace
+
+std::string_view to_string(AlignmentState state) { return state_names.at(static_cast<std::size_t>(state)); }
+
+std::optional<AlignmentState> alignment_state_from(std::string_view name) {
+  for (std::size_t i = 0; i < state_names.size(); ++i)
+    if (state_names[i] == name) return static_cast<AlignmentState>(i);
+  return std::nullopt;
+}
+
+std::span<const EvidenceField> evidence_fields() { return fields; }
+
+}  // namespace headframe

@@ -1,0 +1,79 @@
+#pragma once
+// The server's data flow on one page: keyframes in, alignments and atlas revisions out. It reads as the paper does
+// (FRAME, Algorithm 1), with the verdict that the paper lacks.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/cloud/point_cloud.hpp"
+#include "common/result.hpp"
+#include "common/session/keyframe.hpp"
+#include "server/atlas/atlas.hpp"
+#include "server/merge_config.hpp"
+
+namespace headframe {
+
+struct KeyframeRef {
+  SessionId session = 0;
+  std::uint64_t sequence = 0;
+  auto operator<=>(const KeyframeRef&) const = default;
+};
+
+enum class CloudState {
+  stored,        // load() will give it
+  obtainable,    // its robot is connected and answers submap requests
+  unobtainable,  // nobody can be asked now
+};
+
+/// Where the pipeline takes clouds from. Called from the thread that calls attempt().
+class CloudSource {
+ public:
+  virtual ~CloudSource() = default;
+  virtual CloudState state(const KeyframeRef& keyframe) const = 0;
+  /// In the keyframe's sensor frame.
+  virtual Result<KeyframeCloud> load(const KeyframeRef& keyframe) = 0;
+};
+
+struct StageTimes {
+  double hypotheses_ms = 0;
+  double sampling_ms = 0;
+  double registration_ms = 0;
+  double verification_ms = 0;
+  double atlas_ms = 0;
+};
+
+/// What one attempt to merge a session did.
+struct AttemptReport {
+  std::vector<KeyframeRef> wanted;  // clouds to request; call attempt() again once they are here or will not come
+  std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
+  bool atlas_changed = false;
+  StageTimes times;
+};
+
+/// Owns descriptors, alignments and the atlas in memory. Not thread safe: one thread calls it (server/merge_worker).
+/// Deterministic: the same calls give the same results, whatever the thread count of the registration.
+class MergePipeline {
+ public:
+  explicit MergePipeline(const MergeConfig& config);
+  ~MergePipeline();
+
+  /// Sessions and keyframes come in any order of sessions; keyframes of one session in the order of their sequence.
+  void add_session(SessionId id, const FamilyId& family);
+  void add_keyframe(SessionId id, Keyframe keyframe);
+
+  /// After a restart: alignments as they were stored, and the last revision. Call before the first attempt.
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision);
+
+  /// Tries to merge this session with every other session of its family.
+  AttemptReport attempt(SessionId id, CloudSource& clouds);
+
+  const Atlas& atlas() const;
+  const std::vector<Alignment>& alignments() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace headframe
