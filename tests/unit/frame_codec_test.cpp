@@ -27,8 +27,8 @@ TEST(FrameCodec, PayloadsComeBackHoweverTheStreamIsCut) {
 }
 
 TEST(FrameCodec, LengthIsCheckedBeforeThePayloadComes) {
-  for (const std::string header : {std::string("\xff\xff\xff\xff", 4), std::string("GET "), std::string(4, '\0'),
-                                   std::string("\x00\x04\x00\x01", 4)}) {
+  for (const std::string& header : {std::string("\xff\xff\xff\xff", 4), std::string("GET "), std::string(4, '\0'),
+                                    std::string("\x00\x04\x00\x01", 4)}) {
     FrameReader reader;
     reader.feed(header);
     EXPECT_FALSE(reader.next());
