@@ -1,0 +1,57 @@
+#include "server/registration/range_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace headframe {
+namespace {
+
+constexpr float radians_per_bin = std::numbers::pi_v<float> / 90;
+
+struct Direction {
+  int column, row;
+};
+
+Direction direction(const Eigen::Vector3f& p, float range) {
+  const float azimuth = std::atan2(p.y(), p.x());
+  const float elevation = std::asin(std::clamp(p.z() / range, -1.0F, 1.0F));
+  return {static_cast<int>(std::floor(azimuth / radians_per_bin)) + RangeImage::columns / 2,
+          static_cast<int>(std::floor(elevation / radians_per_bin + RangeImage::rows / 2.0F))};
+}
+
+}  // namespace
+
+RangeImage::RangeImage(const Points& points) : bins_(static_cast<std::size_t>(columns) * rows) {
+  for (const auto& p : points) {
+    const float range = p.norm();
+    if (!(range > 0.1F)) continue;
+    const Direction d = direction(p, range);
+    if (d.row < 0 || d.row >= rows) continue;
+    Bin& bin = bins_[static_cast<std::size_t>(d.row * columns + (d.column + columns) % columns)];
+    bin.near_m = bin.near_m > 0 ? std::min(bin.near_m, range) : range;
+    bin.far_m = std::max(bin.far_m, range);
+  }
+}
+
+Sight RangeImage::look(const Eigen::Vector3f& point, float reach_m) const {
+  const float range = point.norm();
+  if (range > reach_m || range < 0.5F) return Sight::unknown;
+  const Direction d = direction(point, range);
+  const float tolerance = 0.35F + 0.03F * range;
+  if (d.row < 0 || d.row >= rows || bins_[static_cast<std::size_t>(d.row * columns + (d.column + columns) % columns)].near_m == 0)
+    return Sight::unknown;
+  // A surface seen at a flat angle spans many ranges from one bin to the next: the neighbours speak too.
+  float nearest = std::numeric_limits<float>::max();
+  for (int row = std::max(0, d.row - 1); row <= std::min(rows - 1, d.row + 1); ++row)
+    for (int step = -1; step <= 1; ++step) {
+      const Bin& bin = bins_[static_cast<std::size_t>(row * columns + (d.column + step + columns) % columns)];
+      if (bin.near_m == 0) continue;
+      if (bin.near_m - tolerance < range && range < bin.far_m + tolerance) return Sight::hit;
+      nearest = std::min(nearest, bin.near_m);
+    }
+  return range < nearest - tolerance ? Sight::through : Sight::unknown;
+}
+
+}  // namespace headframe

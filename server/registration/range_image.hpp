@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/cloud/point_cloud.hpp"
+
+namespace headframe {
+
+/// What one sweep says of a point in space.
+enum class Sight : std::uint8_t {
+  unknown,  // outside the field of view, out of range, or behind what the sweep saw
+  hit,      // the sweep saw a surface there
+  through,  // its rays went on behind the point: the place is free
+};
+
+/// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made for
+/// 16 to 128 beams; a bin that no beam met knows nothing. Immutable after construction.
+class RangeImage {
+ public:
+  static constexpr int columns = 180;
+  static constexpr int rows = 45;  // -45 to +45 deg
+
+  /// Points in the frame of the sweep's sensor (origin at the sensor).
+  explicit RangeImage(const Points& points);
+
+  /// Up to reach_m. The tolerance grows with the range: 0.35 m + 3 %.
+  Sight look(const Eigen::Vector3f& point, float reach_m) const;
+
+ private:
+  struct Bin {
+    float near_m = 0;  // 0: no return
+    float far_m = 0;
+  };
+  std::vector<Bin> bins_;
+};
+
+}  // namespace headframe
