@@ -52,11 +52,12 @@ void add_factor(Sums& sums, const Eigen::Vector3d& p, const Eigen::Vector3d& p_t
   sums.normals.noalias() += n_t * n_t.transpose();
 }
 
-Sums linearise(const Surfels& target, const Surfels& source, const Pose& T, const Eigen::Vector3d& centre, double reach_m,
-               int threads) {
+Sums linearise(const Surfels& target, const Surfels& source, const Pose& T, const Eigen::Vector3d& centre,
+               double reach_m, int threads) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
-  // A plane distance of a fifth of the reach halves the square root of the weight: far partners guide, near ones decide.
+  // A plane distance of a fifth of the reach halves the square root of the weight: far partners guide, near ones
+  // decide.
   const double kernel = std::pow(0.2 * reach_m, 2) / (2 * plane_epsilon);
   std::vector<Sums> sums((source.size() + block_points - 1) / block_points);
   for_blocks(source.size(), block_points, threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
@@ -74,6 +75,18 @@ Sums linearise(const Surfels& target, const Surfels& source, const Pose& T, cons
   Sums total;
   for (const Sums& s : sums) total.add(s);
   return total;
+}
+
+/// Both local frames have z along gravity, so T may hardly tilt: until the last stage a spring pulls R z back to z, as
+/// stiff as a part of what the points say of rotation. The last stage is free, and tells by its tilt whether the fit is
+/// honest.
+void add_gravity(Sums& sums, const Pose& T, double stiffness) {
+  const Eigen::Vector3d z = T.linear().col(2);
+  Eigen::Matrix<double, 2, 6> J = Eigen::Matrix<double, 2, 6>::Zero();
+  J.leftCols<3>() = -skew(z).topRows<2>();
+  const double weight = stiffness * sums.H.topLeftCorner<3, 3>().trace() / 3;
+  sums.H += weight * J.transpose() * J;
+  sums.b += weight * J.transpose() * z.head<2>();
 }
 
 Eigen::Vector3d mean_point(const Points& points) {
@@ -99,7 +112,8 @@ void describe(Registration& r, const Sums& sums, std::size_t source_points) {
 }  // namespace
 
 std::string_view to_string(RegistrationStatus status) {
-  static constexpr std::array<std::string_view, 4> names{"converged", "not_converged", "degenerate", "too_little_overlap"};
+  static constexpr std::array<std::string_view, 4> names{"converged", "not_converged", "degenerate",
+                                                         "too_little_overlap"};
   return names.at(static_cast<std::size_t>(status));
 }
 
@@ -117,8 +131,9 @@ Registration align(const Surfels& target, const Surfels& source, const Pose& T_0
     settled = false;
     for (int i = 0; i < config.iterations && !settled; ++i, ++r.iterations) {
       const Eigen::Vector3d centre = r.T_target_source * mean;
-      const Sums sums = linearise(target, source, r.T_target_source, centre, reach, config.threads);
+      Sums sums = linearise(target, source, r.T_target_source, centre, reach, config.threads);
       if (sums.inliers < enough) return r;
+      if (!last) add_gravity(sums, r.T_target_source, config.gravity_stiffness);
       Matrix6d H = sums.H;
       H.diagonal() *= 1 + 1e-6;
       const Vector6d d = -H.ldlt().solve(sums.b);
@@ -129,12 +144,13 @@ Registration align(const Surfels& target, const Surfels& source, const Pose& T_0
     }
   }
   r.T_target_source = orthonormalised(r.T_target_source);
-  const Sums sums = linearise(target, source, r.T_target_source, r.T_target_source * mean, config.fine_reach_m, config.threads);
+  const Sums sums =
+      linearise(target, source, r.T_target_source, r.T_target_source * mean, config.fine_reach_m, config.threads);
   describe(r, sums, source.size());
   if (sums.inliers < enough) return r;
-  r.status = !settled                                           ? RegistrationStatus::not_converged
+  r.status = !settled                                        ? RegistrationStatus::not_converged
              : r.direction_hold[0] < config.degenerate_below ? RegistrationStatus::degenerate
-                                                                : RegistrationStatus::converged;
+                                                             : RegistrationStatus::converged;
   return r;
 }
 

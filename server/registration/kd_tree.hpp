@@ -14,8 +14,8 @@ struct Neighbour {
   float squared_m = 0;
 };
 
-/// Nearest neighbours in a fixed cloud. Keeps a copy of the points in leaf order. Ties go to the lower index, so results do
-/// not depend on how the tree was cut. Queries are thread safe.
+/// Nearest neighbours in a fixed cloud. Keeps a copy of the points in leaf order. Ties go to the lower index, so
+/// results do not depend on how the tree was cut. Queries are thread safe.
 class KdTree {
  public:
   KdTree() = default;
@@ -30,7 +30,7 @@ class KdTree {
  private:
   struct Node {
     float split = 0;
-    std::int32_t axis = -1;  // -1: a leaf
+    std::int32_t axis = -1;            // -1: a leaf
     std::uint32_t begin = 0, end = 0;  // of a leaf's points
     std::uint32_t right = 0;           // the left child follows its parent
   };

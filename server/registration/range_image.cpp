@@ -21,6 +21,11 @@ Direction direction(const Eigen::Vector3f& p, float range) {
           static_cast<int>(std::floor(elevation / radians_per_bin + RangeImage::rows / 2.0F))};
 }
 
+std::size_t index_of(int row, int column) {
+  constexpr int n = RangeImage::columns;
+  return static_cast<std::size_t>(row * n + (column + n) % n);
+}
+
 }  // namespace
 
 RangeImage::RangeImage(const Points& points) : bins_(static_cast<std::size_t>(columns) * rows) {
@@ -29,9 +34,10 @@ RangeImage::RangeImage(const Points& points) : bins_(static_cast<std::size_t>(co
     if (!(range > 0.1F)) continue;
     const Direction d = direction(p, range);
     if (d.row < 0 || d.row >= rows) continue;
-    Bin& bin = bins_[static_cast<std::size_t>(d.row * columns + (d.column + columns) % columns)];
-    bin.near_m = bin.near_m > 0 ? std::min(bin.near_m, range) : range;
-    bin.far_m = std::max(bin.far_m, range);
+    Bin& bin = bins_[index_of(d.row, d.column)];
+    const auto range_cm = static_cast<std::uint16_t>(std::min(range * 100, 65535.0F));
+    bin.near_cm = bin.near_cm > 0 ? std::min(bin.near_cm, range_cm) : range_cm;
+    bin.far_cm = std::max(bin.far_cm, range_cm);
   }
 }
 
@@ -40,16 +46,16 @@ Sight RangeImage::look(const Eigen::Vector3f& point, float reach_m) const {
   if (range > reach_m || range < 0.5F) return Sight::unknown;
   const Direction d = direction(point, range);
   const float tolerance = 0.35F + 0.03F * range;
-  if (d.row < 0 || d.row >= rows || bins_[static_cast<std::size_t>(d.row * columns + (d.column + columns) % columns)].near_m == 0)
-    return Sight::unknown;
+  if (d.row < 0 || d.row >= rows || bins_[index_of(d.row, d.column)].near_cm == 0) return Sight::unknown;
   // A surface seen at a flat angle spans many ranges from one bin to the next: the neighbours speak too.
   float nearest = std::numeric_limits<float>::max();
   for (int row = std::max(0, d.row - 1); row <= std::min(rows - 1, d.row + 1); ++row)
     for (int step = -1; step <= 1; ++step) {
-      const Bin& bin = bins_[static_cast<std::size_t>(row * columns + (d.column + step + columns) % columns)];
-      if (bin.near_m == 0) continue;
-      if (bin.near_m - tolerance < range && range < bin.far_m + tolerance) return Sight::hit;
-      nearest = std::min(nearest, bin.near_m);
+      const Bin& bin = bins_[index_of(row, d.column + step)];
+      if (bin.near_cm == 0) continue;
+      const float near_m = 0.01F * bin.near_cm, far_m = 0.01F * bin.far_cm;
+      if (near_m - tolerance < range && range < far_m + tolerance) return Sight::hit;
+      nearest = std::min(nearest, near_m);
     }
   return range < nearest - tolerance ? Sight::through : Sight::unknown;
 }

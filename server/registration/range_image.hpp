@@ -15,8 +15,8 @@ enum class Sight : std::uint8_t {
   through,  // its rays went on behind the point: the place is free
 };
 
-/// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made for
-/// 16 to 128 beams; a bin that no beam met knows nothing. Immutable after construction.
+/// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made
+/// for 16 to 128 beams; a bin that no beam met knows nothing. Immutable after construction.
 class RangeImage {
  public:
   static constexpr int columns = 180;
@@ -30,8 +30,8 @@ class RangeImage {
 
  private:
   struct Bin {
-    float near_m = 0;  // 0: no return
-    float far_m = 0;
+    std::uint16_t near_cm = 0;  // 0: no return
+    std::uint16_t far_cm = 0;
   };
   std::vector<Bin> bins_;
 };

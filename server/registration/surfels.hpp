@@ -15,8 +15,8 @@ struct Surfels {
   std::size_t size() const { return points.size(); }
 };
 
-/// Normals from the `neighbours` nearest points. Points whose surroundings are a line, a dot or too few are dropped: they
-/// have no plane to hold on to. May end up empty.
+/// Normals from the `neighbours` nearest points. Points whose surroundings are a line, a dot or too few are dropped:
+/// they have no plane to hold on to. May end up empty.
 Surfels make_surfels(const Points& points, std::size_t neighbours = 20, int threads = 1);
 
 }  // namespace headframe
