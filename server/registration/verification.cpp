@@ -104,8 +104,9 @@ void gather(Judgement& out, const Registration& r, std::span<const PlacedCloud> 
   e.slide_ratio = -1;
   const double here = score(of_a) + score(of_b);
   for (double slide_m : {-6.0, -3.0, 3.0, 6.0}) {
+    if (here <= 0) break;
     const auto [slid_b, slid_a] = look(Eigen::Translation3d(slide_m * r.weakest_direction) * r.T_target_source);
-    e.slide_ratio = std::max(e.slide_ratio, here > 0 ? (score(slid_a) + score(slid_b)) / here : 2.0);
+    e.slide_ratio = std::max(e.slide_ratio, (score(slid_a) + score(slid_b)) / here);
   }
   for (const auto& y : meeting.b)
     e.pairs += std::any_of(meeting.a.begin(), meeting.a.end(),
@@ -128,7 +129,9 @@ Judgement finish(const Registration& r, std::span<const PlacedCloud> a, std::spa
 Judgement judge(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_0,
                 const JudgeConfig& config) {
   const Registration local = align_spheres(a, b, T_0, config);
-  if (local.status == RegistrationStatus::too_little_overlap) return {};
+  // Right placements had at least 0.86 of the sphere's points met, wrong ones often a fifth: those are not worth the
+  // rest.
+  if (local.inlier_fraction < 0.4 || tilt_rad(local.T_target_source) > 0.1) return {};
   return judge_again(a, b, local.T_target_source, config);
 }
 
@@ -140,10 +143,11 @@ Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedClou
 double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap || status == RegistrationStatus::not_converged) return 0;
   if (e.tilt_deg > 3) return 0;
-  // To be calibrated.
-  const double z = 4 - 4 * (std::log10(e.freespace_violation + 1e-4) + 2.7) + 8 * (e.inlier_fraction - 0.6) +
-                   2 * (std::log10(e.weakest_hold + 1e-4) + 2);
-  return 1 / (1 + std::exp(-z));
+  const double z = -6 * (std::log10(e.freespace_violation + 5e-4) + 2.35) + 6 * (e.inlier_fraction - 0.6) +
+                   2 * (std::log10(e.weakest_hold + 1e-3) + 1.9);
+  const double p = 1 / (1 + std::exp(-z));
+  // What slides freely along the drift can look right at many places: at most a candidate.
+  return status == RegistrationStatus::degenerate ? 0.4 * p : p;
 }
 
 }  // namespace headframe
