@@ -82,6 +82,13 @@ double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 double score(const Visibility& v) { return v.seen - 3 * v.violated; }
 
+/// A session against itself: every other cloud's points, seen from the ones between.
+Visibility own_visibility(const Clouds& clouds, const JudgeConfig& config) {
+  Clouds even, odd;
+  for (std::size_t i = 0; i < clouds.size(); ++i) (i % 2 == 0 ? even : odd).push_back(clouds[i]);
+  return look_from(odd, merged(even, config.evidence_leaf_m), Pose::Identity(), config.view_reach_m, config.threads);
+}
+
 void gather(Judgement& out, const Registration& r, std::span<const PlacedCloud> all_a,
             std::span<const PlacedCloud> all_b, const JudgeConfig& config) {
   Evidence& e = out.evidence;
@@ -101,6 +108,8 @@ void gather(Judgement& out, const Registration& r, std::span<const PlacedCloud> 
   e.overlap_a = share(of_a.seen, static_cast<double>(points_a.size()));
   e.overlap_b = share(of_b.seen, static_cast<double>(points_b.size()));
   e.freespace_violation = share(of_a.violated + of_b.violated, e.seen_points + of_a.violated + of_b.violated);
+  const Visibility own_a = own_visibility(meeting.a, config), own_b = own_visibility(meeting.b, config);
+  e.own_violation = share(own_a.violated + own_b.violated, own_a.seen + own_a.violated + own_b.seen + own_b.violated);
   e.slide_ratio = -1;
   const double here = score(of_a) + score(of_b);
   for (double slide_m : {-6.0, -3.0, 3.0, 6.0}) {
