@@ -65,12 +65,13 @@ std::deque<SqliteWriter::Item> SqliteWriter::next_group() {
 
 void SqliteWriter::commit(std::deque<Item>& group) {
   const auto together = try_commit(group);
-  const bool alone = group.size() == 1;
+  // Trouble with the disk concerns all of them; anything else is the fault of one.
+  const bool all = together || together.error().code == ErrorCode::unavailable || group.size() == 1;
   while (!group.empty()) {
     std::deque<Item> one;
     one.push_back(std::move(group.front()));
     group.pop_front();
-    finish(one.front(), together || alone ? together : try_commit(one));
+    finish(one.front(), all ? together : try_commit(one));
   }
 }
 

@@ -11,8 +11,9 @@
 
 namespace headframe {
 
-/// The thread that writes. Writes that come within options.group_ms share one commit; when such a group fails, its
-/// writes are tried one by one, so that one bad write fails alone. write() and load() are thread safe.
+/// The thread that writes. Writes that come within options.group_ms share one commit; when such a group fails for
+/// another reason than the disk, its writes are tried one by one, so that one bad write fails alone. write() and load()
+/// are thread safe.
 class SqliteWriter {
  public:
   SqliteWriter(Database database, const SqliteOptions& options);
