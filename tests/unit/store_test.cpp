@@ -132,12 +132,13 @@ TEST(Store, FullDiskFailsWritesAndLosesNothing) {
   {
     const auto store = open(dir, {.database_bytes = 1'000'000});
     ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
-    for (std::uint64_t i = 1; i < 3000; ++i)
+    for (std::uint64_t i = 1; i < 3000; ++i) {
       store->write(PutKeyframe{1, line_keyframe(i)}, [&](const Result<void>& result) { durable += result ? 1 : 0; });
-    (void)write_and_wait(*store, CompleteSession{1});  // all before it are settled
+      if (i % 100 == 0) (void)write_and_wait(*store, CompleteSession{1});  // all before it are settled
+    }
     ASSERT_FALSE(write_and_wait(*store, PutKeyframe{1, line_keyframe(durable + 1)}));
     EXPECT_NE(store->load().last_error.find("disk is full"), std::string::npos) << store->load().last_error;
-    EXPECT_GT(durable, 100U);
+    EXPECT_GE(durable, 100U);
     EXPECT_EQ(keyframes(*store, 1).size(), durable) << "reads go on";
   }
   const auto store = open(dir);  // room was made
