@@ -84,6 +84,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
       for (const Placement& placement : component.placements)
         if (placement.session == record.id && told_.contains(record.id)) admitted.transform = update_of(component);
     news_.session_added(record.id, record.family);
+    if (replaced) news_.robot_left(record.id);  // what was asked of the old connection has to be asked again
     news_.robot_came(record.id, hello.clouds != CloudPolicy::never);
     news_.trigger(record.id, Trigger::link);
   }
