@@ -25,7 +25,10 @@ Result<Endpoint> parse_endpoint(std::string_view text) {
 
 std::string to_string(const Endpoint& endpoint) {
   const bool v6 = endpoint.host.find(':') != std::string::npos;
-  return (v6 ? "[" + endpoint.host + "]" : endpoint.host) + ":" + std::to_string(endpoint.port);
+  std::string text(v6 ? 1 : 0, '[');
+  text += endpoint.host;
+  if (v6) text += ']';
+  return text + ':' + std::to_string(endpoint.port);
 }
 
 }  // namespace headframe
