@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/support/temp_folder.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace headframe {
 namespace {
@@ -52,7 +52,7 @@ class SpoolTest : public testing::Test {
     for (std::uint64_t i = spool->last_sequence() + 1; i <= keyframes; ++i)
       ASSERT_TRUE(spool->append(keyframe(i), "cloud " + std::to_string(i)));
   }
-  test::TempFolder folder_;
+  TempDir folder_;
 };
 
 TEST_F(SpoolTest, ASessionIsTheSameAfterReopening) {
