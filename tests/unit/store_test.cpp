@@ -136,7 +136,7 @@ TEST(Store, FullDiskFailsWritesAndLosesNothing) {
       store->write(PutKeyframe{1, line_keyframe(i)}, [&](const Result<void>& result) { durable += result ? 1 : 0; });
       if (i % 100 == 0) (void)write_and_wait(*store, CompleteSession{1});  // all before it are settled
     }
-    ASSERT_FALSE(write_and_wait(*store, PutKeyframe{1, line_keyframe(durable + 1)}));
+    ASSERT_FALSE(write_and_wait(*store, PutCloud{{1, 1}, std::string(2'000'000, 'x')}));
     EXPECT_NE(store->load().last_error.find("disk is full"), std::string::npos) << store->load().last_error;
     EXPECT_GE(durable, 100U);
     EXPECT_EQ(keyframes(*store, 1).size(), durable) << "reads go on";
