@@ -11,7 +11,7 @@ namespace headframe::mine {
 namespace {
 
 constexpr double reach_m = 3.0;          // beyond this a drift says nothing
-constexpr double max_roughness_m = 1.2;  // no octave sum is larger
+constexpr double max_roughness_m = 0.8;  // no octave sum is larger
 
 struct Profile {
   double wall_m;   // depth into the wall or the roof
@@ -24,9 +24,9 @@ Profile profile(const Eigen::Vector3d& p, const Rock::Nearby::Segment& s) {
   const double t = std::clamp((p - s.a).head<2>().dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
   const Eigen::Vector3d foot = s.a + t * (s.b - s.a);
   const double half_width_m = 0.5 * s.drift->width_m, spring_m = 0.6 * s.drift->height_m;
-  const double height_m = p.z() - foot.z(), lateral_m = (p - foot).head<2>().norm();
+  const double height_m = p.z() - foot.z(), lateral_m2 = (p - foot).head<2>().squaredNorm();
   const double arch_m = std::max(0.0, height_m - spring_m) * half_width_m / (s.drift->height_m - spring_m);
-  return {std::hypot(lateral_m, arch_m) - half_width_m, -height_m};
+  return {std::sqrt(lateral_m2 + arch_m * arch_m) - half_width_m, -height_m};
 }
 
 double smooth_min(double a, double b, double k) {
@@ -116,8 +116,9 @@ double Rock::depth_m(const Eigen::Vector3d& p, const Nearby& near) const {
       drift_m = reach_m;
       previous = segment.drift;
     }
+    if (open_m >= reach_m) continue;
     drift_m = std::min(drift_m, open_m);
-    const double weight = std::exp(-3.0 * open_m);
+    const double squared = (reach_m - open_m) * (reach_m - open_m), weight = squared * squared;
     floor_sum += weight * at.floor_m;
     weight_sum += weight;
   }

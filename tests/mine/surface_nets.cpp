@@ -70,8 +70,17 @@ void sample(Block& block, const Rock& rock) {
         block.depth[Block::index({x, y, z})] = static_cast<float>(rock.depth_m(block.place({x, y, z}), near));
 }
 
+bool crossed(const Block& block, const Eigen::Vector3i& cell) {
+  constexpr std::size_t dy = samples, dz = samples * samples;
+  const float* d = block.depth.data() + Block::index(cell);
+  const int open = (d[0] < 0) + (d[1] < 0) + (d[dy] < 0) + (d[dy + 1] < 0) + (d[dz] < 0) + (d[dz + 1] < 0) +
+                   (d[dz + dy] < 0) + (d[dz + dy + 1] < 0);
+  return open != 0 && open != 8;
+}
+
 /// The mean of the crossings of a cell's twelve edges.
 void place_vertex(Block& block, const Eigen::Vector3i& cell) {
+  if (!crossed(block, cell)) return;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int crossings = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,12 +96,12 @@ void place_vertex(Block& block, const Eigen::Vector3i& cell) {
       ++crossings;
     }
   }
-  if (crossings == 0) return;
   block.vertex[Block::index(cell)] = static_cast<std::uint32_t>(block.mesh.vertices.size());
   block.mesh.vertices.emplace_back((sum / crossings).cast<float>());
 }
 
 void add_quads(Block& block, const Eigen::Vector3i& a) {
+  if (block.vertex[Block::index(a)] == no_vertex) return;  // the cell of `a` has all three edges as its own
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Vector3i b = a;
     ++b[axis];
