@@ -11,14 +11,9 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/merge_config.hpp"
+#include "server/place/descriptor_index.hpp"
 
 namespace headframe {
-
-struct KeyframeRef {
-  SessionId session = 0;
-  std::uint64_t sequence = 0;
-  auto operator<=>(const KeyframeRef&) const = default;
-};
 
 enum class CloudState {
   stored,        // load() will give it
@@ -46,6 +41,7 @@ struct StageTimes {
 /// What one attempt to merge a session did.
 struct AttemptReport {
   std::vector<KeyframeRef> wanted;  // clouds to request; call attempt() again once they are here or will not come
+  bool unfinished = false;          // there is more to try: call attempt() again soon, after other work
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
   StageTimes times;
@@ -62,7 +58,11 @@ class MergePipeline {
   void add_session(SessionId id, const FamilyId& family);
   void add_keyframe(SessionId id, Keyframe keyframe);
 
-  /// After a restart: alignments as they were stored, and the last revision. Call before the first attempt.
+  /// No keyframe follows: however short, it may merge now. Harmless when repeated.
+  void complete_session(SessionId id);
+
+  /// After a restart, once all sessions and keyframes were added: alignments as they were stored, ordered by id, and
+  /// the last revision.
   void restore(std::vector<Alignment> alignments, std::uint64_t revision);
 
   /// Tries to merge this session with every other session of its family.

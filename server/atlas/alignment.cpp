@@ -7,15 +7,17 @@ namespace {
 
 constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
 
-constexpr std::array<EvidenceField, 12> fields{{
+constexpr std::array<EvidenceField, 14> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"inlier_fraction", &Evidence::inlier_fraction},
     {"rmse_m", &Evidence::rmse_m},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
+    {"seen_points", &Evidence::seen_points},
     {"freespace_violation", &Evidence::freespace_violation},
-    {"weakest_information", &Evidence::weakest_information},
+    {"own_violation", &Evidence::own_violation},
+    {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},
     {"tilt_deg", &Evidence::tilt_deg},
     {"support", &Evidence::support},

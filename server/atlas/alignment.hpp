@@ -22,17 +22,19 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name);
 /// API and reports never repeat them.
 struct Evidence {
   double probability = 0;      // calibrated, that T_a_b is right
-  double pairs = 0;            // keyframe pairs (places) whose registration agrees on T_a_b
-  double inlier_fraction = 0;  // of the source points with a partner, the smaller of both directions
-  double rmse_m = 0;           // of the inliers
-  double overlap_a = 0;        // occupied cells of a's submap met by b's, and the other way round
+  double pairs = 0;            // keyframes of b that lie within 10 m of one of a's
+  double inlier_fraction = 0;  // of b's points where they meet, with a partner in a
+  double rmse_m = 0;           // of the inliers, along the normals
+  double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
-  double freespace_violation = 0;  // cells of one map that the other's rays pass through / cells checked, both ways
-  double weakest_information = 0;  // smallest eigenvalue of the translational information, per inlier (1/m^2)
-  double slide_ratio = 0;          // best score after a shift of 3 to 6 m along the weakest axis / score
-  double tilt_deg = 0;             // gravity disagreement after registration
-  double support = 0;              // score of the hypothesis it came from
-  double runner_up = 0;            // probability of the best different hypothesis
+  double seen_points = 0;          // that speak for it, both ways
+  double freespace_violation = 0;  // points of one map that the other's rays pass through / points that say anything
+  double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
+  double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
+  double slide_ratio = 0;    // best free-space score after a slide of 3 or 6 m along the weakest axis / score
+  double tilt_deg = 0;       // gravity disagreement after registration
+  double support = 0;        // wall map score of the hypothesis it came from
+  double runner_up = 0;      // probability of the best different hypothesis
 };
 
 struct EvidenceField {

@@ -1,0 +1,83 @@
+#include "client/keyframe/keyframe_selector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headframe {
+namespace {
+
+constexpr double cell_m = 10.0;   // the largest threshold: all that is nearer lies in the 27 cubes around a point
+constexpr double reach_m = 1e9;   // keeps the cube numbers within an integer
+constexpr double epsilon = 1e-9;  // a step of exactly the threshold counts, whatever the rounding
+
+// 21 bits a coordinate. Cubes that are 2^21 apart share a key: harmless, distances are checked.
+std::uint64_t cell_key(const Eigen::Vector3d& p, int dx, int dy, int dz) {
+  const int step[3] = {dx, dy, dz};
+  std::uint64_t key = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto c = static_cast<std::int64_t>(std::floor(p[i] / cell_m)) + step[i];
+    key = key << 21 | (static_cast<std::uint64_t>(c) & 0x1fffff);
+  }
+  return key;
+}
+
+double angle_between_rad(const Pose& a, const Pose& b) { return rotation_angle_rad(a.inverse() * b); }
+
+}  // namespace
+
+double distance_threshold_m(float spaciousness_m) {
+  if (spaciousness_m > 10) return 10;
+  if (spaciousness_m > 6) return 6;
+  if (spaciousness_m > 3) return 3;
+  return spaciousness_m;
+}
+
+float mean_range_m(const Points& points_sensor) {
+  double sum_m = 0;
+  for (const auto& p : points_sensor) sum_m += p.norm();
+  return points_sensor.empty() ? 0.0F : static_cast<float>(sum_m / static_cast<double>(points_sensor.size()));
+}
+
+KeyframeSelector::KeyframeSelector(KeyframeConfig config) : config_(config) {}
+
+KeyframeSelector::Decision KeyframeSelector::add(const Pose& T_local_sensor, float mean_range_m) {
+  smooth(mean_range_m);
+  const Eigen::Vector3d p_local = T_local_sensor.translation();
+  const bool usable = T_local_sensor.matrix().allFinite() && p_local.cwiseAbs().maxCoeff() < reach_m;
+  if (!usable || !is_keyframe(T_local_sensor)) return {false, spaciousness_m_};
+  cells_[cell_key(p_local, 0, 0, 0)].push_back(keyframes_.size());
+  keyframes_.push_back(T_local_sensor);
+  return {true, spaciousness_m_};
+}
+
+// s_k = 0.9 s_{k-1} + 0.1 S_k; the first scan starts the filter, so s_0 = S_0.
+void KeyframeSelector::smooth(float mean_range_m) {
+  if (!std::isfinite(mean_range_m) || mean_range_m <= 0) return;
+  spaciousness_m_ =
+      spaciousness_m_ > 0 ? config_.smoothing * spaciousness_m_ + (1 - config_.smoothing) * mean_range_m : mean_range_m;
+}
+
+bool KeyframeSelector::is_keyframe(const Pose& T_local_sensor) const {
+  if (keyframes_.empty()) return true;
+  const double threshold_m = std::max(distance_threshold_m(spaciousness_m_), config_.least_threshold_m);
+  const Nearby near = nearby(T_local_sensor, threshold_m);
+  if (!near.any) return true;
+  return !near.same_way && angle_between_rad(keyframes_.back(), T_local_sensor) >= config_.rotation_rad - epsilon;
+}
+
+KeyframeSelector::Nearby KeyframeSelector::nearby(const Pose& T_local_sensor, double threshold_m) const {
+  Nearby found;
+  const Eigen::Vector3d p_local = T_local_sensor.translation();
+  for (int i = 0; i < 27; ++i) {
+    const auto cell = cells_.find(cell_key(p_local, i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1));
+    if (cell == cells_.end()) continue;
+    for (const std::size_t k : cell->second) {
+      if ((keyframes_[k].translation() - p_local).norm() >= threshold_m - epsilon) continue;
+      found.any = true;
+      if (angle_between_rad(keyframes_[k], T_local_sensor) < config_.rotation_rad - epsilon) found.same_way = true;
+    }
+  }
+  return found;
+}
+
+}  // namespace headframe

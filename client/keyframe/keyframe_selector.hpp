@@ -1,0 +1,61 @@
+#pragma once
+// Which scans become keyframes: FRAME's selection by spaciousness. Pure: no clock, no I/O.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "common/cloud/point_cloud.hpp"
+#include "common/geometry/se3.hpp"
+
+namespace headframe {
+
+struct KeyframeConfig {
+  float smoothing = 0.9F;                   // the weight of s_{k-1} in s_k = 0.9 s_{k-1} + 0.1 S_k
+  double rotation_rad = 0.523598775598299;  // 30 deg
+  double least_threshold_m = 0.5;           // a lidar that is covered or in a shaft must not make every scan a keyframe
+};
+
+/// The distance between keyframes for a spaciousness s: 10 m if s > 10; 6 m if 6 < s <= 10; 3 m if 3 < s <= 6; else s.
+double distance_threshold_m(float spaciousness_m);
+
+/// S_k: mean distance of the points from the sensor; 0 for an empty scan.
+float mean_range_m(const Points& points_sensor);
+
+/// Takes the scans of one session in order. Not thread safe. Memory grows with the keyframes chosen, about 150 bytes
+/// each.
+class KeyframeSelector {
+ public:
+  explicit KeyframeSelector(KeyframeConfig config = {});
+
+  struct Decision {
+    bool keyframe = false;
+    float spaciousness_m = 0;  // s_k, also when the scan is no keyframe
+  };
+
+  /// Decides on one scan. The first is a keyframe. Later ones are when
+  /// - no earlier keyframe (the last one included) is nearer than the threshold, or
+  /// - the sensor turned by rotation_rad or more since the last keyframe, and no keyframe nearer than the threshold
+  /// looks
+  ///   the same way (within less than rotation_rad).
+  /// A mean range that is not finite and positive (an empty scan) leaves the spaciousness as it was. A pose that is not
+  /// finite or farther than 1e9 m from the origin is never a keyframe.
+  Decision add(const Pose& T_local_sensor, float mean_range_m);
+
+ private:
+  struct Nearby {
+    bool any = false;       // an earlier keyframe is nearer than the threshold
+    bool same_way = false;  // and one of those looks the same way
+  };
+  void smooth(float mean_range_m);
+  bool is_keyframe(const Pose& T_local_sensor) const;
+  Nearby nearby(const Pose& T_local_sensor, double threshold_m) const;
+
+  KeyframeConfig config_;
+  float spaciousness_m_ = 0;
+  std::vector<Pose> keyframes_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;  // cube of the grid -> its keyframes
+};
+
+}  // namespace headframe

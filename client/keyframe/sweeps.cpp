@@ -1,0 +1,49 @@
+#include "client/keyframe/sweeps.hpp"
+
+#include <utility>
+
+namespace headframe {
+namespace {
+
+constexpr double epsilon = 1e-9;  // a step of exactly the threshold counts, whatever the rounding
+
+Sweep moved(const Points& points_sensor, const Eigen::Isometry3f& T_keyframe_sensor) {
+  Sweep sweep;
+  sweep.origin = T_keyframe_sensor.translation();
+  sweep.points.reserve(points_sensor.size());
+  for (const auto& p : points_sensor) sweep.points.emplace_back(T_keyframe_sensor * p);
+  return sweep;
+}
+
+}  // namespace
+
+SweepCollector::SweepCollector(SweepConfig config) : config_(config) {}
+
+void SweepCollector::add(const Pose& T_local_sensor, const Points& points_sensor) {
+  if (config_.most == 0) return;
+  if (T_local_last_) {
+    const Pose T_last_sensor = T_local_last_->inverse() * T_local_sensor;
+    if (T_last_sensor.translation().norm() < config_.distance_m - epsilon &&
+        rotation_angle_rad(T_last_sensor) < config_.rotation_rad - epsilon)
+      return;
+  }
+  if (kept_.size() == config_.most) kept_.pop_front();
+  kept_.push_back({T_local_sensor, voxel_grid(points_sensor, config_.leaf_m)});
+  T_local_last_ = T_local_sensor;
+}
+
+KeyframeCloud SweepCollector::take(const Pose& T_local_keyframe, const Points& own_scan) {
+  const Pose T_keyframe_local = T_local_keyframe.inverse();
+  KeyframeCloud cloud;
+  for (const Kept& kept : kept_) {
+    const Pose T_keyframe_sensor = T_keyframe_local * kept.T_local_sensor;
+    if (T_keyframe_sensor.translation().norm() < config_.clear_of_keyframe_m - epsilon) continue;
+    cloud.sweeps.push_back(moved(kept.points_sensor, T_keyframe_sensor.cast<float>()));
+  }
+  cloud.sweeps.push_back({Eigen::Vector3f::Zero(), voxel_grid(own_scan, config_.leaf_m)});
+  kept_.clear();
+  T_local_last_ = T_local_keyframe;
+  return cloud;
+}
+
+}  // namespace headframe

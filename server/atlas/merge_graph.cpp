@@ -1,0 +1,142 @@
+#include "server/atlas/merge_graph.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace headframe {
+namespace {
+
+/// Sessions of one component with their poses relative to some member.
+using Frames = std::map<SessionId, Pose>;
+
+struct Growing {
+  std::map<SessionId, std::size_t> component_of;
+  std::vector<Frames> components;
+
+  explicit Growing(std::span<const SessionId> sessions) {
+    for (const SessionId s : sessions) {
+      component_of[s] = components.size();
+      components.push_back({{s, Pose::Identity()}});
+    }
+  }
+
+  void join(const Alignment& alignment) {
+    const std::size_t into = component_of[alignment.a], from = component_of[alignment.b];
+    const Pose T_into_from = components[into][alignment.a] * alignment.T_a_b * components[from][alignment.b].inverse();
+    for (const auto& [session, T] : components[from]) {
+      components[into][session] = T_into_from * T;
+      component_of[session] = into;
+    }
+    components[from].clear();
+  }
+
+  Pose T_a_b(const Alignment& alignment) {
+    Frames& frames = components[component_of[alignment.a]];
+    return frames[alignment.a].inverse() * frames[alignment.b];
+  }
+};
+
+bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
+  const Pose error = T_loop.inverse() * T;
+  return rotation_angle_rad(error) < tolerance.rotation_rad &&
+         error.translation().norm() < tolerance.translation_m + 0.01 * T.translation().norm();
+}
+
+bool stronger(const Alignment& x, const Alignment& y) {
+  const auto rank = [](const Alignment& k) {
+    return std::tuple(-k.evidence.probability, -k.evidence.seen_points, k.a, k.b);
+  };
+  return rank(x) < rank(y);
+}
+
+/// Gauss-Newton over the session frames of one component (the first stays), each alignment with equal weight: a metre
+/// counts as much as 0.05 rad.
+void relax(Frames& frames, const std::vector<Alignment>& edges) {
+  std::map<SessionId, Eigen::Index> column;
+  for (const auto& [session, T] : frames) column[session] = 6 * (static_cast<Eigen::Index>(column.size()) - 1);
+  const Eigen::Index n = 6 * (static_cast<Eigen::Index>(frames.size()) - 1);
+  Vector6d weight;
+  weight << 400, 400, 400, 1, 1, 1;
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
+    for (const Alignment& edge : edges) {
+      // r = log(T_a_b^-1 T_a^-1 T_b); right increments: T_b moves r by d_b, T_a by -Ad(T_b^-1 T_a) d_a, to first order.
+      const Pose T_b_a = frames[edge.b].inverse() * frames[edge.a];
+      const Vector6d r = se3_log(edge.T_a_b.inverse() * T_b_a.inverse());
+      Eigen::Matrix<double, 6, 6> J_a = Eigen::Matrix<double, 6, 6>::Zero();
+      J_a.topLeftCorner<3, 3>() = J_a.bottomRightCorner<3, 3>() = -T_b_a.linear();
+      J_a.bottomLeftCorner<3, 3>() = -skew(T_b_a.translation()) * T_b_a.linear();
+      const Eigen::Index a = column[edge.a], b = column[edge.b];
+      const Eigen::Matrix<double, 6, 6> W = weight.asDiagonal();
+      if (a >= 0) {
+        H.block<6, 6>(a, a) += J_a.transpose() * W * J_a;
+        g.segment<6>(a) += J_a.transpose() * W * r;
+      }
+      if (b >= 0) {
+        H.block<6, 6>(b, b) += W;
+        g.segment<6>(b) += W * r;
+      }
+      if (a >= 0 && b >= 0) {
+        H.block<6, 6>(a, b) += J_a.transpose() * W;
+        H.block<6, 6>(b, a) += W * J_a;
+      }
+    }
+    H.diagonal().array() += 1e-9;
+    const Eigen::VectorXd d = -H.ldlt().solve(g);
+    for (auto& [session, T] : frames)
+      if (column[session] >= 0) T = orthonormalised(T * se3_exp(d.segment<6>(column[session])));
+    if (d.norm() < 1e-9) break;
+  }
+}
+
+Component component_from(const Frames& frames) {
+  Component component;
+  component.id = frames.begin()->first;
+  const Pose T_anchor = frames.begin()->second.inverse();
+  for (const auto& [session, T] : frames) component.placements.push_back({session, orthonormalised(T_anchor * T)});
+  component.placements.front().T_component_session = Pose::Identity();
+  return component;
+}
+
+}  // namespace
+
+MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
+                           const LoopTolerance& tolerance) {
+  MergeResult result;
+  for (const Alignment& alignment : alignments) result.states.push_back(alignment.state);
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < alignments.size(); ++i)
+    if (alignments[i].state == AlignmentState::verified || alignments[i].state == AlignmentState::published)
+      order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return stronger(alignments[i], alignments[j]); });
+
+  Growing growing(sessions);
+  std::vector<Alignment> published;
+  for (const std::size_t i : order) {
+    const Alignment& alignment = alignments[i];
+    const bool loop = growing.component_of.at(alignment.a) == growing.component_of.at(alignment.b);
+    if (loop && !agrees(growing.T_a_b(alignment), alignment.T_a_b, tolerance)) {
+      if (alignment.state == AlignmentState::published) result.states[i] = AlignmentState::retracted;
+      continue;
+    }
+    if (!loop) growing.join(alignment);
+    result.states[i] = AlignmentState::published;
+    published.push_back(alignment);
+  }
+  for (Frames& frames : growing.components) {
+    if (frames.empty()) continue;
+    std::vector<Alignment> edges;
+    for (const Alignment& alignment : published)
+      if (frames.contains(alignment.a)) edges.push_back(alignment);
+    if (edges.size() >= frames.size()) relax(frames, edges);
+    result.components.push_back(component_from(frames));
+  }
+  std::sort(result.components.begin(), result.components.end(),
+            [](const auto& x, const auto& y) { return x.id < y.id; });
+  return result;
+}
+
+}  // namespace headframe

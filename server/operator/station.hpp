@@ -1,0 +1,66 @@
+#pragma once
+// What the operator API may see and do. map_merge_server implements it; the HTTP room knows nothing else of the server.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/cloud/point_cloud.hpp"
+#include "common/result.hpp"
+#include "common/session/keyframe.hpp"
+#include "server/atlas/atlas.hpp"
+
+namespace headframe {
+
+struct SessionRow {
+  SessionId id = 0;
+  SessionKey key;
+  FamilyId family;
+  Sensor sensor;
+  bool connected = false;
+  bool complete = false;  // the robot said that no keyframe follows
+  std::uint64_t keyframes = 0;
+  std::uint64_t clouds = 0;  // stored
+  std::uint64_t bytes_received = 0;
+  double distance_m = 0;
+  double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
+};
+
+struct AlignmentRow {
+  Alignment alignment;
+  SessionKey a, b;
+};
+
+struct AtlasView {
+  Atlas atlas;
+  std::vector<AlignmentRow> alignments;
+};
+
+/// What has still to be done before the atlas is settled; all zero when it is.
+struct Pending {
+  std::size_t attempts = 0;         // queued or running
+  std::size_t keyframes = 0;        // durable, not yet given to the pipeline
+  std::size_t awaited_submaps = 0;  // clouds asked of connected robots
+  bool idle() const { return attempts + keyframes + awaited_submaps == 0; }
+};
+
+/// All calls are thread safe and quick, but trajectory() and cloud(), which read from disk: not from an I/O thread.
+class Station {
+ public:
+  virtual ~Station() = default;
+  virtual std::vector<SessionRow> sessions() const = 0;
+  virtual AtlasView atlas() const = 0;
+  virtual Pending pending() const = 0;
+  /// Calls back once, from any thread, as soon as nothing is pending (at once if so), or when timeout_s is over; with
+  /// what is left.
+  virtual void when_idle(double timeout_s, std::function<void(Pending)> callback) = 0;
+  /// Queues an attempt for every session.
+  virtual void merge_all() = 0;
+  /// Keyframes in the order of their sequence: stamp and T_local_sensor are filled, the descriptor may be empty.
+  virtual Result<std::vector<Keyframe>> trajectory(SessionId session) const = 0;
+  /// The stored cloud, in the keyframe's sensor frame; not_found when there is none.
+  virtual Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const = 0;
+};
+
+}  // namespace headframe

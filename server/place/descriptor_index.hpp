@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/atlas/alignment.hpp"
+
+namespace headframe {
+
+struct KeyframeRef {
+  SessionId session = 0;
+  std::uint64_t sequence = 0;
+  auto operator<=>(const KeyframeRef&) const = default;
+};
+
+struct PlaceNeighbour {
+  KeyframeRef keyframe;
+  float squared_distance = 0;
+};
+
+/// Nearest place vectors of one descriptor family. Not thread safe. All q must have the length given at construction.
+class DescriptorIndex {
+ public:
+  virtual ~DescriptorIndex() = default;
+  virtual void add(const KeyframeRef& keyframe, const std::vector<float>& q) = 0;
+  /// The k nearest, nearest first; ties go to the earlier added.
+  virtual std::vector<PlaceNeighbour> nearest(const std::vector<float>& q, std::size_t k) const = 0;
+  virtual std::size_t size() const = 0;
+};
+
+/// Compares with every vector: the oracle of the tests, and quicker than a tree up to some ten thousand keyframes.
+std::unique_ptr<DescriptorIndex> make_exact_index(std::size_t q_size);
+
+/// FLANN's randomised k-d trees (4 trees, 256 checks, fixed seed), rebuilt as the index doubles. For large databases.
+std::unique_ptr<DescriptorIndex> make_flann_index(std::size_t q_size);
+
+}  // namespace headframe

@@ -1,0 +1,148 @@
+// Drawn mines through the whole pipeline, without sockets or disk: what must merge does, what must not does not.
+
+#include "server/merge_pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "common/descriptor/scan_context.hpp"
+#include "tests/support/box_mine.hpp"
+
+namespace headframe {
+namespace {
+
+using test::BoxMine;
+using test::Drive;
+
+class Shelf : public CloudSource {
+ public:
+  std::map<KeyframeRef, KeyframeCloud> clouds;
+  std::set<KeyframeRef> on_robots;
+  CloudState state(const KeyframeRef& k) const override {
+    if (on_robots.contains(k)) return CloudState::obtainable;
+    return clouds.contains(k) ? CloudState::stored : CloudState::unobtainable;
+  }
+  Result<KeyframeCloud> load(const KeyframeRef& k) override { return clouds.at(k); }
+};
+
+/// A pipeline with these drives in it as sessions 1, 2, ...
+struct Base {
+  MergePipeline pipeline{MergeConfig{}};
+  Shelf shelf;
+  std::vector<Drive> drives;
+
+  explicit Base(std::vector<Drive> all) : drives(std::move(all)) {
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      const auto id = static_cast<SessionId>(i + 1);
+      pipeline.add_session(id, ScanContext().id());
+      for (std::size_t k = 0; k < drives[i].keyframes.size(); ++k) {
+        pipeline.add_keyframe(id, drives[i].keyframes[k]);
+        shelf.clouds[{id, k + 1}] = drives[i].clouds[k];
+      }
+    }
+  }
+
+  double error_m() const {
+    double worst = 0;
+    for (const Component& c : pipeline.atlas().components)
+      for (const Placement& p : c.placements) {
+        const Pose truth = drive(c.id).T_mine_local.inverse() * drive(p.session).T_mine_local;
+        worst = std::max(worst, (truth.translation() - p.T_component_session.translation()).norm());
+      }
+    return worst;
+  }
+  const Drive& drive(SessionId id) const { return drives[static_cast<std::size_t>(id - 1)]; }
+};
+
+/*  y
+ *  40        C
+ *            |
+ *   0  A ----+-----------+---- B          a drives A to C, b drives B to A; c drives D to B
+ *            30          60
+ * -25                    D (6 m wide)                                              */
+const BoxMine& branches() {
+  static const BoxMine mine(
+      {BoxMine::drift(0, 0, 90, 0), BoxMine::drift(30, 0, 30, 40), BoxMine::drift(60, -25, 60, 0, 6)});
+  return mine;
+}
+Drive a() { return test::drive(branches(), {{2, 0}, {30, 0}, {30, 38}}, 0, 1); }
+Drive b() { return test::drive(branches(), {{88, 0}, {4, 0}}, 2.3, 2); }
+Drive c() { return test::drive(branches(), {{60, -23}, {60, 0}, {88, 0}}, -1.1, 3); }
+
+TEST(MergePipeline, ThreeDrivesBecomeOneComponentWhicheverIsTriedFirst) {
+  for (const SessionId first : {1, 2, 3}) {
+    Base base({a(), b(), c()});
+    EXPECT_EQ(base.pipeline.attempt(first, base.shelf).wanted.size(), 0U);
+    for (const SessionId id : {1, 2, 3}) base.pipeline.attempt(id, base.shelf);
+    ASSERT_EQ(base.pipeline.atlas().components.size(), 1U) << "first " << first;
+    EXPECT_LT(base.error_m(), 0.15) << "first " << first;
+  }
+}
+
+TEST(MergePipeline, LookAlikeDriftsDoNotMerge) {
+  // Two mines of equal drifts and equal crossings; the second goes on where the first ends, so they can not be one.
+  const BoxMine one({BoxMine::drift(0, 0, 90, 0), BoxMine::drift(45, 0, 45, 40)});
+  const BoxMine two({BoxMine::drift(0, 0, 90, 0), BoxMine::drift(45, 0, 45, 18), BoxMine::drift(20, -30, 20, 0)});
+  Base base({test::drive(one, {{2, 0}, {88, 0}}, 0, 1), test::drive(two, {{2, 0}, {88, 0}}, 1.0, 2)});
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+  EXPECT_EQ(base.pipeline.atlas().revision, 0U);
+}
+
+TEST(MergePipeline, AStraightDriftAloneProvesNothing) {
+  const BoxMine mine({BoxMine::drift(0, 0, 300, 0)});
+  Base base({test::drive(mine, {{60, 0}, {140, 0}}, 0, 1), test::drive(mine, {{200, 0}, {120, 0}}, 1.0, 2)});
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+}
+
+TEST(MergePipeline, AsksForTheCloudsItNeedsAndThenMerges) {
+  Base base({a(), b()});
+  for (const auto& [ref, cloud] : base.shelf.clouds) base.shelf.on_robots.insert(ref);
+  std::set<KeyframeRef> asked;
+  for (int round = 0; round < 10; ++round) {
+    const AttemptReport report = base.pipeline.attempt(1, base.shelf);
+    if (report.wanted.empty()) break;
+    for (const KeyframeRef& ref : report.wanted) {
+      asked.insert(ref);
+      base.shelf.on_robots.erase(ref);
+    }
+  }
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_GT(asked.size(), 0U);
+  EXPECT_LT(asked.size(), base.shelf.clouds.size()) << "not the whole maps";
+}
+
+TEST(MergePipeline, RestoresWhatItHad) {
+  Base base({a(), b()});
+  const AttemptReport report = base.pipeline.attempt(2, base.shelf);
+  EXPECT_TRUE(report.atlas_changed);
+  EXPECT_EQ(base.pipeline.atlas().revision, 1U);
+  Base later({a(), b()});
+  later.pipeline.restore(base.pipeline.alignments(), base.pipeline.atlas().revision);
+  EXPECT_EQ(later.pipeline.atlas().revision, 1U);
+  ASSERT_EQ(later.pipeline.atlas().components.size(), 1U);
+  EXPECT_FALSE(later.pipeline.attempt(1, later.shelf).atlas_changed) << "nothing new, no new revision";
+}
+
+TEST(MergePipeline, GarbageKeyframesChangeNothing) {
+  Base base({a(), b()});
+  std::mt19937 rng(1);
+  Keyframe garbage;
+  garbage.sequence = base.drives[1].keyframes.size() + 1;
+  garbage.T_local_sensor = base.drives[1].keyframes.back().T_local_sensor;
+  for (auto& code : garbage.walls.code) code = static_cast<std::uint8_t>(rng());
+  for (int i = 0; i < 60; ++i) garbage.descriptor.q.push_back(static_cast<float>(rng() % 10));
+  garbage.descriptor.w = garbage.descriptor.q;
+  garbage.point_count = 1;
+  base.pipeline.add_keyframe(2, garbage);
+  base.pipeline.attempt(2, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
+}  // namespace
+}  // namespace headframe

@@ -1,0 +1,125 @@
+#include "server/atlas/merge_graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace headframe {
+namespace {
+
+// The mine of these tests:   1 --- 2 --- 3
+//                                  |     |
+//                                  4 --- 5      6 (alone)
+const std::vector<SessionId> sessions{1, 2, 3, 4, 5, 6};
+
+Pose true_pose(SessionId s) {
+  const auto x = static_cast<double>(s);
+  return pose_from_yaw(0.7 * x, {20 * x, -7 * x * x, 0.5 * x});
+}
+
+Alignment edge(SessionId a, SessionId b, double probability = 0.95, const Pose& error = Pose::Identity()) {
+  Alignment k;
+  k.id = 10 * a + b;
+  k.a = a;
+  k.b = b;
+  k.state = AlignmentState::verified;
+  k.T_a_b = true_pose(a).inverse() * true_pose(b) * error;
+  k.evidence.probability = probability;
+  return k;
+}
+
+std::vector<Alignment> loop() { return {edge(1, 2), edge(2, 3), edge(2, 4), edge(4, 5), edge(3, 5)}; }
+
+double worst_error_m(const MergeResult& result) {
+  double worst = 0;
+  for (const Component& c : result.components)
+    for (const Placement& p : c.placements) {
+      const Pose truth = true_pose(c.id).inverse() * true_pose(p.session);
+      worst = std::max(worst, (truth.inverse() * p.T_component_session).translation().norm());
+    }
+  return worst;
+}
+
+TEST(MergeGraph, ComponentsFollowTheAlignments) {
+  const auto result = merge_sessions(sessions, loop());
+  ASSERT_EQ(result.components.size(), 2U);
+  EXPECT_EQ(result.components[0].id, 1);
+  EXPECT_EQ(result.components[0].placements.size(), 5U);
+  EXPECT_EQ(result.components[1].id, 6);
+  EXPECT_TRUE(result.components[0].placements[0].T_component_session.isApprox(Pose::Identity()));
+  EXPECT_LT(worst_error_m(result), 1e-9);
+  for (const auto state : result.states) EXPECT_EQ(state, AlignmentState::published);
+}
+
+TEST(MergeGraph, OrderOfArrivalDoesNotMatter) {
+  auto edges = loop();
+  edges[2].T_a_b.translation().x() += 0.3;
+  const auto first = merge_sessions(sessions, edges);
+  std::mt19937 rng(1);
+  for (int i = 0; i < 20; ++i) {
+    std::shuffle(edges.begin(), edges.end(), rng);
+    const auto again = merge_sessions(sessions, edges);
+    ASSERT_EQ(again.components.size(), first.components.size());
+    for (std::size_t c = 0; c < first.components.size(); ++c)
+      for (std::size_t p = 0; p < first.components[c].placements.size(); ++p)
+        EXPECT_LT((again.components[c].placements[p].T_component_session.translation() -
+                   first.components[c].placements[p].T_component_session.translation())
+                      .norm(),
+                  1e-6);
+  }
+}
+
+TEST(MergeGraph, ALoopSpreadsASmallErrorOverItsEdges) {
+  auto edges = loop();
+  edges[4].T_a_b.translation().x() += 0.4;
+  const auto result = merge_sessions(sessions, edges);
+  EXPECT_LT(worst_error_m(result), 0.25);
+  EXPECT_GT(worst_error_m(result), 0.05);
+}
+
+TEST(MergeGraph, AnAlignmentThatContradictsALoopIsHeldBackAndAPublishedOneRetracted) {
+  const Pose wrong = pose_from_yaw(0, {6, 0, 0});
+  for (const auto before : {AlignmentState::verified, AlignmentState::published}) {
+    auto edges = loop();
+    edges[4] = edge(3, 5, 0.91, wrong);
+    edges[4].state = before;
+    const auto result = merge_sessions(sessions, edges);
+    EXPECT_LT(worst_error_m(result), 1e-9);
+    EXPECT_EQ(result.states[4],
+              before == AlignmentState::published ? AlignmentState::retracted : AlignmentState::verified);
+  }
+}
+
+TEST(MergeGraph, ToleranceHasTwoSides) {
+  const LoopTolerance tolerance;
+  const double reach = tolerance.translation_m + 0.01 * (true_pose(3).inverse() * true_pose(5)).translation().norm();
+  for (const auto& [error_m, agrees] : {std::pair{0.98 * reach, true}, std::pair{1.05 * reach, false}}) {
+    auto edges = loop();
+    edges[4] = edge(3, 5, 0.91, pose_from_yaw(0, {error_m, 0, 0}));
+    EXPECT_EQ(merge_sessions(sessions, edges).states[4] == AlignmentState::published, agrees) << error_m;
+  }
+}
+
+TEST(MergeGraph, OnlyVerifiedAlignmentsCount) {
+  for (const auto state : {AlignmentState::candidate, AlignmentState::rejected, AlignmentState::retracted}) {
+    auto edges = loop();
+    for (auto& e : edges) e.state = state;
+    const auto result = merge_sessions(sessions, edges);
+    EXPECT_EQ(result.components.size(), sessions.size());
+    EXPECT_EQ(result.states[0], state);
+  }
+}
+
+TEST(Evidence, EveryFieldHasAName) {
+  Evidence e;
+  for (const auto& field : evidence_fields()) e.*field.member = 1;
+  EXPECT_EQ(evidence_fields().size() * sizeof(double), sizeof(Evidence));
+  for (const auto state : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::published,
+                           AlignmentState::retracted, AlignmentState::rejected})
+    EXPECT_EQ(alignment_state_from(to_string(state)), state);
+  EXPECT_FALSE(alignment_state_from("nonsense"));
+}
+
+}  // namespace
+}  // namespace headframe

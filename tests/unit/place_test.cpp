@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "common/descriptor/family.hpp"
+#include "common/descriptor/scan_context.hpp"
+#include "common/descriptor/wall_profile.hpp"
+#include "server/place/descriptor_index.hpp"
+#include "server/place/hypotheses.hpp"
+#include "tests/support/box_mine.hpp"
+
+namespace headframe {
+namespace {
+
+using test::BoxMine;
+constexpr double degree = std::numbers::pi / 180;
+
+TEST(WallProfile, CodesKeepRangesWithinTwoPercent) {
+  for (float r = 0.3F; r < 120; r *= 1.07F) EXPECT_NEAR(decode_wall_range_m(encode_wall_range(r)), r, 0.013 * r);
+  EXPECT_EQ(encode_wall_range(0.29F), 0);
+  EXPECT_EQ(encode_wall_range(std::nanf("")), 0);
+  EXPECT_EQ(encode_wall_range(1e9F), encode_wall_range(120));
+  EXPECT_EQ(decode_wall_range_m(0), 0);
+}
+
+TEST(WallProfile, TakesTheBandAroundTheHorizonOnly) {
+  const double slope = std::tan(4.5 * degree);
+  const auto seen = [](float z) { return wall_profile({{10, 0.1F, z}}).code[0] != 0; };
+  EXPECT_TRUE(seen(static_cast<float>(10 * slope * 0.98)));
+  EXPECT_FALSE(seen(static_cast<float>(10 * slope * 1.02)));
+}
+
+TEST(WallProfile, SectorsCountFromXTowardsY) {
+  const WallProfile profile = wall_profile({{0.01F, 5, 0}, {-5, -0.01F, 0}});
+  for (std::size_t i = 0; i < WallProfile::sectors; ++i) EXPECT_EQ(profile.code[i] != 0, i == 44 || i == 90) << i;
+}
+
+TEST(ScanContext, TurningTheScanShiftsWAndKeepsQ) {
+  const BoxMine mine({BoxMine::drift(-30, 0, 30, 0), BoxMine::drift(0, 0, 0, 30)});
+  std::mt19937 rng(1);
+  const Points scan = mine.scan(pose_from_yaw(0.2, {1, 0.3, 1.2}), rng);
+  const auto family = make_family("scan_context").value();
+  const Descriptor a = family->extract(scan).value();
+  for (double turn_deg : {30.0, 90.0, -126.0, 177.0}) {
+    Points turned;  // the same place, seen by a robot turned by turn_deg
+    for (const auto& p : scan)
+      turned.push_back((pose_from_yaw(-turn_deg * degree, {0, 0, 0}) * p.cast<double>()).cast<float>());
+    const Descriptor b = family->extract(turned).value();
+    double change = 0;
+    for (std::size_t i = 0; i < a.q.size(); ++i) change += std::abs(a.q[i] - b.q[i]);
+    EXPECT_LT(change / static_cast<double>(a.q.size()), 0.06);
+    const auto yaws = family->yaw_difference(a.w, b.w, 2);
+    ASSERT_FALSE(yaws.empty());
+    EXPECT_NEAR(wrap_rad(yaws[0].yaw_rad - turn_deg * degree), 0, 4 * degree) << turn_deg;
+  }
+}
+
+TEST(ScanContext, RefusesAScanOfNothing) {
+  const auto family = make_family("scan_context").value();
+  EXPECT_EQ(family->extract({}).error().code, ErrorCode::bad_input);
+  EXPECT_FALSE(family->extract(Points(49, Eigen::Vector3f(1, 1, 1))));
+  EXPECT_TRUE(family->extract(Points(50, Eigen::Vector3f(1, 1, 1))));
+  EXPECT_EQ(make_family("none such").error().code, ErrorCode::not_found);
+}
+
+TEST(DescriptorIndex, FlannFindsWhatTheExactIndexFinds) {
+  std::mt19937 rng(1);
+  std::normal_distribution<float> n;
+  const auto exact = make_exact_index(20), flann = make_flann_index(20);
+  EXPECT_TRUE(exact->nearest(std::vector<float>(20), 3).empty());
+  EXPECT_TRUE(flann->nearest(std::vector<float>(20), 3).empty());
+  std::vector<float> q(20);
+  for (std::uint64_t i = 1; i <= 2000; ++i) {
+    for (std::size_t k = 0; k < q.size(); ++k)
+      q[k] = n(rng) * (k < 4 ? 5.0F : 0.5F);  // few strong directions, as real ones
+    exact->add({1, i}, q);
+    flann->add({1, i}, q);
+  }
+  int agree = 0;
+  for (int i = 0; i < 100; ++i) {
+    for (std::size_t k = 0; k < q.size(); ++k) q[k] = n(rng) * (k < 4 ? 5.0F : 0.5F);
+    agree += exact->nearest(q, 1)[0].keyframe == flann->nearest(q, 1)[0].keyframe;
+  }
+  EXPECT_GE(agree, 95);
+  EXPECT_EQ(exact->nearest(q, 5000).size(), 2000U);
+}
+
+TEST(Hypotheses, PiecesCoverThePathAndOverlapByHalf) {
+  std::vector<Keyframe> line(101);
+  for (std::size_t i = 0; i < line.size(); ++i) line[i].T_local_sensor.translation().x() = 3.0 * static_cast<double>(i);
+  const auto pieces = cut_pieces(line, 120);
+  ASSERT_EQ(pieces.size(), 4U);
+  EXPECT_EQ(pieces[0].begin, 0U);
+  EXPECT_EQ(pieces[1].begin, 20U);
+  EXPECT_EQ(pieces[0].end, 41U);
+  EXPECT_EQ(pieces.back().end, line.size());
+  EXPECT_EQ(cut_pieces(std::span(line).first(1), 120).size(), 1U);
+  EXPECT_TRUE(cut_pieces({}, 120).empty());
+}
+
+TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
+  const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40), BoxMine::drift(60, -25, 60, 0, 6)});
+  const auto a = drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1), b = drive(mine, {{75, 0}, {30, 0}, {30, 20}}, 2.0, 2);
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  HypothesisFinder finder({});
+  bool exhausted = false;
+  const auto found = finder.find(1, a.keyframes, 2, b.keyframes, {}, nullptr, exhausted);
+  EXPECT_TRUE(exhausted);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT((found[0].T_a_b.translation() - truth.translation()).norm(), 2.0);
+  EXPECT_LT(rotation_angle_rad(found[0].T_a_b.inverse() * truth), 4 * degree);
+  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i].score, found[i - 1].score);
+}
+
+TEST(Hypotheses, ThreadsDoNotChangeThem) {
+  const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30)});
+  const auto a = drive(mine, {{0, 0}, {58, 0}}, 0, 1), b = drive(mine, {{30, 28}, {30, 0}}, 1, 2);
+  const WallMap map_a = draw_wall_map(a.keyframes, 1), map_b = draw_wall_map(b.keyframes, 1);
+  const auto one = correlate(map_a, map_b, 5, 1), many = correlate(map_a, map_b, 5, 7);
+  ASSERT_EQ(one.size(), many.size());
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].score, many[i].score);
+}
+
+}  // namespace
+}  // namespace headframe
