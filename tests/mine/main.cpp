@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "tests/mine/picture_of.hpp"
 #include "tests/mine/session_folder.hpp"
 
 namespace headframe::mine {
@@ -13,7 +14,7 @@ int fail(const std::string& message) {
   return 1;
 }
 
-int generate(const Request& request, const std::string& dir) {
+int generate(const Request& request, const std::string& dir, const std::string& picture_file) {
   const auto scenario = make_scenario(request);
   if (!scenario) return fail(scenario.error().message);
   std::vector<Recording> recordings;
@@ -23,13 +24,15 @@ int generate(const Request& request, const std::string& dir) {
   for (const Recording& r : recordings)
     std::printf("%s/%s: %zu scans, %.0f m, %s\n", dir.c_str(), r.robot.name.c_str(), r.scans.size(),
                 length_m(r.robot.route), r.robot.lidar.name.c_str());
-  return 0;
+  if (picture_file.empty()) return 0;
+  const auto drawn = picture::write_png(true_picture(title, recordings), picture_file);
+  return drawn ? 0 : fail(drawn.error().message);
 }
 
 int run(int argc, char** argv) {
   CLI::App app{"Records simulated robots in a procedural mine as session folders"};
   Request request;
-  std::string kind_name, dir;
+  std::string kind_name, dir, picture_file;
   app.add_option("--kind", kind_name, "junctions, grid, room_and_pillar, ramp, straight or look_alike")->required();
   app.add_option("--seed", request.seed, "same seed, same mine");
   app.add_option("--robots", request.robots, "number of drives");
@@ -42,12 +45,13 @@ int run(int argc, char** argv) {
   app.add_option("--drift", request.drift, "odometry error; 0: none, 1: about 0.5 m over 150 m");
   app.add_option("--dust", request.dust, "dust returns per metre of ray; 0.01: a haze");
   app.add_option("--out", dir, "folder to write to")->required();
+  app.add_option("--picture", picture_file, "also draw the maps from above into this PNG file");
   CLI11_PARSE(app, argc, argv);
   const auto kind = kind_of(kind_name);
   if (!kind)
     return fail("no kind '" + kind_name + "'; there are junctions, grid, room_and_pillar, ramp, straight, look_alike");
   request.kind = *kind;
-  return generate(request, dir);
+  return generate(request, dir, picture_file);
 }
 
 }  // namespace
