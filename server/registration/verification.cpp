@@ -152,8 +152,13 @@ Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedClou
 double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap || status == RegistrationStatus::not_converged) return 0;
   if (e.tilt_deg > 3) return 0;
-  const double z = -6 * (std::log10(e.freespace_violation + 5e-4) + 2.35) + 6 * (e.inlier_fraction - 0.6) +
-                   2 * (std::log10(e.weakest_hold + 1e-3) + 1.9);
+  // How much more the sessions contradict each other than each does itself: 0 when no more.
+  constexpr double floor = 3e-4;
+  const double excess = std::log10((e.freespace_violation + floor) / (e.own_violation + floor));
+  const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
+  const double few_points = std::min(0.0, std::log10((e.seen_points + 1) / 6000));
+  const double z = 4.5 - 8 * excess + 4 * (e.inlier_fraction - 0.6) + 1.5 * (std::log10(e.weakest_hold + 1e-3) + 1.5) +
+                   3 * few_pairs + 2 * few_points;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
   return status == RegistrationStatus::degenerate ? 0.4 * p : p;

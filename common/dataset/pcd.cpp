@@ -1,0 +1,201 @@
+#include <cstring>
+
+#include "common/dataset/columns.hpp"
+#include "common/dataset/lzf.hpp"
+#include "common/dataset/scan_formats.hpp"
+
+namespace headframe::dataset {
+namespace {
+
+constexpr std::size_t most_points = 1U << 28;     // both keep products of counts and sizes far from overflow
+constexpr std::size_t most_row_bytes = 1U << 16;  // of one point
+
+struct Field {
+  std::string name;
+  ScalarKind kind = ScalarKind::real;
+  std::size_t size_bytes = 4;
+  std::size_t count = 1;
+  std::size_t bytes() const { return size_bytes * count; }
+};
+
+struct Header {
+  std::vector<Field> fields;
+  std::optional<std::size_t> width, height, points;
+  std::string data;
+
+  std::size_t row_bytes() const {
+    std::size_t sum = 0;
+    for (const Field& field : fields) sum += field.bytes();
+    return sum;
+  }
+  std::size_t row_words() const {
+    std::size_t sum = 0;
+    for (const Field& field : fields) sum += field.count;
+    return sum;
+  }
+};
+
+tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
+
+std::optional<std::size_t> count_up_to(std::string_view word, std::size_t most) {
+  const auto n = to_count(word);
+  if (!n || *n > most) return std::nullopt;
+  return static_cast<std::size_t>(*n);
+}
+
+std::optional<ScalarKind> kind_of(std::string_view word) {
+  if (word == "F") return ScalarKind::real;
+  if (word == "I") return ScalarKind::integer;
+  if (word == "U") return ScalarKind::natural;
+  return std::nullopt;
+}
+
+// SIZE, TYPE and COUNT carry one value a field. False when one makes no sense.
+bool set_field(Field& field, std::string_view key, std::string_view value) {
+  if (key == "TYPE") {
+    const auto kind = kind_of(value);
+    field.kind = kind.value_or(field.kind);
+    return kind.has_value();
+  }
+  const auto n = count_up_to(value, most_row_bytes);
+  if (!n || (key == "SIZE" && *n == 0)) return false;
+  (key == "SIZE" ? field.size_bytes : field.count) = *n;
+  return true;
+}
+
+// One line of the header. False when it makes no sense.
+bool read_entry(Header& header, const std::vector<std::string_view>& parts) {
+  const std::string_view key = parts[0];
+  if (key == "VERSION" || key == "VIEWPOINT") return true;
+  if (key == "FIELDS") {
+    header.fields.clear();
+    for (std::size_t i = 1; i < parts.size(); ++i) header.fields.push_back({std::string(parts[i])});
+    return parts.size() > 1;
+  }
+  if (key == "SIZE" || key == "TYPE" || key == "COUNT") {
+    if (parts.size() != header.fields.size() + 1) return false;
+    for (std::size_t i = 0; i < header.fields.size(); ++i)
+      if (!set_field(header.fields[i], key, parts[i + 1])) return false;
+    return true;
+  }
+  if (parts.size() != 2) return false;
+  if (key == "DATA") header.data = parts[1];
+  if (key == "WIDTH") header.width = count_up_to(parts[1], most_points);
+  if (key == "HEIGHT") header.height = count_up_to(parts[1], most_points);
+  if (key == "POINTS") header.points = count_up_to(parts[1], most_points);
+  return key == "DATA" || (key == "WIDTH" && header.width) || (key == "HEIGHT" && header.height) ||
+         (key == "POINTS" && header.points);
+}
+
+Result<Header> read_header(Lines& lines) {
+  Header header;
+  while (header.data.empty()) {
+    const auto line = lines.next();
+    if (!line) return bad("the header has no DATA line (" + std::to_string(lines.number()) + " lines)");
+    const auto parts = words(*line);
+    if (parts.empty() || parts[0].starts_with('#')) continue;
+    if (!read_entry(header, parts))
+      return bad("line " + std::to_string(lines.number()) + ": " + in_quotes(*line) + " is no PCD header line");
+  }
+  if (header.fields.empty()) return bad("the header has no FIELDS line");
+  if (header.row_bytes() > most_row_bytes)
+    return bad("the header says " + std::to_string(header.row_bytes()) + " bytes a point, more than a point can have");
+  return header;
+}
+
+Result<std::size_t> count_of(const Header& header) {
+  if (!header.width && !header.points) return bad("the header has neither WIDTH nor POINTS");
+  const std::size_t grid = header.width.value_or(0) * header.height.value_or(1);
+  const std::size_t count = header.points.value_or(grid);
+  if (header.width && grid != count)
+    return bad("the header contradicts itself: WIDTH x HEIGHT is " + std::to_string(grid) + ", POINTS is " +
+               std::to_string(count));
+  if (count > most_points)
+    return bad("the header says " + std::to_string(count) + " points, more than a scan can have");
+  return count;
+}
+
+struct Axis {
+  std::size_t field = 0;
+  std::size_t bytes_before = 0;  // of one point, ahead of this field
+  std::size_t words_before = 0;
+};
+
+Result<std::array<Axis, 3>> find_axes(const Header& header) {
+  std::array<Axis, 3> axes;
+  for (int a = 0; a < 3; ++a) {
+    const std::string name(1, "xyz"[a]);
+    Axis axis;
+    while (axis.field < header.fields.size() && header.fields[axis.field].name != name) {
+      axis.bytes_before += header.fields[axis.field].bytes();
+      axis.words_before += header.fields[axis.field].count;
+      ++axis.field;
+    }
+    if (axis.field == header.fields.size()) return bad("no field '" + name + "'");
+    const Field& field = header.fields[axis.field];
+    if (field.count != 1 || !readable(field.kind, field.size_bytes))
+      return bad("field '" + name + "' is not one number of 1, 2, 4 or 8 bytes");
+    axes[a] = axis;
+  }
+  return axes;
+}
+
+Result<Points> read_binary(const Header& header, const std::array<Axis, 3>& axes, std::size_t count,
+                           std::string_view body) {
+  const std::size_t row = header.row_bytes();
+  if (count > body.size() / row)
+    return bad("truncated: the header says " + std::to_string(count) + " points of " + std::to_string(row) +
+               " bytes, " + std::to_string(body.size()) + " bytes follow it");
+  XyzColumns columns;
+  for (int a = 0; a < 3; ++a) {
+    const Field& field = header.fields[axes[a].field];
+    columns[a] = {field.kind, field.size_bytes, axes[a].bytes_before, row};
+  }
+  return points_of_binary(body, count, columns);
+}
+
+// Two lengths, then LZF data of all values of the first field, all of the second, and so on.
+Result<Points> read_compressed(const Header& header, const std::array<Axis, 3>& axes, std::size_t count,
+                               std::string_view body) {
+  if (count == 0) return Points{};
+  std::uint32_t lengths[2] = {0, 0};
+  if (body.size() < sizeof lengths) return bad("truncated: no room for the two lengths of compressed data");
+  std::memcpy(lengths, body.data(), sizeof lengths);
+  body.remove_prefix(sizeof lengths);
+  if (lengths[0] > body.size())
+    return bad("truncated: " + std::to_string(lengths[0]) + " bytes of compressed data announced, " +
+               std::to_string(body.size()) + " there");
+  if (lengths[1] != count * header.row_bytes() || lengths[1] / lzf_most_growth > lengths[0] ||
+      lengths[1] > most_scan_bytes)
+    return bad("the header says " + std::to_string(count) + " points of " + std::to_string(header.row_bytes()) +
+               " bytes, the compressed data unpacks to " + std::to_string(lengths[1]) + " bytes");
+  const auto unpacked = lzf_unpack(body.substr(0, lengths[0]), lengths[1]);
+  if (!unpacked) return bad("the compressed data is damaged");
+  XyzColumns columns;
+  for (int a = 0; a < 3; ++a) {
+    const Field& field = header.fields[axes[a].field];
+    columns[a] = {field.kind, field.size_bytes, axes[a].bytes_before * count, field.size_bytes};
+  }
+  return points_of_binary(*unpacked, count, columns);
+}
+
+}  // namespace
+
+Result<Points> parse_pcd(std::string_view bytes) {
+  Lines lines(bytes);
+  const auto header = read_header(lines);
+  if (!header) return tl::unexpected(header.error());
+  const auto count = count_of(*header);
+  if (!count) return tl::unexpected(count.error());
+  const auto axes = find_axes(*header);
+  if (!axes) return tl::unexpected(axes.error());
+  const std::string_view body = bytes.substr(lines.at_byte());
+  if (header->data == "binary") return read_binary(*header, *axes, *count, body);
+  if (header->data == "binary_compressed") return read_compressed(*header, *axes, *count, body);
+  if (header->data != "ascii")
+    return bad("DATA " + in_quotes(header->data) + " is not ascii, binary or binary_compressed");
+  return points_of_text(lines, *count, header->row_words(),
+                        {(*axes)[0].words_before, (*axes)[1].words_before, (*axes)[2].words_before});
+}
+
+}  // namespace headframe::dataset

@@ -1,0 +1,112 @@
+#include "common/dataset/columns.hpp"
+#include "common/dataset/scan_formats.hpp"
+
+namespace headframe::dataset {
+namespace {
+
+struct Property {
+  std::string name;
+  ScalarKind kind = ScalarKind::real;
+  std::size_t size_bytes = 0;
+  std::size_t offset_bytes = 0;
+};
+
+struct Header {
+  std::string format;
+  std::size_t count = 0;
+  std::size_t row_bytes = 0;
+  std::vector<Property> properties;  // of a vertex
+  int elements = 0;
+};
+
+tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
+
+std::optional<Property> property_of(std::string_view type, std::string_view name) {
+  const struct {
+    std::string_view name, alias;
+    ScalarKind kind;
+    std::size_t size_bytes;
+  } types[] = {{"char", "int8", ScalarKind::integer, 1},   {"uchar", "uint8", ScalarKind::natural, 1},
+               {"short", "int16", ScalarKind::integer, 2}, {"ushort", "uint16", ScalarKind::natural, 2},
+               {"int", "int32", ScalarKind::integer, 4},   {"uint", "uint32", ScalarKind::natural, 4},
+               {"float", "float32", ScalarKind::real, 4},  {"double", "float64", ScalarKind::real, 8}};
+  for (const auto& known : types)
+    if (type == known.name || type == known.alias) return Property{std::string(name), known.kind, known.size_bytes, 0};
+  return std::nullopt;
+}
+
+// One line of the header. False when it makes no sense or says what this reader cannot read.
+bool read_entry(Header& header, const std::vector<std::string_view>& parts) {
+  const std::string_view key = parts[0];
+  if (key == "comment" || key == "obj_info") return true;
+  if (key == "format" && parts.size() == 3) {
+    header.format = parts[1];
+    return header.format == "ascii" || header.format == "binary_little_endian";
+  }
+  if (key == "element" && parts.size() == 3) {
+    if (++header.elements > 1) return true;  // faces and the like come after the vertices and are not read
+    const auto count = to_count(parts[2]);
+    header.count = count.value_or(0);
+    return count && parts[1] == "vertex";
+  }
+  if (key != "property" || header.elements == 0) return false;
+  if (header.elements > 1) return true;
+  auto property = parts.size() == 3 ? property_of(parts[1], parts[2]) : std::nullopt;
+  if (!property) return false;
+  property->offset_bytes = header.row_bytes;
+  header.row_bytes += property->size_bytes;
+  header.properties.push_back(*std::move(property));
+  return true;
+}
+
+Result<Header> read_header(Lines& lines) {
+  Header header;
+  if (lines.next() != "ply") return bad("line 1 is not 'ply'");
+  while (true) {
+    const auto line = lines.next();
+    if (!line) return bad("the header has no end_header line (" + std::to_string(lines.number()) + " lines)");
+    const auto parts = words(*line);
+    if (parts.empty()) continue;
+    if (parts[0] == "end_header") break;
+    if (!read_entry(header, parts))
+      return bad("line " + std::to_string(lines.number()) + ": " + in_quotes(*line) +
+                 " cannot be read (known: ascii or binary_little_endian, vertices first and without lists)");
+  }
+  if (header.format.empty()) return bad("the header has no format line");
+  if (header.elements == 0) return bad("the header has no 'element vertex' line");
+  return header;
+}
+
+Result<std::array<std::size_t, 3>> find_axes(const Header& header) {
+  std::array<std::size_t, 3> places{};
+  for (int a = 0; a < 3; ++a) {
+    const std::string name(1, "xyz"[a]);
+    while (places[a] < header.properties.size() && header.properties[places[a]].name != name) ++places[a];
+    if (places[a] == header.properties.size()) return bad("the vertices have no property '" + name + "'");
+  }
+  return places;
+}
+
+}  // namespace
+
+Result<Points> parse_ply(std::string_view bytes) {
+  Lines lines(bytes);
+  const auto header = read_header(lines);
+  if (!header) return tl::unexpected(header.error());
+  const auto axes = find_axes(*header);
+  if (!axes) return tl::unexpected(axes.error());
+  if (header->format == "ascii") return points_of_text(lines, header->count, header->properties.size(), *axes);
+
+  const std::string_view body = bytes.substr(lines.at_byte());
+  if (header->count > body.size() / header->row_bytes)
+    return bad("truncated: the header says " + std::to_string(header->count) + " vertices of " +
+               std::to_string(header->row_bytes) + " bytes, " + std::to_string(body.size()) + " bytes follow it");
+  XyzColumns columns;
+  for (int a = 0; a < 3; ++a) {
+    const Property& property = header->properties[(*axes)[a]];
+    columns[a] = {property.kind, property.size_bytes, property.offset_bytes, header->row_bytes};
+  }
+  return points_of_binary(body, header->count, columns);
+}
+
+}  // namespace headframe::dataset

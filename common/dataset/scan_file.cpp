@@ -1,0 +1,55 @@
+#include "common/dataset/scan_file.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include "common/dataset/scan_formats.hpp"
+#include "common/dataset/text.hpp"
+
+namespace headframe {
+namespace {
+
+// No lidar sees nearer or farther. One damaged value must not become the mean range of a scan.
+constexpr float nearest_m = 0.01F;
+constexpr float farthest_m = 1e4F;
+
+using Parser = Result<Points> (*)(std::string_view);
+
+Parser parser_of(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending == ".bin") return dataset::parse_kitti;
+  if (ending == ".pcd") return dataset::parse_pcd;
+  if (ending == ".ply") return dataset::parse_ply;
+  return nullptr;
+}
+
+}  // namespace
+
+bool is_scan_file(const std::filesystem::path& path) { return parser_of(path) != nullptr; }
+
+Result<Scan> load_scan(const std::filesystem::path& path) {
+  const Parser parse = parser_of(path);
+  if (parse == nullptr) return failure(ErrorCode::invalid_argument, path.string() + ": not a .bin, .pcd or .ply scan");
+  const auto bytes = dataset::read_file(path, dataset::most_scan_bytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const auto points = parse(*bytes);
+  if (!points) return failure(points.error().code, path.string() + ": " + points.error().message);
+  Scan scan;
+  scan.points = finite_points(*points, nearest_m);
+  std::erase_if(scan.points, [](const Eigen::Vector3f& p) { return p.cwiseAbs().maxCoeff() > farthest_m; });
+  scan.dropped = points->size() - scan.points.size();
+  return scan;
+}
+
+Result<void> write_kitti(const std::filesystem::path& path, const Points& points) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  for (const auto& p : points) {
+    const float row[4] = {p.x(), p.y(), p.z(), 0};
+    file.write(reinterpret_cast<const char*>(row), sizeof row);
+  }
+  file.close();
+  if (!file) return failure(ErrorCode::unavailable, path.string() + ": cannot be written");
+  return {};
+}
+
+}  // namespace headframe

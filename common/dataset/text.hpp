@@ -1,0 +1,45 @@
+#pragma once
+// Reading small text formats: whole files with a size limit, lines with their numbers, words, numbers.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.hpp"
+
+namespace headframe::dataset {
+
+/// The bytes of a regular file. not_found when it is not there, bad_input when it is larger than most_bytes (checked
+/// before memory is taken), unavailable when it cannot be read. The message names the path.
+Result<std::string> read_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
+
+/// Goes through text line by line. Line ends are "\n" or "\r\n" and not part of the line; the last needs none.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : text_(text) {}
+  std::optional<std::string_view> next();
+  std::size_t number() const { return number_; }    // of the line that next() gave last, from 1
+  std::size_t at_byte() const { return at_byte_; }  // where the next line starts
+
+ private:
+  std::string_view text_;
+  std::size_t at_byte_ = 0;
+  std::size_t number_ = 0;
+};
+
+/// The parts between spaces and tabs.
+std::vector<std::string_view> words(std::string_view line);
+
+/// The whole word as a number; "nan" and "inf" are numbers. Nothing when it is none.
+std::optional<double> to_number(std::string_view word);
+
+/// The whole word as a count, decimal digits only.
+std::optional<std::uint64_t> to_count(std::string_view word);
+
+/// Text of a file as it may stand in an error message: in quotes, cut when long, without control bytes.
+std::string in_quotes(std::string_view word);
+
+}  // namespace headframe::dataset

@@ -1,0 +1,132 @@
+#include "client/keyframe/keyframe_selector.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace headframe {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+Pose at(double x_m, double y_m = 0, double yaw_deg = 0) { return pose_from_yaw(yaw_deg * degree, {x_m, y_m, 0}); }
+
+TEST(KeyframeSelector, ThresholdFollowsTheSpaciousness) {
+  EXPECT_DOUBLE_EQ(distance_threshold_m(10.001F), 10);
+  EXPECT_DOUBLE_EQ(distance_threshold_m(10.0F), 6);
+  EXPECT_DOUBLE_EQ(distance_threshold_m(6.001F), 6);
+  EXPECT_DOUBLE_EQ(distance_threshold_m(6.0F), 3);
+  EXPECT_DOUBLE_EQ(distance_threshold_m(3.001F), 3);
+  EXPECT_DOUBLE_EQ(distance_threshold_m(3.0F), 3);
+  EXPECT_DOUBLE_EQ(distance_threshold_m(2.0F), 2);
+}
+
+TEST(KeyframeSelector, SpaciousnessIsTheFilterOfThePaper) {
+  KeyframeSelector selector;
+  double s = 20;
+  EXPECT_FLOAT_EQ(selector.add(at(0), 20).spaciousness_m, 20) << "the first scan starts the filter";
+  for (const float S : {4.0F, 8.0F, 100.0F}) {
+    s = 0.9 * s + 0.1 * S;
+    EXPECT_NEAR(selector.add(at(0), S).spaciousness_m, s, 1e-4);
+  }
+  for (const float nothing : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN()})
+    EXPECT_NEAR(selector.add(at(0), nothing).spaciousness_m, s, 1e-4) << "an empty scan says nothing of the room";
+}
+
+TEST(KeyframeSelector, MeanRangeIsOverDistances) {
+  EXPECT_FLOAT_EQ(mean_range_m({{3, 4, 0}, {0, 0, -1}}), 3);
+  EXPECT_FLOAT_EQ(mean_range_m({}), 0);
+}
+
+TEST(KeyframeSelector, DistanceThresholdFromBothSides) {
+  const struct {
+    float spaciousness_m;
+    double threshold_m;
+  } rooms[] = {{30, 10}, {8, 6}, {4, 3}, {2, 2}, {0.1F, 0.5}};
+  for (const auto& room : rooms) {
+    KeyframeSelector selector;
+    EXPECT_TRUE(selector.add(at(0), room.spaciousness_m).keyframe) << "the first scan";
+    EXPECT_FALSE(selector.add(at(room.threshold_m - 0.001), room.spaciousness_m).keyframe) << room.threshold_m;
+    EXPECT_TRUE(selector.add(at(room.threshold_m), room.spaciousness_m).keyframe) << room.threshold_m;
+    EXPECT_FALSE(selector.add(at(2 * room.threshold_m - 0.001), room.spaciousness_m).keyframe) << room.threshold_m;
+  }
+}
+
+TEST(KeyframeSelector, RotationThresholdFromBothSides) {
+  KeyframeSelector selector;
+  selector.add(at(0), 30);
+  EXPECT_FALSE(selector.add(at(0, 0, 29.99), 30).keyframe);
+  EXPECT_TRUE(selector.add(at(0, 0, 30), 30).keyframe);
+  EXPECT_FALSE(selector.add(at(0, 0, 59.99), 30).keyframe) << "measured from the last keyframe";
+  EXPECT_TRUE(selector.add(at(1, 0, -150), 30).keyframe);
+}
+
+TEST(KeyframeSelector, AFullTurnOnTheSpotMakesTwelveAndTheSecondTurnNone) {
+  KeyframeSelector selector;
+  int keyframes = 0;
+  for (int i = 0; i < 720; ++i) {
+    if (i == 360) {
+      EXPECT_EQ(keyframes, 12);
+    }
+    keyframes += selector.add(at(0, 0, i), 30).keyframe ? 1 : 0;
+  }
+  EXPECT_EQ(keyframes, 12);
+}
+
+TEST(KeyframeSelector, AnEarlierKeyframeNearbySuppressesANewOne) {
+  KeyframeSelector selector;
+  for (int x = 0; x <= 40; x += 10) EXPECT_TRUE(selector.add(at(x), 30).keyframe);
+  // Back along the same line, looking the same way: 40 m from the last keyframe, but near an old one.
+  EXPECT_FALSE(selector.add(at(10, 9.99), 30).keyframe);
+  EXPECT_TRUE(selector.add(at(10, 10), 30).keyframe) << "just out of its reach";
+}
+
+TEST(KeyframeSelector, OppositeWayNearAnOldKeyframeCountsAsSeenAnew) {
+  KeyframeSelector selector;
+  selector.add(at(0), 30);
+  selector.add(at(20), 30);
+  EXPECT_TRUE(selector.add(at(1, 0, 31), 30).keyframe) << "turned, and nothing nearby looks this way";
+  EXPECT_FALSE(selector.add(at(2, 0, 1.5), 30).keyframe) << "turned 29.5 from the last";
+  EXPECT_FALSE(selector.add(at(2, 0, 0.5), 30).keyframe) << "turned 30.5, but the first keyframe looks this way";
+  EXPECT_TRUE(selector.add(at(2, 0, -30), 30).keyframe);
+}
+
+// The rule, written down again without the grid of cubes: every earlier keyframe is looked at.
+TEST(KeyframeSelector, AgreesWithLookingAtEveryKeyframe) {
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> step_m(-2, 2);
+  std::uniform_real_distribution<double> turn_deg(-40, 40);
+  KeyframeSelector selector;
+  std::vector<Pose> kept;
+  Pose T = Pose::Identity();
+  int suppressed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    T = T * pose_from_yaw(turn_deg(rng) * degree, {step_m(rng) + 0.3, step_m(rng), 0.3 * step_m(rng)});
+    const float range_m = 2.0F + static_cast<float>(i % 700) / 35;
+    const auto decision = selector.add(T, range_m);
+    const double threshold_m = distance_threshold_m(decision.spaciousness_m);
+    const auto near = [&](const Pose& k) { return (k.translation() - T.translation()).norm() < threshold_m; };
+    const auto same = [&](const Pose& k) { return rotation_angle_rad(k.inverse() * T) < 30 * degree; };
+    const bool far = std::none_of(kept.begin(), kept.end(), near);
+    const bool new_view = !kept.empty() && !same(kept.back()) &&
+                          std::none_of(kept.begin(), kept.end(), [&](const Pose& k) { return near(k) && same(k); });
+    ASSERT_EQ(decision.keyframe, far || new_view) << "scan " << i;
+    if (decision.keyframe) kept.push_back(T);
+    suppressed += decision.keyframe ? 0 : 1;
+  }
+  EXPECT_GT(kept.size(), 200U);
+  EXPECT_GT(suppressed, 200);
+}
+
+TEST(KeyframeSelector, APoseThatIsNoPoseIsNeverAKeyframe) {
+  KeyframeSelector selector;
+  EXPECT_FALSE(selector.add(at(std::numeric_limits<double>::quiet_NaN()), 30).keyframe);
+  EXPECT_FALSE(selector.add(at(1e300), 30).keyframe);
+  EXPECT_TRUE(selector.add(at(1e8), 30).keyframe);
+}
+
+}  // namespace
+}  // namespace headframe
