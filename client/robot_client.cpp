@@ -174,13 +174,16 @@ Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Points&
 Result<void> RobotClient::finish(std::chrono::milliseconds patience,
                                  const std::function<void(const Progress&)>& each_step) {
   using Clock = std::chrono::steady_clock;
-  if (!state_->finished.exchange(true)) trigger("session finished");
+  state_->finished = true;
   auto last = progress();
   auto moved = Clock::now();
   while (true) {
     const Progress now = progress();
     if (each_step) each_step(now);
-    if (state_->link.all_acknowledged()) return {};
+    if (state_->link.all_acknowledged()) {
+      trigger("session finished");
+      return {};
+    }
     if (now.refused) return failure(ErrorCode::refused, now.link_error);
     if ((now.connected && now.bytes_sent != last.bytes_sent) ||
         now.keyframes_acknowledged != last.keyframes_acknowledged || now.clouds_waiting != last.clouds_waiting)
