@@ -7,9 +7,10 @@ namespace headframe {
 /// Everything an operator may set about merging ([merge] in the configuration file); defaults live only here.
 struct MergeConfig {
   int threads = 2;                     // of correlation and registration; results do not depend on it
-  double accept_probability = 0.9;     // a merge is published at or above this ...
+  double accept_probability = 0.95;    // a merge is published at or above this ...
   double runner_up_probability = 0.5;  // ... when its best different hypothesis stays below this
   double candidate_probability = 0.2;  // shown as a candidate at or above this
+  double least_path_m = 50;            // a session that still grows is not merged before it has come so far
   int hypotheses = 8;                  // judged for each pair of sessions in one attempt
   int correlations = 16;               // new pairs of map pieces correlated for each pair of sessions in one attempt
   int clouds_requested = 24;           // of each session, at most, for one hypothesis

@@ -24,6 +24,8 @@ constexpr double news_m = 0.05, news_rad = 0.2 * std::numbers::pi / 180;  // sma
 struct Session {
   FamilyId family;
   std::vector<Keyframe> keyframes;
+  double path_m = 0;
+  bool complete = false;
 };
 
 struct Family {
@@ -85,6 +87,8 @@ struct MergePipeline::State {
   void record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report);
   void update_atlas(AttemptReport& report);
   Alignment* find(SessionId a, SessionId b);
+  /// A few metres of drift look like many others: a growing session waits until it has seen more.
+  bool may_merge(SessionId id) { return sessions[id].complete || sessions[id].path_m >= config.least_path_m; }
 };
 
 // ---- The page: one attempt to merge one session with all others (FRAME, section on map merging; numbers of its steps)
@@ -174,7 +178,7 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
   const Evidence& e = best.evidence;
   AlignmentState now = AlignmentState::rejected;
   if (e.probability >= config.accept_probability && e.runner_up < config.runner_up_probability)
-    now = AlignmentState::verified;
+    now = may_merge(a) && may_merge(b) ? AlignmentState::verified : AlignmentState::candidate;
   else if (e.probability >= config.candidate_probability)
     now = AlignmentState::candidate;
   Alignment* known = find(a, b);
@@ -307,8 +311,13 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
     if (!family.index) family.index = make_exact_index(q.size());
     family.index->add({id, keyframe.sequence}, q);
   }
+  if (!session.keyframes.empty())
+    session.path_m +=
+        (keyframe.T_local_sensor.translation() - session.keyframes.back().T_local_sensor.translation()).norm();
   session.keyframes.push_back(std::move(keyframe));
 }
+
+void MergePipeline::complete_session(SessionId id) { state_->sessions[id].complete = true; }
 
 void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision) {
   state_->alignments = std::move(alignments);

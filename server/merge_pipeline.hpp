@@ -58,6 +58,9 @@ class MergePipeline {
   void add_session(SessionId id, const FamilyId& family);
   void add_keyframe(SessionId id, Keyframe keyframe);
 
+  /// No keyframe follows: however short, it may merge now. Harmless when repeated.
+  void complete_session(SessionId id);
+
   /// After a restart, once all sessions and keyframes were added: alignments as they were stored, ordered by id, and
   /// the last revision.
   void restore(std::vector<Alignment> alignments, std::uint64_t revision);

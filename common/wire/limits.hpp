@@ -9,7 +9,9 @@ inline constexpr std::size_t frame_bytes = 256 * 1024;        // payload of one 
 inline constexpr std::size_t chunk_bytes = 8 * 1024;          // cloud bytes in one CloudChunk
 inline constexpr std::size_t cloud_bytes = 16 * 1024 * 1024;  // one encoded cloud
 inline constexpr std::size_t cloud_points = 4'000'000;        // one decoded cloud
+inline constexpr std::size_t cloud_sweeps = 256;              // one decoded cloud
 inline constexpr std::size_t descriptor_floats = 4096;        // q or w
 inline constexpr std::size_t name_bytes = 128;                // robot, session, family, sensor model
+inline constexpr double position_m = 1e8;                     // each axis of a pose; survey grids reach 1e7
 
 }  // namespace headframe::limits

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
 
-constexpr std::array<EvidenceField, 13> fields{{
+constexpr std::array<EvidenceField, 14> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"inlier_fraction", &Evidence::inlier_fraction},
@@ -16,6 +16,7 @@ constexpr std::array<EvidenceField, 13> fields{{
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},
     {"freespace_violation", &Evidence::freespace_violation},
+    {"own_violation", &Evidence::own_violation},
     {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},
     {"tilt_deg", &Evidence::tilt_deg},

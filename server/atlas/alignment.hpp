@@ -29,11 +29,12 @@ struct Evidence {
   double overlap_b = 0;
   double seen_points = 0;          // that speak for it, both ways
   double freespace_violation = 0;  // points of one map that the other's rays pass through / points that say anything
-  double weakest_hold = 0;  // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
-  double slide_ratio = 0;   // best free-space score after a slide of 3 or 6 m along the weakest axis / score
-  double tilt_deg = 0;      // gravity disagreement after registration
-  double support = 0;       // wall map score of the hypothesis it came from
-  double runner_up = 0;     // probability of the best different hypothesis
+  double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
+  double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
+  double slide_ratio = 0;    // best free-space score after a slide of 3 or 6 m along the weakest axis / score
+  double tilt_deg = 0;       // gravity disagreement after registration
+  double support = 0;        // wall map score of the hypothesis it came from
+  double runner_up = 0;      // probability of the best different hypothesis
 };
 
 struct EvidenceField {

@@ -18,7 +18,7 @@ Points place(std::span<const PlacedCloud> clouds) {
   return points;
 }
 
-/// Drops what the session's own rays see through at least twice, and more often than they meet it.
+/// Drops what the session's own rays see through as often as they meet it: dust is met once, by the sweep that made it.
 Points without_transients(Points points, std::span<const PlacedCloud> clouds) {
   struct Placed {
     Eigen::Isometry3f T_view_local;
@@ -41,7 +41,7 @@ Points without_transients(Points points, std::span<const PlacedCloud> clouds) {
       hits += sight == Sight::hit;
       if (sight != Sight::unknown && ++asked == views_asked) break;
     }
-    return through >= 2 && through > hits;
+    return through >= 1 && through >= hits;
   };
   std::erase_if(points, transient);
   return points;

@@ -82,6 +82,13 @@ double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 double score(const Visibility& v) { return v.seen - 3 * v.violated; }
 
+/// A session against itself: every other cloud's points, seen from the ones between.
+Visibility own_visibility(const Clouds& clouds, const JudgeConfig& config) {
+  Clouds even, odd;
+  for (std::size_t i = 0; i < clouds.size(); ++i) (i % 2 == 0 ? even : odd).push_back(clouds[i]);
+  return look_from(odd, merged(even, config.evidence_leaf_m), Pose::Identity(), config.view_reach_m, config.threads);
+}
+
 void gather(Judgement& out, const Registration& r, std::span<const PlacedCloud> all_a,
             std::span<const PlacedCloud> all_b, const JudgeConfig& config) {
   Evidence& e = out.evidence;
@@ -101,6 +108,8 @@ void gather(Judgement& out, const Registration& r, std::span<const PlacedCloud> 
   e.overlap_a = share(of_a.seen, static_cast<double>(points_a.size()));
   e.overlap_b = share(of_b.seen, static_cast<double>(points_b.size()));
   e.freespace_violation = share(of_a.violated + of_b.violated, e.seen_points + of_a.violated + of_b.violated);
+  const Visibility own_a = own_visibility(meeting.a, config), own_b = own_visibility(meeting.b, config);
+  e.own_violation = share(own_a.violated + own_b.violated, own_a.seen + own_a.violated + own_b.seen + own_b.violated);
   e.slide_ratio = -1;
   const double here = score(of_a) + score(of_b);
   for (double slide_m : {-6.0, -3.0, 3.0, 6.0}) {
@@ -143,8 +152,13 @@ Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedClou
 double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap || status == RegistrationStatus::not_converged) return 0;
   if (e.tilt_deg > 3) return 0;
-  const double z = -6 * (std::log10(e.freespace_violation + 5e-4) + 2.35) + 6 * (e.inlier_fraction - 0.6) +
-                   2 * (std::log10(e.weakest_hold + 1e-3) + 1.9);
+  // How much more the sessions contradict each other than each does itself: 0 when no more.
+  constexpr double floor = 3e-4;
+  const double excess = std::log10((e.freespace_violation + floor) / (e.own_violation + floor));
+  const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
+  const double few_points = std::min(0.0, std::log10((e.seen_points + 1) / 6000));
+  const double z = 4.5 - 8 * excess + 4 * (e.inlier_fraction - 0.6) + 1.5 * (std::log10(e.weakest_hold + 1e-3) + 1.5) +
+                   3 * few_pairs + 2 * few_points;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
   return status == RegistrationStatus::degenerate ? 0.4 * p : p;

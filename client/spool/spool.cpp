@@ -1,0 +1,239 @@
+#include "client/spool/spool.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <random>
+#include <utility>
+
+namespace headframe {
+namespace {
+
+namespace fs = std::filesystem;
+enum RecordType : char {
+  identity_record = 'i',
+  keyframe_record = 'k',
+  keyframe_ack = 'a',
+  cloud_ack = 'c',
+  cloud_drop = 'd'
+};
+
+std::uint64_t random_u64() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32 | device()) | 1;  // never 0
+}
+
+std::string random_name() {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(random_u64()));
+  return text;
+}
+
+std::uint64_t to_u64(std::string_view digits) {
+  std::uint64_t v = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  return v;
+}
+
+tl::unexpected<Error> refused(const fs::path& directory, const std::string& what) {
+  return failure(ErrorCode::refused, directory.string() + ": " + what);
+}
+
+}  // namespace
+
+Result<FileDescriptor> Spool::lock(const fs::path& directory) {
+  const std::string path = (directory / "lock").string();
+  FileDescriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (file.get() < 0) return failure(ErrorCode::unavailable, path + ": can not be written");
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) == 0) return file;
+  return refused(directory, "another process uses this spool; give every robot a directory of its own");
+}
+
+Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
+  std::error_code fault;
+  fs::create_directories(config.directory / "clouds", fault);
+  if (fault) return failure(ErrorCode::unavailable, config.directory.string() + ": " + fault.message());
+  auto lock_file = lock(config.directory);
+  if (!lock_file) return tl::unexpected(lock_file.error());
+
+  std::vector<std::uint64_t> keyframe_at;
+  std::uint64_t keyframes = 0;
+  std::set<std::uint64_t> acknowledged, dropped;
+  std::string identity;
+  auto log = RecordLog::open(config.directory / "session.log", [&](const Record& r) {
+    if (r.type == identity_record) identity = r.payload;
+    if (r.type == keyframe_record) keyframe_at.push_back(r.at_byte);
+    if (r.type == keyframe_ack) keyframes = std::max(keyframes, to_u64(r.payload));
+    if (r.type == cloud_ack) acknowledged.insert(to_u64(r.payload));
+    if (r.type == cloud_drop) dropped.insert(to_u64(r.payload));
+  });
+  if (!log) return tl::unexpected(log.error());
+  Spool spool(config, std::move(*lock_file), std::move(*log));
+  spool.keyframe_at_ = std::move(keyframe_at);
+  spool.acknowledged_keyframes_ = std::min<std::uint64_t>(keyframes, spool.last_sequence());
+  spool.acknowledged_clouds_ = acknowledged.size();
+  spool.dropped_clouds_ = dropped.size();
+  if (spool.log_.cut_bytes() > 0)
+    spool.warnings_.push_back("session.log: an unfinished record of " + std::to_string(spool.log_.cut_bytes()) +
+                              " bytes at its end was cut off");
+  v1::Hello message;
+  if (!identity.empty()) {
+    if (!message.ParseFromString(identity)) return failure(ErrorCode::bad_input, "session.log: identity is unreadable");
+    auto hello = from_proto(message);
+    if (!hello) return tl::unexpected(hello.error());
+    spool.identity_ = std::move(*hello);
+    spool.resumed_ = true;
+  }
+  if (auto ok = spool.settle_identity(std::move(robot)); !ok) return tl::unexpected(ok.error());
+  acknowledged.merge(dropped);
+  if (auto ok = spool.find_clouds(acknowledged); !ok) return tl::unexpected(ok.error());
+  return spool;
+}
+
+Result<void> Spool::settle_identity(Hello robot) {
+  if (resumed_) {
+    const auto& mine = identity_;
+    if (mine.session.robot != robot.session.robot)
+      return refused(config_.directory, "this spool belongs to robot " + mine.session.robot);
+    if (!robot.session.session.empty() && mine.session.session != robot.session.session)
+      return refused(config_.directory, "this spool holds session " + mine.session.session);
+    if (mine.family.id != robot.family.id || mine.family.q_size != robot.family.q_size ||
+        mine.family.w_size != robot.family.w_size)
+      return refused(config_.directory, "this spool holds descriptors of family " + mine.family.id.name +
+                                            "; start a new session for another family");
+    identity_.clouds = robot.clouds;
+    identity_.software = robot.software;
+    return {};
+  }
+  if (robot.session.session.empty()) robot.session.session = random_name();
+  if (robot.spool_id == 0) robot.spool_id = random_u64();
+  const auto message = to_proto(robot);
+  if (auto ok = from_proto(message); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
+  identity_ = std::move(robot);
+  if (auto at = log_.append(identity_record, message.SerializeAsString(), config_.sync); !at)
+    return tl::unexpected(at.error());
+  return {};
+}
+
+Result<void> Spool::find_clouds(const std::set<std::uint64_t>& settled) {
+  std::error_code fault;
+  for (fs::directory_iterator it(config_.directory / "clouds", fault), end; !fault && it != end; it.increment(fault)) {
+    const std::uint64_t sequence = to_u64(it->path().filename().string());
+    std::error_code gone;
+    const auto size = it->file_size(gone);
+    if (sequence >= 1 && sequence <= last_sequence() && !settled.contains(sequence) && !gone) {
+      cloud_bytes_[sequence] = size;
+      all_cloud_bytes_ += size;
+    } else {
+      fs::remove(it->path(), gone);  // its keyframe never came, or it was done with and only the removal is missing
+    }
+  }
+  if (fault) return failure(ErrorCode::unavailable, config_.directory.string() + ": " + fault.message());
+  keep_quota();
+  return {};
+}
+
+Result<void> Spool::append(const Keyframe& keyframe, std::string_view encoded_cloud) {
+  if (keyframe.sequence != last_sequence() + 1)
+    return failure(ErrorCode::internal,
+                   "keyframe " + std::to_string(keyframe.sequence) + " after " + std::to_string(last_sequence()));
+  const auto message = to_proto(keyframe);
+  if (!message) return tl::unexpected(message.error());
+  if (auto ok = from_proto(*message); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
+  if (!encoded_cloud.empty())
+    if (auto ok = write_cloud(keyframe.sequence, encoded_cloud); !ok) return ok;
+  const auto at = log_.append(keyframe_record, message->SerializeAsString(), config_.sync);
+  std::error_code ignored;
+  if (!at) {
+    fs::remove(cloud_path(keyframe.sequence), ignored);
+    return tl::unexpected(at.error());
+  }
+  keyframe_at_.push_back(*at);
+  if (!encoded_cloud.empty()) {
+    const auto size = fs::file_size(cloud_path(keyframe.sequence), ignored);
+    cloud_bytes_[keyframe.sequence] = size;
+    all_cloud_bytes_ += size;
+    keep_quota();
+  }
+  return {};
+}
+
+Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) {
+  const fs::path path = cloud_path(sequence);
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  auto file = RecordLog::open(path, [](const Record&) {});
+  if (!file) return tl::unexpected(file.error());
+  if (auto at = file->append('p', bytes, config_.sync); !at) return tl::unexpected(at.error());
+  return {};
+}
+
+Result<Keyframe> Spool::keyframe(std::uint64_t sequence) const {
+  if (sequence < 1 || sequence > last_sequence())
+    return failure(ErrorCode::not_found, "no keyframe " + std::to_string(sequence) + " in the spool");
+  const auto bytes = log_.read(keyframe_at_[sequence - 1]);
+  if (!bytes) return tl::unexpected(bytes.error());
+  v1::Keyframe message;
+  if (!message.ParseFromString(*bytes)) return failure(ErrorCode::bad_input, "session.log: a keyframe is unreadable");
+  return from_proto(message);
+}
+
+std::uint64_t Spool::next_held_cloud(std::uint64_t from) const {
+  const auto it = cloud_bytes_.lower_bound(from);
+  return it == cloud_bytes_.end() ? 0 : it->first;
+}
+
+Result<std::string> Spool::cloud(std::uint64_t sequence) const {
+  if (!holds_cloud(sequence))
+    return failure(ErrorCode::not_found, "no cloud " + std::to_string(sequence) + " in the spool");
+  auto file = RecordLog::open(cloud_path(sequence), [](const Record&) {});
+  if (!file) return tl::unexpected(file.error());
+  return file->read(0);
+}
+
+Result<void> Spool::acknowledge_keyframes(std::uint64_t up_to) {
+  up_to = std::min(up_to, last_sequence());
+  if (up_to <= acknowledged_keyframes_) return {};
+  acknowledged_keyframes_ = up_to;
+  if (auto at = log_.append(keyframe_ack, std::to_string(up_to), false); !at) return tl::unexpected(at.error());
+  return {};
+}
+
+Result<void> Spool::acknowledge_cloud(std::uint64_t sequence) {
+  if (!holds_cloud(sequence)) return {};
+  const auto at = log_.append(cloud_ack, std::to_string(sequence), false);
+  std::error_code ignored;
+  fs::remove(cloud_path(sequence), ignored);
+  all_cloud_bytes_ -= cloud_bytes_[sequence];
+  cloud_bytes_.erase(sequence);
+  ++acknowledged_clouds_;
+  if (!at) return tl::unexpected(at.error());
+  return {};
+}
+
+void Spool::drop_cloud(std::uint64_t sequence) {
+  if (!holds_cloud(sequence)) return;
+  // Only counted: when this record is lost, one drop is missing from the statistics.
+  [[maybe_unused]] const auto at = log_.append(cloud_drop, std::to_string(sequence), false);
+  std::error_code ignored;
+  fs::remove(cloud_path(sequence), ignored);
+  all_cloud_bytes_ -= cloud_bytes_[sequence];
+  cloud_bytes_.erase(sequence);
+  ++dropped_clouds_;
+}
+
+void Spool::keep_quota() {
+  while (all_cloud_bytes_ > config_.cloud_quota_bytes && !cloud_bytes_.empty()) drop_cloud(cloud_bytes_.begin()->first);
+}
+
+fs::path Spool::cloud_path(std::uint64_t sequence) const {
+  char name[24];
+  std::snprintf(name, sizeof name, "%010llu", static_cast<unsigned long long>(sequence));
+  return config_.directory / "clouds" / name;
+}
+
+}  // namespace headframe

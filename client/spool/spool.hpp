@@ -1,0 +1,89 @@
+#pragma once
+// What a robot must not lose: its session's identity, keyframes and encoded clouds, and what the server acknowledged.
+//
+// A directory is one session:
+//   lock                 held by the one process that uses the directory
+//   session.log          records (record_log.hpp): the identity, then keyframes and acknowledgements as they happened
+//   clouds/0000000001    one record each; removed when acknowledged, or when the quota needs the room
+// A cloud and then its keyframe are on the disk (fdatasync) when append() returns. Acknowledgements are not synced: one
+// that is lost to a power cut is asked for again. Poses and descriptors are never dropped.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/spool/record_log.hpp"
+#include "common/result.hpp"
+#include "common/wire/convert.hpp"
+
+namespace headframe {
+
+struct SpoolConfig {
+  std::filesystem::path directory;                // made when it is not there
+  std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // oldest clouds go first
+  bool sync = true;                               // false: safe from a killed process, not from a power cut
+};
+
+/// Not thread safe. Memory: about 16 bytes a keyframe and 50 a held cloud.
+class Spool {
+ public:
+  /// Opens the session in the directory, or begins one for `robot` (an empty session name becomes a random one, a
+  /// spool_id of 0 a random one). Fails with refused when another process has it or it belongs to another robot,
+  /// session or family; unavailable when the disk says no; bad_input when it is damaged.
+  static Result<Spool> open(const SpoolConfig& config, Hello robot);
+
+  const Hello& identity() const { return identity_; }
+  bool resumed() const { return resumed_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }  // what open() found and cured
+
+  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. On an error nothing was added.
+  Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
+  std::uint64_t last_sequence() const { return keyframe_at_.size(); }
+  Result<Keyframe> keyframe(std::uint64_t sequence) const;
+
+  /// Clouds not yet acknowledged that are still here, by sequence.
+  bool holds_cloud(std::uint64_t sequence) const { return cloud_bytes_.count(sequence) != 0; }
+  std::uint64_t next_held_cloud(std::uint64_t from) const;  // 0: none at or after `from`
+  Result<std::string> cloud(std::uint64_t sequence) const;
+
+  /// Cumulative; never goes back.
+  Result<void> acknowledge_keyframes(std::uint64_t up_to);
+  Result<void> acknowledge_cloud(std::uint64_t sequence);
+  /// Forgets a cloud that can not be sent.
+  void drop_cloud(std::uint64_t sequence);
+
+  std::uint64_t acknowledged_keyframes() const { return acknowledged_keyframes_; }
+  std::uint64_t acknowledged_clouds() const { return acknowledged_clouds_; }
+  std::uint64_t held_clouds() const { return cloud_bytes_.size(); }
+  std::uint64_t dropped_clouds() const { return dropped_clouds_; }
+
+ private:
+  Spool(SpoolConfig config, FileDescriptor lock, RecordLog log)
+      : config_(std::move(config)), lock_(std::move(lock)), log_(std::move(log)) {}
+  static Result<FileDescriptor> lock(const std::filesystem::path& directory);
+  Result<void> write_cloud(std::uint64_t sequence, std::string_view bytes);
+  Result<void> find_clouds(const std::set<std::uint64_t>& settled);
+  Result<void> settle_identity(Hello robot);
+  void keep_quota();
+  std::filesystem::path cloud_path(std::uint64_t sequence) const;
+
+  SpoolConfig config_;
+  FileDescriptor lock_;
+  RecordLog log_;
+  Hello identity_;
+  bool resumed_ = false;
+  std::vector<std::string> warnings_;
+  std::vector<std::uint64_t> keyframe_at_;              // byte of each keyframe's record
+  std::map<std::uint64_t, std::uint64_t> cloud_bytes_;  // of the clouds in clouds/
+  std::uint64_t all_cloud_bytes_ = 0;
+  std::uint64_t acknowledged_keyframes_ = 0;
+  std::uint64_t acknowledged_clouds_ = 0;
+  std::uint64_t dropped_clouds_ = 0;
+};
+
+}  // namespace headframe

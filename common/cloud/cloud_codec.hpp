@@ -1,0 +1,29 @@
+#pragma once
+// A keyframe's cloud as it travels and as it is stored.
+//
+// One zstd frame with its content size and checksum. Inside, numbers are LEB128 varints (signed ones zigzag) unless
+// said otherwise:
+//   form (1), cell_m (float32, little endian), number of sweeps, then per sweep:
+//   origin in cells (3 signed), number of points; if there are points: lowest corner in cells (3 signed), then per
+//   point, in Morton order of (cell - corner), the difference to the Morton code before it (the first: to 0).
+
+#include <string>
+#include <string_view>
+
+#include "common/cloud/point_cloud.hpp"
+#include "common/result.hpp"
+
+namespace headframe {
+
+inline constexpr float default_cell_m = 0.01F;
+
+/// Points and origins are rounded to the grid (error at most cell_m / 2 per axis) and reordered within their sweep;
+/// none is dropped. Deterministic. Fails with invalid_argument when a coordinate is not finite, a sweep is wider
+/// than 2^21 cells, or a limit of common/wire/limits.hpp is exceeded. Thread safe.
+Result<std::string> encode_cloud(const KeyframeCloud& cloud, float cell_m = default_cell_m);
+
+/// Bytes may be anything: memory is bounded by limits::cloud_points whatever they announce. bad_input when damaged.
+/// Thread safe.
+Result<KeyframeCloud> decode_cloud(std::string_view bytes);
+
+}  // namespace headframe

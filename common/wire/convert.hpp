@@ -1,0 +1,60 @@
+#pragma once
+// Messages to values and back. Every from_proto checks all it takes over: what it returns is safe to use, and its error
+// (bad_input) names the field. All functions are pure and thread safe.
+
+#include <cstdint>
+#include <string>
+
+#include "common/result.hpp"
+#include "common/session/keyframe.hpp"
+#include "headframe/v1/robot.pb.h"
+
+namespace headframe {
+
+/// A descriptor family as a session's hello states it.
+struct FamilySpec {
+  FamilyId id;
+  std::size_t q_size = 0;
+  std::size_t w_size = 0;
+};
+
+enum class CloudPolicy : std::uint8_t { on_request = 0, all = 1, never = 2 };
+
+/// Who a robot is. The protocol version is not part of it: compare it first, so that strangers get the right error.
+struct Hello {
+  SessionKey session;
+  Sensor sensor;
+  FamilySpec family;
+  CloudPolicy clouds = CloudPolicy::on_request;
+  std::string software;
+  std::uint64_t spool_id = 0;
+};
+
+/// Robot, session, family and model names: 1 to limits::name_bytes bytes, printable, without '/', neither "." nor "..".
+/// They become file names and parts of URLs.
+Result<void> check_name(std::string_view what, std::string_view name);
+
+v1::Pose to_proto(const Pose& T);
+Result<Pose> from_proto(const v1::Pose& message);
+
+v1::SessionKey to_proto(const SessionKey& key);
+Result<SessionKey> from_proto(const v1::SessionKey& message);
+
+v1::Sensor to_proto(const Sensor& sensor);
+Result<Sensor> from_proto(const v1::Sensor& message);
+
+v1::Family to_proto(const FamilySpec& family);
+Result<FamilySpec> from_proto(const v1::Family& message);
+
+v1::Hello to_proto(const Hello& hello);  // states protocol_version
+Result<Hello> from_proto(const v1::Hello& message);
+
+/// q and w travel as binary16: a value beyond +-65504 is an error in both directions (invalid_argument, bad_input).
+/// The sizes of q and w are compared with the family's by the caller: matches().
+Result<v1::Keyframe> to_proto(const Keyframe& keyframe);
+Result<Keyframe> from_proto(const v1::Keyframe& message);
+
+/// bad_input unless the keyframe's q and w have the sizes the hello announced.
+Result<void> matches(const Keyframe& keyframe, const FamilySpec& family);
+
+}  // namespace headframe

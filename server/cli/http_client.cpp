@@ -1,0 +1,165 @@
+#include "server/cli/http_client.hpp"
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/buffer_body.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
+#include <charconv>
+#include <chrono>
+#include <limits>
+
+namespace headframe {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::system::error_code;
+
+constexpr std::size_t collected_bytes = 64 * 1024 * 1024;
+
+/// Asio's timeouts hold for asynchronous calls only: each step is one, run to its end.
+class Exchange {
+ public:
+  explicit Exchange(const HttpEndpoint& endpoint) : endpoint_(endpoint) {
+    parser_.body_limit(std::numeric_limits<std::uint64_t>::max());  // Beast 1.74 takes boost::none for 0
+  }
+
+  Result<void> connect(double timeout_s);
+  Result<void> send(std::string_view method, std::string_view target, double timeout_s);
+  Result<HttpResponse> receive(const HttpSink& sink, double timeout_s);
+
+ private:
+  template <class Start>
+  error_code finish(double timeout_s, Start&& start) {
+    error_code result;
+    stream_.expires_after(std::chrono::milliseconds(static_cast<std::int64_t>(timeout_s * 1000)));
+    start([&result](error_code code, auto&&...) { result = code; });
+    io_.restart();
+    io_.run();
+    return result;
+  }
+  tl::unexpected<Error> broken(error_code code) const;
+
+  const HttpEndpoint& endpoint_;
+  net::io_context io_;
+  beast::tcp_stream stream_{io_};
+  beast::flat_buffer buffer_;
+  http::response_parser<http::buffer_body> parser_;
+};
+
+tl::unexpected<Error> Exchange::broken(error_code code) const {
+  const bool silent = code == beast::error::timeout;
+  return failure(ErrorCode::unavailable,
+                 silent ? "the server at " + endpoint_.text() + " does not answer; is it busy, or not headframe-server?"
+                        : "the server at " + endpoint_.text() + " broke off before its answer was complete (" +
+                              code.message() + "); look at its log");
+}
+
+Result<void> Exchange::connect(double timeout_s) {
+  error_code code;
+  const auto found = net::ip::tcp::resolver(io_).resolve(endpoint_.host, std::to_string(endpoint_.port), code);
+  if (code)
+    return failure(ErrorCode::unavailable, "the host \"" + endpoint_.host + "\" is not known (" + code.message() + ")");
+  code = finish(timeout_s, [&](auto done) { stream_.async_connect(found, std::move(done)); });
+  if (!code) return {};
+  return failure(ErrorCode::unavailable, "no headframe-server answers at " + endpoint_.text() + " (" + code.message() +
+                                             "); start it, or say where it is with --http HOST:PORT");
+}
+
+Result<void> Exchange::send(std::string_view method, std::string_view target, double timeout_s) {
+  http::request<http::empty_body> request;
+  request.version(11);
+  request.method_string({method.data(), method.size()});
+  request.target({target.data(), target.size()});
+  request.set(http::field::host, endpoint_.text());
+  request.set(http::field::user_agent, "headframe");
+  request.keep_alive(false);
+  request.prepare_payload();
+  const error_code code = finish(timeout_s, [&](auto done) { http::async_write(stream_, request, std::move(done)); });
+  if (code) return broken(code);
+  return {};
+}
+
+Result<HttpResponse> Exchange::receive(const HttpSink& sink, double timeout_s) {
+  error_code code =
+      finish(timeout_s, [&](auto done) { http::async_read_header(stream_, buffer_, parser_, std::move(done)); });
+  if (code) return broken(code);
+  HttpResponse response{static_cast<int>(parser_.get().result_int()), {}};
+  const bool collect = !sink || response.status != 200;
+  std::array<char, 64 * 1024> piece;
+  while (!parser_.is_done()) {
+    auto& body = parser_.get().body();
+    body.data = piece.data();
+    body.size = piece.size();
+    code = finish(timeout_s, [&](auto done) { http::async_read_some(stream_, buffer_, parser_, std::move(done)); });
+    if (code && code != http::error::need_buffer) return broken(code);
+    const std::string_view got(piece.data(), piece.size() - body.size);
+    if (!collect) {
+      if (auto taken = sink(got); !taken) return tl::unexpected(taken.error());
+    } else if (response.body.size() + got.size() > collected_bytes) {
+      return failure(ErrorCode::bad_input, "the answer of " + endpoint_.text() + " is longer than 64 MiB");
+    } else {
+      response.body += got;
+    }
+  }
+  return response;
+}
+
+}  // namespace
+
+std::string HttpEndpoint::text() const {
+  const bool v6 = host.find(':') != std::string::npos;
+  return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+}
+
+Result<HttpEndpoint> parse_http_endpoint(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  HttpEndpoint out;
+  if (colon != std::string_view::npos) {
+    out.host = text.substr(0, colon);
+    if (out.host.size() > 2 && out.host.front() == '[' && out.host.back() == ']')
+      out.host = out.host.substr(1, out.host.size() - 2);
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, out.port);
+    if (error == std::errc() && stop == end && out.port != 0 && !out.host.empty()) return out;
+  }
+  return failure(ErrorCode::invalid_argument,
+                 "\"" + std::string(text) + "\" is not HOST:PORT, such as 127.0.0.1:7448 or [::1]:7448");
+}
+
+std::string percent_encoded(std::string_view text) {
+  constexpr std::string_view digits = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (byte >= 'a' && byte <= 'z') || (byte >= 'A' && byte <= 'Z') || (byte >= '0' && byte <= '9') ||
+                       std::string_view("-._~").find(c) != std::string_view::npos;
+    if (plain) {
+      out += c;
+    } else {
+      out += '%';
+      out += digits[byte >> 4];
+      out += digits[byte & 15];
+    }
+  }
+  return out;
+}
+
+Result<HttpResponse> HttpClient::ask(std::string_view method, std::string_view target, const HttpSink& sink) {
+  try {
+    Exchange exchange(endpoint_);
+    if (auto connected = exchange.connect(timeouts_.connect_s); !connected) return tl::unexpected(connected.error());
+    if (auto sent = exchange.send(method, target, timeouts_.silence_s); !sent) return tl::unexpected(sent.error());
+    return exchange.receive(sink, timeouts_.silence_s);
+  } catch (const std::exception& exception) {  // of Asio or Beast: ends here
+    return failure(ErrorCode::internal, std::string("HTTP: ") + exception.what());
+  }
+}
+
+}  // namespace headframe

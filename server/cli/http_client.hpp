@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "common/result.hpp"
+
+namespace headframe {
+
+struct HttpEndpoint {
+  std::string host;
+  std::uint16_t port = 0;
+  std::string text() const;  // host:port, an IPv6 address in brackets
+};
+
+/// "127.0.0.1:7448", "[::1]:7448" or "host:7448"; invalid_argument says what is wrong.
+Result<HttpEndpoint> parse_http_endpoint(std::string_view text);
+
+/// For a value in a query: "a b/c" -> "a%20b%2Fc".
+std::string percent_encoded(std::string_view text);
+
+struct HttpResponse {
+  int status = 0;
+  std::string body;  // empty when it went to a sink
+};
+
+struct HttpTimeouts {
+  double connect_s = 5;
+  double silence_s = 60;  // between two pieces of an answer; the first included
+};
+
+/// Takes a 200's body piece by piece; a failure ends the request and is what it returns.
+using HttpSink = std::function<Result<void>(std::string_view)>;
+
+/// HTTP/1.1, one connection for each request, blocking. An answer of any status is a result; unavailable: no server, no
+/// answer in time, or an answer that broke off. Bodies without a sink may have 64 MiB. Not thread safe.
+class HttpClient {
+ public:
+  explicit HttpClient(HttpEndpoint endpoint, HttpTimeouts timeouts = {})
+      : endpoint_(std::move(endpoint)), timeouts_(timeouts) {}
+
+  Result<HttpResponse> get(std::string_view target, const HttpSink& sink = {}) { return ask("GET", target, sink); }
+  Result<HttpResponse> post(std::string_view target) { return ask("POST", target, {}); }
+  const HttpEndpoint& endpoint() const { return endpoint_; }
+
+ private:
+  Result<HttpResponse> ask(std::string_view method, std::string_view target, const HttpSink& sink);
+
+  HttpEndpoint endpoint_;
+  HttpTimeouts timeouts_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,112 @@
+#include "server/config/server_config.hpp"
+
+#include <toml++/toml.h>
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <variant>
+
+namespace headframe {
+namespace {
+
+/// A key of the file and the member that it sets, between low and high.
+struct Key {
+  std::string_view section, name;
+  std::variant<int*, double*> value;
+  double low, high;
+};
+
+std::vector<Key> keys_of(ServerConfig& c) {
+  return {
+      {"server", "io_threads", &c.io_threads, 1, 64},
+      {"limits", "database_mib", &c.database_mib, 0, 1e8},
+      {"limits", "write_queue_mib", &c.write_queue_mib, 32, 65536},
+      {"limits", "robots", &c.limits.robots, 1, 4096},
+      {"limits", "undurable_mib", &c.limits.undurable_mib, 1, 1024},
+      {"limits", "hello_s", &c.limits.hello_s, 0.1, 3600},
+      {"limits", "silence_s", &c.limits.silence_s, 0.1, 3600},
+      {"limits", "ping_s", &c.limits.ping_s, 0.1, 3600},
+      {"limits", "write_s", &c.limits.write_s, 0.1, 3600},
+      {"merge", "travelled_m", &c.schedule.travelled_m, 0.1, 1e6},
+      {"merge", "submap_s", &c.schedule.submap_s, 0.1, 3600},
+      {"merge", "threads", &c.merge.threads, 1, 256},
+      {"merge", "accept_probability", &c.merge.accept_probability, 0, 1},
+      {"merge", "runner_up_probability", &c.merge.runner_up_probability, 0, 1},
+      {"merge", "candidate_probability", &c.merge.candidate_probability, 0, 1},
+      {"merge", "hypotheses", &c.merge.hypotheses, 1, 1000},
+      {"merge", "correlations", &c.merge.correlations, 1, 10000},
+      {"merge", "clouds_requested", &c.merge.clouds_requested, 1, 1000},
+      {"merge", "clouds_kept", &c.merge.clouds_kept, 1, 1e6},
+  };
+}
+
+std::string place(const std::string& name, const toml::source_region& source) {
+  return name + ":" + std::to_string(source.begin.line);
+}
+
+std::string known_names(const std::vector<Key>& keys, std::string_view section) {
+  std::string names;
+  for (const Key& key : keys)
+    if (key.section == section) names += (names.empty() ? "" : ", ") + std::string(key.name);
+  return names;
+}
+
+Result<void> set(const Key& key, const toml::node& node, const std::string& where) {
+  const bool whole = std::holds_alternative<int*>(key.value);
+  const auto value = node.value<double>();
+  if (!value || (whole && !node.is_integer()) || !(*value >= key.low && *value <= key.high)) {
+    std::ostringstream text;
+    text << where << ": " << key.name << " must be a " << (whole ? "whole number" : "number") << " from " << key.low
+         << " to " << key.high;
+    return failure(ErrorCode::bad_input, text.str());
+  }
+  if (whole)
+    *std::get<int*>(key.value) = static_cast<int>(*value);
+  else
+    *std::get<double*>(key.value) = *value;
+  return {};
+}
+
+Result<void> read_section(const std::vector<Key>& keys, std::string_view section, const toml::table& table,
+                          const std::string& name) {
+  for (const auto& [entry, node] : table) {
+    const std::string where = place(name, node.source());
+    const auto key = std::find_if(keys.begin(), keys.end(), [&, entry_name = entry.str()](const Key& k) {
+      return k.section == section && k.name == entry_name;
+    });
+    if (key == keys.end())
+      return failure(ErrorCode::bad_input, where + ": unknown key '" + std::string(entry.str()) + "' in [" +
+                                               std::string(section) + "]; there are: " + known_names(keys, section));
+    if (auto done = set(*key, node, where); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<ServerConfig> parse_config(std::string_view text, const std::string& name) {
+  ServerConfig config;
+  const auto keys = keys_of(config);
+  try {
+    const toml::table file = toml::parse(text);
+    for (const auto& [entry, node] : file) {
+      const std::string section(entry.str());
+      if (!node.is_table() || known_names(keys, section).empty())
+        return failure(ErrorCode::bad_input, place(name, node.source()) + ": unknown section or key '" + section +
+                                                 "'; there are: [server], [limits], [merge]");
+      if (auto done = read_section(keys, section, *node.as_table(), name); !done) return tl::unexpected(done.error());
+    }
+  } catch (const toml::parse_error& error) {
+    return failure(ErrorCode::bad_input, place(name, error.source()) + ": " + std::string(error.description()));
+  }
+  return config;
+}
+
+Result<ServerConfig> load_config(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return failure(ErrorCode::not_found, "configuration file " + path.string() + " can not be read");
+  return parse_config(std::string(std::istreambuf_iterator<char>(file), {}), path.string());
+}
+
+}  // namespace headframe

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "common/result.hpp"
+#include "server/merge_config.hpp"
+#include "server/merge_worker/schedule_config.hpp"
+#include "server/net/robot_limits.hpp"
+
+namespace headframe {
+
+/// Everything a configuration file may set, with the defaults of a server without one.
+struct ServerConfig {
+  int io_threads = 2;         // [server]
+  int database_mib = 0;       // [limits]: of the database file, reached like a full disk; 0: none
+  int write_queue_mib = 256;  // [limits]: of all robots together
+  RobotLimits limits;
+  ScheduleConfig schedule;
+  MergeConfig merge;
+};
+
+/// TOML. bad_input names file, line and key when a key is unknown (with the keys there are), of another type, or out of
+/// range; and when the file is no TOML. `name` stands for the file in messages.
+Result<ServerConfig> parse_config(std::string_view text, const std::string& name);
+
+/// not_found when there is no such file.
+Result<ServerConfig> load_config(const std::filesystem::path& path);
+
+}  // namespace headframe

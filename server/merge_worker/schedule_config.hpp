@@ -1,0 +1,11 @@
+#pragma once
+
+namespace headframe {
+
+/// When sessions are tried ([merge] in the configuration file); defaults live only here.
+struct ScheduleConfig {
+  double travelled_m = 10;  // along the trajectory, since the session's last try
+  double submap_s = 30;     // without any cloud from a robot, until the clouds asked of it count as not coming
+};
+
+}  // namespace headframe

@@ -1,0 +1,15 @@
+#pragma once
+
+namespace headframe {
+
+/// What one robot's connection may take ([limits] in the configuration file); defaults live only here.
+struct RobotLimits {
+  int robots = 64;        // connections at a time
+  int undurable_mib = 4;  // received and not yet on disk: beyond, its socket is not read until the disk has caught up
+  double hello_s = 10;    // a connection that says nothing useful for so long is closed
+  double silence_s = 30;  // so is one that was welcomed and falls silent: pings are answered by a living robot
+  double ping_s = 10;     // silence after which it is asked
+  double write_s = 30;    // a robot that takes no bytes for so long is closed
+};
+
+}  // namespace headframe

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "headframe/v1/robot.pb.h"
+#include "server/net/robot_events.hpp"
+
+namespace headframe {
+
+/// What there is to tell a robot that has not been told yet. Not a queue but a place for each kind of message, where
+/// the newest word replaces or joins the older: acknowledgements are cumulative, only the latest transform counts. So
+/// it is bounded by the session itself however slow the robot reads. Not thread safe.
+class RobotOutbox {
+ public:
+  void welcome(Durable durable) { welcome_ = std::move(durable); }
+  void acknowledge_keyframes(std::uint64_t durable) { keyframe_ack_ = durable; }
+  void acknowledge_cloud(std::uint64_t sequence) { cloud_acks_.insert(sequence); }
+  void request_submap(const std::vector<std::uint64_t>& sequences);
+  /// A serialised ServerMessage, shared by all robots of the component.
+  void update_transform(std::shared_ptr<const std::string> payload) { transform_ = std::move(payload); }
+  void ping(std::uint64_t nonce) { ping_ = nonce; }
+  void pong(std::uint64_t nonce) { pong_ = nonce; }
+  void error(v1::ErrorKind kind, const std::string& message, bool permanent);
+
+  /// All of it as frames, most urgent first; empty when there is nothing.
+  std::string take();
+
+ private:
+  void append_welcome(std::string& out);
+  void append_lists(std::string& out);
+
+  std::optional<Durable> welcome_;
+  std::optional<std::uint64_t> keyframe_ack_, ping_, pong_;
+  std::set<std::uint64_t> cloud_acks_;
+  std::vector<std::uint64_t> submap_;  // nearest to the sphere's centre first
+  std::shared_ptr<const std::string> transform_;
+  std::optional<v1::ErrorReport> error_;
+};
+
+}  // namespace headframe

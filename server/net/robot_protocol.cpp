@@ -1,0 +1,158 @@
+#include "server/net/robot_protocol.hpp"
+
+#include <algorithm>
+
+#include "common/cloud/cloud_codec.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr std::size_t reason_bytes = 256;  // of a trigger request, for the log
+
+double seconds(RobotProtocol::Time from, RobotProtocol::Time to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+std::string tenths(double s) {
+  std::string text = std::to_string(s);
+  return text.substr(0, text.find('.') + 2);
+}
+
+}  // namespace
+
+void RobotProtocol::receive(std::string_view bytes, Time now) {
+  now_ = now;
+  if (!ended()) frames_.feed(bytes);
+}
+
+std::optional<RobotEvent> RobotProtocol::next() {
+  while (state_ == State::hello_awaited || state_ == State::welcomed) {
+    const auto payload = frames_.next();
+    if (!payload) {
+      fail(v1::ERROR_KIND_FRAME_TOO_LARGE, payload.error().message, true);
+      break;
+    }
+    if (!*payload) break;
+    heard_ = now_;
+    asked_ = false;
+    v1::RobotMessage message;
+    if (!message.ParseFromString(**payload)) return bad_message("a frame is no RobotMessage of protocol v1");
+    if (auto event = handle(message)) return event;
+  }
+  return std::nullopt;
+}
+
+std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message) {
+  using Body = v1::RobotMessage;
+  if (message.body_case() == Body::kHello) return on_hello(message.hello());
+  if (state_ != State::welcomed)
+    return out_of_order("the first message must be a hello, nothing else before its welcome");
+  switch (message.body_case()) {
+    case Body::kKeyframe: return on_keyframe(message.keyframe());
+    case Body::kCloudChunk: return on_chunk(message.cloud_chunk());
+    case Body::kSubmapUnavailable: return on_unavailable(message.submap_unavailable());
+    case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, reason_bytes)};
+    case Body::kGoodbye: complete_ = message.goodbye().complete(); return GoodbyeReceived{complete_};
+    case Body::kPing: outbox_.pong(message.ping().nonce()); return std::nullopt;
+    case Body::kPong: return std::nullopt;
+    default: return bad_message("a message without a body that protocol v1 knows");
+  }
+}
+
+std::optional<RobotEvent> RobotProtocol::on_hello(const v1::Hello& message) {
+  if (state_ != State::hello_awaited) return out_of_order("a second hello on one connection");
+  if (message.protocol_version() != protocol_version) {
+    fail(v1::ERROR_KIND_PROTOCOL_VERSION,
+         "robot speaks protocol " + std::to_string(message.protocol_version()) + ", this server " +
+             std::to_string(protocol_version) + ": update the older of the two",
+         true);
+    return std::nullopt;
+  }
+  auto hello = from_proto(message);
+  if (!hello) return bad_message("hello: " + hello.error().message);
+  family_ = hello->family;
+  state_ = State::answer_awaited;
+  return HelloReceived{std::move(*hello)};
+}
+
+void RobotProtocol::welcome(const Durable& durable) {
+  if (state_ != State::answer_awaited) return;
+  state_ = State::welcomed;
+  received_ = durable_ = durable.keyframes;
+  outbox_.welcome(durable);
+}
+
+std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message) {
+  auto keyframe = from_proto(message);
+  const std::string name = "keyframe " + std::to_string(message.sequence()) + ": ";
+  if (!keyframe) return bad_message(name + keyframe.error().message);
+  if (auto fits = matches(*keyframe, family_); !fits) return bad_message(name + fits.error().message);
+  if (keyframe->sequence <= received_) {  // a repeat; what is not durable yet is acknowledged when it is
+    outbox_.acknowledge_keyframes(durable_);
+    return std::nullopt;
+  }
+  if (complete_) return out_of_order(name + "the robot said goodbye to a complete session before");
+  if (keyframe->sequence != received_ + 1)
+    return out_of_order(name + "a hole in the sequence, " + std::to_string(received_ + 1) + " comes next");
+  received_ = keyframe->sequence;
+  return KeyframeReceived{std::move(*keyframe)};
+}
+
+std::optional<RobotEvent> RobotProtocol::on_chunk(const v1::CloudChunk& message) {
+  if (message.sequence() == 0 || message.sequence() > received_)
+    return out_of_order("cloud of keyframe " + std::to_string(message.sequence()) + ", which was not received");
+  auto whole = clouds_.add(message.sequence(), message.total_bytes(), message.offset(), message.data());
+  if (!whole) return bad_message(whole.error().message);
+  if (!*whole) return std::nullopt;
+  if (const auto cloud = decode_cloud(**whole); !cloud)
+    return bad_message("cloud of keyframe " + std::to_string(message.sequence()) + ": " + cloud.error().message);
+  return CloudReceived{message.sequence(), std::move(**whole)};
+}
+
+std::optional<RobotEvent> RobotProtocol::on_unavailable(const v1::SubmapUnavailable& message) {
+  CloudsUnavailable event{{message.sequences().begin(), message.sequences().end()}};
+  std::erase_if(event.sequences, [&](std::uint64_t s) { return s == 0 || s > received_; });
+  return event;
+}
+
+void RobotProtocol::keyframes_durable(std::uint64_t sequence) {
+  durable_ = std::max(durable_, sequence);
+  outbox_.acknowledge_keyframes(durable_);
+}
+
+void RobotProtocol::tick(Time now, bool reading) {
+  now_ = now;
+  if (ended()) return;
+  if (!welcomed()) {
+    if (seconds(born_, now) >= limits_.hello_s)
+      fail(v1::ERROR_KIND_BAD_MESSAGE, "no hello within " + tenths(limits_.hello_s) + " s", false);
+    return;
+  }
+  if (!reading) heard_ = now;
+  const double silent_s = seconds(heard_, now);
+  if (silent_s >= limits_.silence_s) {
+    fail(v1::ERROR_KIND_UNSPECIFIED, "no message within " + tenths(limits_.silence_s) + " s, not even a pong", false);
+  } else if (silent_s >= limits_.ping_s && !asked_) {
+    asked_ = true;
+    outbox_.ping(++pings_);
+  }
+}
+
+void RobotProtocol::fail(v1::ErrorKind kind, const std::string& message, bool permanent) {
+  if (ended()) return;
+  state_ = State::ended;
+  reason_ = message;
+  outbox_.error(kind, message, permanent);
+}
+
+std::nullopt_t RobotProtocol::out_of_order(const std::string& message) {
+  fail(v1::ERROR_KIND_OUT_OF_ORDER, message, false);
+  return std::nullopt;
+}
+
+std::nullopt_t RobotProtocol::bad_message(const std::string& message) {
+  fail(v1::ERROR_KIND_BAD_MESSAGE, message, true);
+  return std::nullopt;
+}
+
+}  // namespace headframe

@@ -1,0 +1,78 @@
+#pragma once
+// The server's side of protocol v1 for one connection, without sockets, threads or a clock of its own: bytes and times
+// in, events and bytes out.
+
+#include <chrono>
+#include <optional>
+#include <string_view>
+
+#include "common/wire/frame_codec.hpp"
+#include "server/net/cloud_assembler.hpp"
+#include "server/net/robot_events.hpp"
+#include "server/net/robot_limits.hpp"
+#include "server/net/robot_outbox.hpp"
+
+namespace headframe {
+
+/// Not thread safe. Whatever a peer sends, the worst that happens is a typed error and the end of this connection.
+class RobotProtocol {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  RobotProtocol(const RobotLimits& limits, Time now) : limits_(limits), born_(now), now_(now), heard_(now) {}
+
+  void receive(std::string_view bytes, Time now);
+
+  /// The next event; nullopt: more bytes are needed, the hello waits for its answer, or the connection has ended. Bytes
+  /// that were received and not asked for yet stay where they are.
+  std::optional<RobotEvent> next();
+
+  /// Deadlines and pings. reading: false while the caller leaves the robot's bytes in the socket, so that its silence
+  /// is not held against it.
+  void tick(Time now, bool reading);
+
+  // Answers to HelloReceived.
+  void welcome(const Durable& durable);
+
+  /// Ends the connection with a typed error.
+  void fail(v1::ErrorKind kind, const std::string& message, bool permanent);
+
+  void keyframes_durable(std::uint64_t sequence);
+  void cloud_durable(std::uint64_t sequence) { outbox_.acknowledge_cloud(sequence); }
+  void request_submap(const std::vector<std::uint64_t>& sequences) { outbox_.request_submap(sequences); }
+  void update_transform(std::shared_ptr<const std::string> payload) { outbox_.update_transform(std::move(payload)); }
+
+  std::string take_output() { return outbox_.take(); }
+
+  /// Nothing more is read: close once the output is written.
+  bool ended() const { return state_ == State::ended; }
+  bool welcomed() const { return state_ == State::welcomed; }
+  /// Why it ended, for the log.
+  const std::string& reason() const { return reason_; }
+
+ private:
+  enum class State { hello_awaited, answer_awaited, welcomed, ended };
+
+  std::optional<RobotEvent> handle(const v1::RobotMessage& message);
+  std::optional<RobotEvent> on_hello(const v1::Hello& message);
+  std::optional<RobotEvent> on_keyframe(const v1::Keyframe& message);
+  std::optional<RobotEvent> on_chunk(const v1::CloudChunk& message);
+  std::optional<RobotEvent> on_unavailable(const v1::SubmapUnavailable& message);
+  std::nullopt_t out_of_order(const std::string& message);
+  std::nullopt_t bad_message(const std::string& message);
+
+  RobotLimits limits_;
+  State state_ = State::hello_awaited;
+  Time born_, now_, heard_;  // heard_: when the last whole message came
+  bool asked_ = false;       // a ping since then
+  std::uint64_t pings_ = 0;
+  FrameReader frames_;
+  CloudAssembler clouds_;
+  RobotOutbox outbox_;
+  FamilySpec family_;
+  std::uint64_t received_ = 0, durable_ = 0;  // keyframes
+  bool complete_ = false;
+  std::string reason_;
+};
+
+}  // namespace headframe

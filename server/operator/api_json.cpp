@@ -1,0 +1,130 @@
+#include "server/operator/api_json.hpp"
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";  // names are peers' bytes: never throw
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json transform(const Pose& T) {
+  Json out = Json::array();
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) out.push_back(number(T.matrix()(row, column)));
+  return out;
+}
+
+Json session(const SessionKey& key) { return {{"robot", key.robot}, {"session", key.session}}; }
+
+Json pending_object(const Pending& pending) {
+  return {
+      {"attempts", pending.attempts}, {"keyframes", pending.keyframes}, {"awaited_submaps", pending.awaited_submaps}};
+}
+
+Json alignment_object(const AlignmentRow& row) {
+  Json evidence = Json::object();
+  for (const EvidenceField& field : evidence_fields())
+    evidence[std::string(field.name)] = number(row.alignment.evidence.*field.member);
+  return {{"a", session(row.a)},
+          {"b", session(row.b)},
+          {"state", to_string(row.alignment.state)},
+          {"T_a_b", transform(row.alignment.T_a_b)},
+          {"evidence", std::move(evidence)}};
+}
+
+}  // namespace
+
+std::string error_json(const Error& error) {
+  return text({{"error", {{"code", to_string(error.code)}, {"message", error.message}}}});
+}
+
+std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
+                        double uptime_s) {
+  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
+  for (const SessionRow& row : sessions) {
+    connected += row.connected ? 1 : 0;
+    keyframes += row.keyframes;
+    clouds += row.clouds;
+    bytes += row.bytes_received;
+  }
+  Json states = Json::object();
+  for (const AlignmentRow& row : view.alignments) {
+    Json& count = states[std::string(to_string(row.alignment.state))];
+    count = count.is_null() ? 1 : count.get<int>() + 1;
+  }
+  return text({{"version", HEADFRAME_VERSION},
+               {"uptime_s", number(uptime_s)},
+               {"revision", view.atlas.revision},
+               {"components", view.atlas.components.size()},
+               {"sessions", sessions.size()},
+               {"connected", connected},
+               {"keyframes", keyframes},
+               {"clouds", clouds},
+               {"bytes_received", bytes},
+               {"alignments", std::move(states)},
+               {"pending", pending_object(pending)}});
+}
+
+std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas) {
+  std::map<SessionId, SessionId> component_of;
+  for (const Component& component : atlas.components)
+    for (const Placement& placement : component.placements) component_of[placement.session] = component.id;
+  Json rows = Json::array();
+  for (const SessionRow& row : sessions) {
+    const auto component = component_of.find(row.id);
+    const bool placed = row.trigger_to_transform_ms >= 0;
+    rows.push_back({{"robot", row.key.robot},
+                    {"session", row.key.session},
+                    {"family", {{"name", row.family.name}, {"version", row.family.version}}},
+                    {"sensor",
+                     {{"model", row.sensor.model},
+                      {"beams", row.sensor.beams},
+                      {"fov_up_deg", number(row.sensor.fov_up_deg)},
+                      {"fov_down_deg", number(row.sensor.fov_down_deg)},
+                      {"max_range_m", number(row.sensor.max_range_m)}}},
+                    {"connected", row.connected},
+                    {"complete", row.complete},
+                    {"keyframes", row.keyframes},
+                    {"clouds", row.clouds},
+                    {"bytes_received", row.bytes_received},
+                    {"distance_m", number(row.distance_m)},
+                    {"component", component == component_of.end() ? Json(nullptr) : Json(component->second)},
+                    {"trigger_to_transform_ms", placed ? number(row.trigger_to_transform_ms) : Json(nullptr)}});
+  }
+  return text({{"sessions", std::move(rows)}});
+}
+
+std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait) {
+  std::map<SessionId, SessionKey> names;
+  for (const SessionRow& row : sessions) names[row.id] = row.key;
+  Json components = Json::array();
+  for (const Component& component : view.atlas.components) {
+    Json placed = Json::array();
+    for (const Placement& placement : component.placements) {
+      Json entry = session(names[placement.session]);
+      entry["T_component_session"] = transform(placement.T_component_session);
+      placed.push_back(std::move(entry));
+    }
+    components.push_back(
+        {{"id", component.id}, {"anchor", session(names[component.id])}, {"sessions", std::move(placed)}});
+  }
+  Json alignments = Json::array();
+  for (const AlignmentRow& row : view.alignments) alignments.push_back(alignment_object(row));
+  Json out{
+      {"revision", view.atlas.revision}, {"components", std::move(components)}, {"alignments", std::move(alignments)}};
+  if (wait) {
+    out["pending"] = pending_object(wait->pending);
+    out["waited_out"] = wait->waited_out;
+  }
+  return text(out);
+}
+
+}  // namespace headframe

@@ -1,0 +1,25 @@
+#pragma once
+// The JSON of the operator's API, as text. Numbers that are not finite become null. Pure.
+
+#include <string>
+#include <vector>
+
+#include "server/operator/station.hpp"
+
+namespace headframe {
+
+/// What came of "?wait=": what was still pending when the answer was made, and whether time ran out.
+struct WaitOutcome {
+  Pending pending;
+  bool waited_out = false;
+};
+
+std::string error_json(const Error& error);
+std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
+                        double uptime_s);
+std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas);
+
+/// Transforms are 16 numbers, row-major. `sessions` gives the names of the ids in the atlas; `wait` may be null.
+std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait);
+
+}  // namespace headframe

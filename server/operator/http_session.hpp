@@ -1,0 +1,84 @@
+#pragma once
+// One HTTP connection: reads requests, does what the router says, writes responses. Included by the .cpp files of this
+// room only.
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "server/operator/router.hpp"
+
+namespace headframe {
+
+class HttpSession;
+
+/// What all connections share. Thread safe.
+class HttpShared : public std::enable_shared_from_this<HttpShared> {
+ public:
+  HttpShared(Station& the_station, const OperatorLimits& the_limits) : station(the_station), limits(the_limits) {}
+
+  Station& station;
+  const OperatorLimits limits;
+  const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  boost::asio::thread_pool disk{2};  // runs BodySource::next()
+
+  /// Starts a connection: served, told 503 when there are limits.connections, dropped when there are twice as many.
+  void accept(boost::asio::ip::tcp::socket socket);
+  void forget(const std::shared_ptr<HttpSession>& session);
+  /// Ends all connections and the work on disk, and takes no new ones. Waits for the piece being read.
+  void stop();
+
+ private:
+  std::mutex mutex_;
+  std::set<std::shared_ptr<HttpSession>> sessions_;
+  bool stopped_ = false;
+};
+
+/// Everything but start() and close() runs on the strand of its socket.
+class HttpSession : public std::enable_shared_from_this<HttpSession> {
+ public:
+  HttpSession(boost::asio::ip::tcp::socket socket, std::shared_ptr<HttpShared> shared, bool turn_away);
+  void start();
+  void close();
+
+ private:
+  using Code = boost::beast::error_code;
+  using Piece = Result<std::optional<std::string>>;
+
+  void read();
+  void on_read(Code code);
+  void refuse(Code code);
+  void perform(Reply reply);
+  void send(Ready ready);
+  void wait_for_idle(const WaitForIdle& wait);
+  void pull();
+  void on_piece(Piece piece);
+  void write_piece(std::optional<std::string> piece);
+  void on_written();
+  void linger();
+  void drain(std::size_t drained_bytes);
+  void finish();
+  bool client_gone();
+
+  boost::beast::tcp_stream stream_;
+  const std::shared_ptr<HttpShared> shared_;
+  const bool turn_away_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
+  bool keep_alive_ = false;
+  bool head_sent_ = false;  // of the Stream under way
+  std::unique_ptr<Stream> body_;
+  std::string head_, piece_;
+  std::shared_ptr<void> response_;  // lives until it is written
+};
+
+}  // namespace headframe

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "server/operator/body_source.hpp"
+#include "server/operator/station.hpp"
+
+namespace headframe {
+
+enum class CloudFormat { ply, pcd };
+
+struct ExportRequest {
+  SessionId component = 0;
+  CloudFormat format = CloudFormat::ply;
+  double voxel_m = 0.1;  // one point per cube, within each keyframe; 0: every point
+};
+
+/// The stored clouds of one component as binary little-endian PLY or PCD, in the component's frame (m), coloured by
+/// robot. Both formats say the number of points first, so the first pass counts and the second writes; one keyframe's
+/// cloud is in memory at a time. Clouds stored after the first pass are left out.
+class MapExport : public BodySource {
+ public:
+  MapExport(const Station& station, ExportRequest request) : station_(station), request_(request) {}
+
+  /// One keyframe for each call. not_found: no such component; internal: a cloud changed between the passes.
+  Result<std::optional<std::string>> next() override;
+
+ private:
+  enum class Stage { start, count, write };
+  using Colour = std::array<std::uint8_t, 3>;
+  struct Item {
+    SessionId session = 0;
+    std::uint64_t sequence = 0;
+    Pose T_component_sensor = Pose::Identity();
+    Colour colour{};
+    std::size_t points = 0;
+  };
+
+  Result<void> list_keyframes();
+  Result<void> count(Item& item);
+  Result<std::string> written(const Item& item) const;
+  Result<Points> thinned(const Item& item) const;
+  std::string header() const;
+
+  const Station& station_;
+  ExportRequest request_;
+  Stage stage_ = Stage::start;
+  std::vector<Item> items_;
+  std::vector<std::string> legend_;  // one line for each robot
+  std::size_t at_ = 0;
+};
+
+/// "No component 7; there are 1, 4.", for every place that needs a component.
+Result<Component> find_component(const Atlas& atlas, SessionId id);
+
+}  // namespace headframe

@@ -1,0 +1,162 @@
+#include "server/operator/router.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "server/operator/api_json.hpp"
+#include "server/operator/map_export.hpp"
+#include "server/operator/request_target.hpp"
+#include "server/operator/trajectory_export.hpp"
+
+namespace headframe {
+namespace {
+
+using Query = std::map<std::string, std::string>;
+
+struct Context {
+  Station& station;
+  const OperatorLimits& limits;
+  double uptime_s;
+};
+
+Ready json(std::string body, int status = 200) { return {status, "application/json", std::move(body), {}}; }
+
+Result<Reply> healthz(const Query&, const Context&) { return json("{\"status\":\"ok\"}\n"); }
+
+Result<Reply> status(const Query&, const Context& context) {
+  const Station& station = context.station;
+  return json(status_json(station.sessions(), station.atlas(), station.pending(), context.uptime_s));
+}
+
+Result<Reply> sessions(const Query&, const Context& context) {
+  return json(sessions_json(context.station.sessions(), context.station.atlas().atlas));
+}
+
+Result<Reply> atlas(const Query& query, const Context& context) {
+  const auto wait = query.find("wait");
+  if (wait == query.end()) {
+    const AtlasView view = context.station.atlas();  // before the names, which only grow
+    return json(atlas_json(view, context.station.sessions(), nullptr));
+  }
+  const auto timeout_s = parse_number("wait", wait->second, 0, context.limits.wait_s);
+  if (!timeout_s) return tl::unexpected(timeout_s.error());
+  return WaitForIdle{*timeout_s};
+}
+
+Result<Reply> merge(const Query&, const Context& context) {
+  context.station.merge_all();
+  return json("{\"queued\":true}\n", 202);
+}
+
+Result<std::string> required(const Query& query, const std::string& name) {
+  const auto found = query.find(name);
+  if (found == query.end() || found->second.empty())
+    return failure(ErrorCode::invalid_argument, "parameter \"" + name + "\" is missing");
+  return found->second;
+}
+
+Result<CloudFormat> cloud_format(const Query& query) {
+  const auto format = query.find("format");
+  if (format == query.end() || format->second == "ply") return CloudFormat::ply;
+  if (format->second == "pcd") return CloudFormat::pcd;
+  return failure(ErrorCode::invalid_argument, "parameter \"format\" is \"" + format->second + "\"; give ply or pcd");
+}
+
+Result<Reply> map(const Query& query, const Context& context) {
+  const auto component = required(query, "component");
+  if (!component) return tl::unexpected(component.error());
+  ExportRequest request;
+  const char* end = component->data() + component->size();
+  if (std::from_chars(component->data(), end, request.component).ptr != end)
+    return failure(ErrorCode::invalid_argument, "parameter \"component\" is \"" + *component +
+                                                    "\"; give the id of a component, GET /api/v1/atlas lists them");
+  const auto format = cloud_format(query);
+  if (!format) return tl::unexpected(format.error());
+  request.format = *format;
+  if (const auto voxel = query.find("voxel"); voxel != query.end() && voxel->second != "0") {
+    const auto voxel_m = parse_number("voxel", voxel->second, 0.01, 100);
+    if (!voxel_m) return tl::unexpected(voxel_m.error());
+    request.voxel_m = *voxel_m;
+  } else if (voxel != query.end()) {
+    request.voxel_m = 0;
+  }
+  if (const auto there = find_component(context.station.atlas().atlas, request.component); !there)
+    return tl::unexpected(there.error());
+  return Stream{"application/octet-stream", std::make_unique<MapExport>(context.station, request)};
+}
+
+Result<Reply> trajectory(const Query& query, const Context& context) {
+  const auto robot = required(query, "robot");
+  if (!robot) return tl::unexpected(robot.error());
+  const auto session = required(query, "session");
+  if (!session) return tl::unexpected(session.error());
+  return Stream{"text/plain; charset=utf-8",
+                std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session})};
+}
+
+struct Route {
+  std::string_view method;
+  std::string_view path;
+  std::array<std::string_view, 3> parameters;
+  Result<Reply> (*handle)(const Query&, const Context&);
+};
+constexpr std::array<Route, 7> routes{{{"GET", "/healthz", {}, healthz},
+                                       {"GET", "/api/v1/status", {}, status},
+                                       {"GET", "/api/v1/sessions", {}, sessions},
+                                       {"GET", "/api/v1/atlas", {"wait"}, atlas},
+                                       {"POST", "/api/v1/merge", {}, merge},
+                                       {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
+                                       {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};
+
+int http_status(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::invalid_argument:
+    case ErrorCode::bad_input: return 400;
+    case ErrorCode::not_found: return 404;
+    case ErrorCode::unavailable: return 503;
+    case ErrorCode::refused: return 403;
+    case ErrorCode::incompatible:
+    case ErrorCode::internal: break;
+  }
+  return 500;
+}
+
+Result<Reply> routed(std::string_view method, std::string_view text, const Context& context) {
+  const auto target = parse_target(text);
+  if (!target) return tl::unexpected(target.error());
+  const auto route =
+      std::find_if(routes.begin(), routes.end(), [&](const Route& other) { return other.path == target->path; });
+  if (route == routes.end())
+    return failure(ErrorCode::not_found, "there is nothing at \"" + target->path + "\"; the API is under /api/v1/");
+  if (route->method != method) {
+    Ready refusal = error_reply(405, {ErrorCode::refused, target->path + " takes " + std::string(route->method)});
+    refusal.allow = route->method;
+    return refusal;
+  }
+  for (const auto& [name, value] : target->query)
+    if (name.empty() || std::find(route->parameters.begin(), route->parameters.end(), name) == route->parameters.end())
+      return failure(ErrorCode::invalid_argument, target->path + " has no parameter \"" + name + "\"");
+  return route->handle(target->query, context);
+}
+
+}  // namespace
+
+Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
+            double uptime_s) {
+  auto reply = routed(method, target, {station, limits, uptime_s});
+  if (!reply) return error_reply(reply.error());
+  return std::move(*reply);
+}
+
+Ready atlas_after_wait(const Station& station, const Pending& left) {
+  const WaitOutcome outcome{left, !left.idle()};
+  const AtlasView view = station.atlas();
+  return json(atlas_json(view, station.sessions(), &outcome));
+}
+
+Ready error_reply(const Error& error) { return error_reply(http_status(error.code), error); }
+
+Ready error_reply(int status, const Error& error) { return json(error_json(error), status); }
+
+}  // namespace headframe

@@ -1,0 +1,56 @@
+#include "server/operator/trajectory_export.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace headframe {
+namespace {
+
+struct Frame {
+  SessionId component = 0;
+  Pose T_component_session = Pose::Identity();
+};
+
+Result<Frame> frame_of(const Atlas& atlas, SessionId session) {
+  for (const Component& component : atlas.components)
+    for (const Placement& placement : component.placements)
+      if (placement.session == session) return Frame{component.id, placement.T_component_session};
+  return failure(ErrorCode::unavailable, "the session is not in the atlas yet; try again in a moment");
+}
+
+std::string tum_line(double stamp_s, const Pose& T) {
+  const Eigen::Vector3d t = T.translation();
+  const Eigen::Quaterniond q(T.rotation());
+  std::array<char, 320> line;
+  const int size = std::snprintf(line.data(), line.size(), "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n", stamp_s, t.x(),
+                                 t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  return {line.data(), std::min(static_cast<std::size_t>(std::max(size, 0)), line.size() - 1)};
+}
+
+}  // namespace
+
+Result<std::optional<std::string>> TrajectoryExport::next() {
+  if (std::exchange(done_, true)) return std::nullopt;
+  return text().map([](std::string piece) { return std::optional(std::move(piece)); });
+}
+
+Result<std::string> TrajectoryExport::text() const {
+  const std::vector<SessionRow> sessions = station_.sessions();
+  const auto row =
+      std::find_if(sessions.begin(), sessions.end(), [&](const SessionRow& other) { return other.key == key_; });
+  if (row == sessions.end())
+    return failure(ErrorCode::not_found,
+                   "there is no session \"" + key_.robot + "/" + key_.session + "\"; GET /api/v1/sessions lists them");
+  const auto frame = frame_of(station_.atlas().atlas, row->id);
+  if (!frame) return tl::unexpected(frame.error());
+  const auto keyframes = station_.trajectory(row->id);
+  if (!keyframes) return tl::unexpected(keyframes.error());
+  std::string out =
+      "# headframe: frame of component " + std::to_string(frame->component) + "; stamp_s x_m y_m z_m qx qy qz qw\n";
+  for (const Keyframe& keyframe : *keyframes)
+    out += tum_line(keyframe.stamp_s, frame->T_component_session * keyframe.T_local_sensor);
+  return out;
+}
+
+}  // namespace headframe

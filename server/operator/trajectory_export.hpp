@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "server/operator/body_source.hpp"
+#include "server/operator/station.hpp"
+
+namespace headframe {
+
+/// A session's keyframes as TUM text ("stamp x y z qx qy qz qw", s and m) in its component's frame, in one piece after
+/// a comment that names the frame. not_found: no such robot or session.
+class TrajectoryExport : public BodySource {
+ public:
+  TrajectoryExport(const Station& station, SessionKey key) : station_(station), key_(std::move(key)) {}
+  Result<std::optional<std::string>> next() override;
+
+ private:
+  Result<std::string> text() const;
+
+  const Station& station_;
+  SessionKey key_;
+  bool done_ = false;
+};
+
+}  // namespace headframe

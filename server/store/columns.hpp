@@ -1,0 +1,19 @@
+#pragma once
+// Values that are stored as blobs: little-endian numbers, bit for bit what they were.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+
+namespace headframe {
+
+std::string pose_blob(const Pose& T);
+/// The identity when the blob has another size than pose_blob gives.
+Pose pose_from_blob(std::string_view blob);
+
+std::string floats_blob(const std::vector<float>& values);
+std::vector<float> floats_from_blob(std::string_view blob);
+
+}  // namespace headframe

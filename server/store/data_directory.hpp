@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/result.hpp"
+
+namespace headframe {
+
+/// The server's directory, created when it is not there, and locked against a second server as long as this lives.
+class DataDirectory {
+ public:
+  /// unavailable when it can not be created or written, or another server holds it.
+  static Result<DataDirectory> open(const std::filesystem::path& path);
+
+  DataDirectory(DataDirectory&& other) noexcept;
+  DataDirectory& operator=(DataDirectory&& other) noexcept;
+  ~DataDirectory();
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  DataDirectory(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
+
+  std::filesystem::path path_;
+  int lock_ = -1;
+};
+
+}  // namespace headframe

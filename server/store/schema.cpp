@@ -1,0 +1,62 @@
+#include "server/store/schema.hpp"
+
+#include <array>
+
+namespace headframe {
+namespace {
+
+// Step i brings version i to i + 1. A step that was released is never changed: add another.
+// Poses are blobs of 12 doubles, row-major 3x4; q and w of floats; walls of 180 codes; all little endian.
+constexpr std::array steps{
+    R"sql(
+CREATE TABLE sessions (
+  id INTEGER PRIMARY KEY, robot TEXT NOT NULL, session TEXT NOT NULL, sensor_model TEXT NOT NULL, beams INTEGER NOT NULL,
+  fov_up_deg REAL NOT NULL, fov_down_deg REAL NOT NULL, max_range_m REAL NOT NULL, family TEXT NOT NULL,
+  family_version INTEGER NOT NULL, q_size INTEGER NOT NULL, w_size INTEGER NOT NULL, spool_id INTEGER NOT NULL,
+  complete INTEGER NOT NULL DEFAULT 0, attempted_keyframes INTEGER NOT NULL DEFAULT 0, UNIQUE (robot, session));
+CREATE TABLE keyframes (
+  session INTEGER NOT NULL REFERENCES sessions(id), sequence INTEGER NOT NULL, stamp_s REAL NOT NULL,
+  T_local_sensor BLOB NOT NULL, spaciousness_m REAL NOT NULL, q BLOB NOT NULL, w BLOB NOT NULL,
+  place_class INTEGER NOT NULL, walls BLOB NOT NULL, point_count INTEGER NOT NULL, PRIMARY KEY (session, sequence))
+  WITHOUT ROWID;
+CREATE TABLE clouds (
+  session INTEGER NOT NULL, sequence INTEGER NOT NULL, encoded BLOB NOT NULL, PRIMARY KEY (session, sequence),
+  FOREIGN KEY (session, sequence) REFERENCES keyframes(session, sequence));
+CREATE TABLE alignments (
+  a INTEGER NOT NULL REFERENCES sessions(id), b INTEGER NOT NULL REFERENCES sessions(id), id INTEGER NOT NULL,
+  state TEXT NOT NULL, T_a_b BLOB NOT NULL, PRIMARY KEY (a, b), CHECK (a < b));
+CREATE TABLE evidence (
+  a INTEGER NOT NULL, b INTEGER NOT NULL, name TEXT NOT NULL, value REAL, PRIMARY KEY (a, b, name)) WITHOUT ROWID;
+CREATE TABLE revisions (number INTEGER PRIMARY KEY, time_s REAL NOT NULL);
+CREATE TABLE placements (
+  revision INTEGER NOT NULL REFERENCES revisions(number), session INTEGER NOT NULL, component INTEGER NOT NULL,
+  T_component_session BLOB NOT NULL, PRIMARY KEY (revision, session)) WITHOUT ROWID;
+CREATE TABLE merge_order (
+  step INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT NULL,
+  state TEXT NOT NULL);
+)sql",
+};
+
+}  // namespace
+
+int schema_version() { return static_cast<int>(steps.size()); }
+
+Result<void> migrate(Database& database) {
+  int version = 0;
+  auto done = database.each("PRAGMA user_version", [&](const Row& row) { version = static_cast<int>(row.integer(0)); });
+  if (!done) return done;
+  if (version > schema_version())
+    return failure(ErrorCode::incompatible, "the database has schema " + std::to_string(version) +
+                                                ", this server knows up to " + std::to_string(schema_version()) +
+                                                "; use a newer headframe-server or choose another --data");
+  for (; version < schema_version(); ++version) {
+    done = database.execute("BEGIN IMMEDIATE;" + std::string(steps.at(static_cast<std::size_t>(version))) +
+                            "PRAGMA user_version=" + std::to_string(version + 1) + ";COMMIT;");
+    if (done) continue;
+    (void)database.execute("ROLLBACK");
+    return done;
+  }
+  return {};
+}
+
+}  // namespace headframe

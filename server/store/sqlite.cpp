@@ -1,0 +1,90 @@
+#include "server/store/sqlite.hpp"
+
+#include <sqlite3.h>
+
+namespace headframe {
+
+void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+void Database::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+std::int64_t Row::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+
+double Row::real(int column) const {
+  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::numeric_limits<double>::quiet_NaN();
+  return sqlite3_column_double(statement_, column);
+}
+
+std::string_view Row::blob(int column) const {
+  const auto* data = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+  const int bytes = sqlite3_column_bytes(statement_, column);
+  return data ? std::string_view(data, static_cast<std::size_t>(bytes)) : std::string_view();
+}
+
+Result<Database> Database::open(const std::string& path) {
+  sqlite3* handle = nullptr;
+  const int code =
+      sqlite3_open_v2(path.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
+  Database database(path, handle);
+  if (code != SQLITE_OK) return database.fault(code);
+  sqlite3_busy_timeout(handle, 5000);
+  return database;
+}
+
+Result<void> Database::execute(const std::string& sql) {
+  const int code = sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) return fault(code);
+  return {};
+}
+
+Result<sqlite3_stmt*> Database::prepare(std::string_view sql) {
+  auto& kept = statements_[std::string(sql)];
+  if (!kept) {
+    sqlite3_stmt* made = nullptr;
+    const int code = sqlite3_prepare_v3(handle_.get(), sql.data(), static_cast<int>(sql.size()),
+                                        SQLITE_PREPARE_PERSISTENT, &made, nullptr);
+    if (code != SQLITE_OK) return fault(code);
+    kept.reset(made);
+  }
+  return kept.get();
+}
+
+Result<void> Database::step(sqlite3_stmt* statement, const std::function<void(const Row&)>& visit) {
+  int code = SQLITE_ROW;
+  while ((code = sqlite3_step(statement)) == SQLITE_ROW) visit(Row(statement));
+  auto done = code == SQLITE_DONE ? Result<void>{} : Result<void>(fault(code));
+  sqlite3_reset(statement);
+  sqlite3_clear_bindings(statement);
+  return done;
+}
+
+tl::unexpected<Error> Database::fault(int code) const {
+  const std::string detail = handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code);
+  switch (code & 0xff) {
+    case SQLITE_FULL: return failure(ErrorCode::unavailable, path_ + ": the disk is full; make room");
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM: return failure(ErrorCode::unavailable, path_ + " can not be written: " + detail);
+    case SQLITE_IOERR:
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_NOMEM: return failure(ErrorCode::unavailable, path_ + ": " + detail);
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      return failure(ErrorCode::bad_input, path_ + " is damaged or no headframe database: " + detail +
+                                               "; move it away or choose another --data");
+    default: return failure(ErrorCode::internal, path_ + ": " + detail);
+  }
+}
+
+void Database::bind(sqlite3_stmt* statement, int index, std::int64_t value) {
+  sqlite3_bind_int64(statement, index, value);
+}
+void Database::bind(sqlite3_stmt* statement, int index, double value) { sqlite3_bind_double(statement, index, value); }
+void Database::bind(sqlite3_stmt* statement, int index, std::string_view value) {
+  sqlite3_bind_text(statement, index, value.data(), static_cast<int>(value.size()), SQLITE_STATIC);
+}
+void Database::bind(sqlite3_stmt* statement, int index, Blob value) {
+  sqlite3_bind_blob(statement, index, value.bytes.data(), static_cast<int>(value.bytes.size()), SQLITE_STATIC);
+}
+
+}  // namespace headframe

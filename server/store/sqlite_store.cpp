@@ -1,0 +1,167 @@
+#include "server/store/sqlite_store.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "server/store/columns.hpp"
+#include "server/store/data_directory.hpp"
+#include "server/store/schema.hpp"
+#include "server/store/sqlite_writer.hpp"
+
+namespace headframe {
+namespace {
+
+SessionRecord session_of(const Row& row) {
+  SessionRecord s;
+  s.id = row.integer(0);
+  s.key = {row.text(1), row.text(2)};
+  s.sensor = {row.text(3), static_cast<int>(row.integer(4)), static_cast<float>(row.real(5)),
+              static_cast<float>(row.real(6)), static_cast<float>(row.real(7))};
+  s.family = {row.text(8), static_cast<int>(row.integer(9))};
+  s.q_size = static_cast<std::uint32_t>(row.integer(10));
+  s.w_size = static_cast<std::uint32_t>(row.integer(11));
+  s.spool_id = static_cast<std::uint64_t>(row.integer(12));
+  s.complete = row.integer(13) != 0;
+  s.attempted_keyframes = static_cast<std::uint64_t>(row.integer(14));
+  return s;
+}
+
+Keyframe keyframe_of(const Row& row) {
+  Keyframe k;
+  k.sequence = static_cast<std::uint64_t>(row.integer(0));
+  k.stamp_s = row.real(1);
+  k.T_local_sensor = pose_from_blob(row.blob(2));
+  k.spaciousness_m = static_cast<float>(row.real(3));
+  k.descriptor.q = floats_from_blob(row.blob(4));
+  k.descriptor.w = floats_from_blob(row.blob(5));
+  k.descriptor.place_class = static_cast<PlaceClass>(row.integer(6));
+  const auto walls = row.blob(7);
+  std::copy_n(walls.begin(), std::min(walls.size(), k.walls.code.size()), k.walls.code.begin());
+  k.point_count = static_cast<std::uint32_t>(row.integer(8));
+  return k;
+}
+
+void set_evidence(Evidence& evidence, std::string_view name, double value) {
+  for (const EvidenceField& field : evidence_fields())
+    if (field.name == name) evidence.*field.member = value;
+}
+
+class SqliteStore : public Store {
+ public:
+  SqliteStore(DataDirectory directory, Database writer, Database reader, const SqliteOptions& options)
+      : directory_(std::move(directory)), reader_(std::move(reader)), writer_(std::move(writer), options) {}
+
+  void write(Write write, Done done) override { writer_.write(std::move(write), std::move(done)); }
+  StoreLoad load() const override { return writer_.load(); }
+
+  Result<std::vector<SessionRecord>> sessions() override {
+    std::vector<SessionRecord> sessions;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each(
+        "SELECT id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
+        " family_version, q_size, w_size, spool_id, complete, attempted_keyframes FROM sessions ORDER BY id",
+        [&](const Row& row) { sessions.push_back(session_of(row)); });
+    if (!read) return tl::unexpected(read.error());
+    return sessions;
+  }
+
+  Result<void> each_keyframe(SessionId session, std::uint64_t first,
+                             const std::function<void(Keyframe)>& visit) override {
+    const std::lock_guard lock(mutex_);
+    return reader_.each(
+        "SELECT sequence, stamp_s, T_local_sensor, spaciousness_m, q, w, place_class, walls, point_count"
+        " FROM keyframes WHERE session=? AND sequence>=? ORDER BY sequence",
+        [&](const Row& row) { visit(keyframe_of(row)); }, session, first);
+  }
+
+  Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) override {
+    std::vector<std::uint64_t> sequences;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each(
+        "SELECT sequence FROM clouds WHERE session=? ORDER BY sequence",
+        [&](const Row& row) { sequences.push_back(static_cast<std::uint64_t>(row.integer(0))); }, session);
+    if (!read) return tl::unexpected(read.error());
+    return sequences;
+  }
+
+  Result<std::string> cloud(const KeyframeRef& keyframe) override {
+    std::optional<std::string> encoded;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each(
+        "SELECT encoded FROM clouds WHERE session=? AND sequence=?", [&](const Row& row) { encoded = row.text(0); },
+        keyframe.session, keyframe.sequence);
+    if (!read) return tl::unexpected(read.error());
+    if (!encoded)
+      return failure(ErrorCode::not_found, "no cloud of keyframe " + std::to_string(keyframe.sequence) +
+                                               " of session " + std::to_string(keyframe.session) + " is stored");
+    return std::move(*encoded);
+  }
+
+  Result<StoredMerge> merge() override {
+    StoredMerge merge;
+    const std::lock_guard lock(mutex_);
+    auto read = read_alignments(merge.alignments);
+    if (read) read = read_atlas(merge.atlas);
+    if (!read) return tl::unexpected(read.error());
+    return merge;
+  }
+
+ private:
+  Result<void> read_alignments(std::vector<Alignment>& alignments) {
+    std::map<std::pair<SessionId, SessionId>, std::size_t> index;
+    auto read = reader_.each("SELECT a, b, id, state, T_a_b FROM alignments ORDER BY id", [&](const Row& row) {
+      Alignment alignment{row.integer(2), row.integer(0), row.integer(1), {}, pose_from_blob(row.blob(4)), {}};
+      alignment.state = alignment_state_from(row.text(3)).value_or(AlignmentState::candidate);
+      index[{alignment.a, alignment.b}] = alignments.size();
+      alignments.push_back(alignment);
+    });
+    if (!read) return read;
+    return reader_.each("SELECT a, b, name, value FROM evidence", [&](const Row& row) {
+      const auto at = index.find({row.integer(0), row.integer(1)});
+      if (at != index.end()) set_evidence(alignments[at->second].evidence, row.text(2), row.real(3));
+    });
+  }
+
+  Result<void> read_atlas(Atlas& atlas) {
+    auto read = reader_.each("SELECT coalesce(max(number), 0) FROM revisions",
+                             [&](const Row& row) { atlas.revision = static_cast<std::uint64_t>(row.integer(0)); });
+    if (!read) return read;
+    return reader_.each(
+        "SELECT component, session, T_component_session FROM placements WHERE revision=? ORDER BY component, session",
+        [&](const Row& row) {
+          if (atlas.components.empty() || atlas.components.back().id != row.integer(0))
+            atlas.components.push_back({row.integer(0), {}});
+          atlas.components.back().placements.push_back({row.integer(1), pose_from_blob(row.blob(2))});
+        },
+        atlas.revision);
+  }
+
+  DataDirectory directory_;
+  std::mutex mutex_;  // of reader_
+  Database reader_;
+  SqliteWriter writer_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_sqlite_store(const std::filesystem::path& directory, const SqliteOptions& options) {
+  auto owned = DataDirectory::open(directory);
+  if (!owned) return tl::unexpected(owned.error());
+  const std::string path = (directory / "headframe.db").string();
+  auto writer = Database::open(path);
+  if (!writer) return tl::unexpected(writer.error());
+  constexpr std::uint64_t page_bytes = 16384;
+  std::string pragmas =
+      "PRAGMA page_size=16384; PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON;";
+  if (options.database_bytes > 0)
+    pragmas += "PRAGMA max_page_count=" + std::to_string(options.database_bytes / page_bytes + 1) + ";";
+  auto done = writer->execute(pragmas);
+  if (done) done = migrate(*writer);
+  if (!done) return failure(done.error().code, directory.string() + ": " + done.error().message);
+  auto reader = Database::open(path);
+  if (!reader) return tl::unexpected(reader.error());
+  return std::make_unique<SqliteStore>(std::move(*owned), std::move(*writer), std::move(*reader), options);
+}
+
+}  // namespace headframe

@@ -1,0 +1,100 @@
+#include "server/store/sqlite_writer.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr std::size_t group_bytes = 8UL * 1024 * 1024;  // a commit no greater than this, so that acks keep flowing
+
+}  // namespace
+
+SqliteWriter::SqliteWriter(Database database, const SqliteOptions& options)
+    : database_(std::move(database)), options_(options), thread_([this] { run(); }) {}
+
+SqliteWriter::~SqliteWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void SqliteWriter::write(Write write, Store::Done done) {
+  Item item{std::move(write), std::move(done), 0};
+  item.bytes = size_bytes(item.write);
+  {
+    const std::lock_guard lock(mutex_);
+    if (load_.queued_bytes + item.bytes <= options_.queue_bytes) {
+      load_.queued_bytes += item.bytes;
+      ++load_.queued_writes;
+      queue_.push_back(std::move(item));
+      wake_.notify_all();
+      return;
+    }
+    ++load_.failed_writes;
+  }
+  item.done(failure(ErrorCode::unavailable, "the store can not keep up: " + std::to_string(options_.queue_bytes) +
+                                                " bytes wait to be written; try again later"));
+}
+
+StoreLoad SqliteWriter::load() const {
+  const std::lock_guard lock(mutex_);
+  return load_;
+}
+
+void SqliteWriter::run() {
+  while (true) {
+    auto group = next_group();
+    if (group.empty()) return;
+    commit(group);
+  }
+}
+
+std::deque<SqliteWriter::Item> SqliteWriter::next_group() {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
+  wake_.wait_for(lock, std::chrono::milliseconds(options_.group_ms),
+                 [&] { return stopping_ || load_.queued_bytes >= group_bytes; });
+  std::deque<Item> group;
+  for (std::size_t bytes = 0; !queue_.empty() && bytes < group_bytes; queue_.pop_front()) {
+    bytes += queue_.front().bytes;
+    group.push_back(std::move(queue_.front()));
+  }
+  return group;
+}
+
+void SqliteWriter::commit(std::deque<Item>& group) {
+  const auto together = try_commit(group);
+  // Trouble with the disk concerns all of them; anything else is the fault of one.
+  const bool all = together || together.error().code == ErrorCode::unavailable || group.size() == 1;
+  while (!group.empty()) {
+    std::deque<Item> one;
+    one.push_back(std::move(group.front()));
+    group.pop_front();
+    finish(one.front(), all ? together : try_commit(one));
+  }
+}
+
+Result<void> SqliteWriter::try_commit(const std::deque<Item>& group) {
+  auto done = database_.execute("BEGIN IMMEDIATE");
+  for (const Item& item : group) {
+    if (!done) break;
+    done = apply(database_, item.write);
+  }
+  if (done) done = database_.execute("COMMIT");
+  if (!done) (void)database_.execute("ROLLBACK");
+  return done;
+}
+
+void SqliteWriter::finish(Item& item, const Result<void>& result) {
+  {
+    const std::lock_guard lock(mutex_);
+    --load_.queued_writes;
+    load_.queued_bytes -= item.bytes;
+    ++(result ? load_.durable_writes : load_.failed_writes);
+    load_.last_error = result ? std::string() : result.error().message;
+  }
+  item.done(result);
+}
+
+}  // namespace headframe

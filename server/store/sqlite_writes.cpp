@@ -1,0 +1,114 @@
+#include "server/store/sqlite_writes.hpp"
+
+#include <chrono>
+
+#include "server/store/columns.hpp"
+
+namespace headframe {
+namespace {
+
+Result<void> put(Database& db, const PutSession& write) {
+  const SessionRecord& s = write.session;
+  return db.run(
+      "INSERT INTO sessions (id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
+      " family_version, q_size, w_size, spool_id, complete) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?) ON CONFLICT DO "
+      "NOTHING",
+      s.id, s.key.robot, s.key.session, s.sensor.model, s.sensor.beams, double{s.sensor.fov_up_deg},
+      double{s.sensor.fov_down_deg}, double{s.sensor.max_range_m}, s.family.name, s.family.version, s.q_size, s.w_size,
+      s.spool_id, int{s.complete});
+}
+
+Result<void> put(Database& db, const PutKeyframe& write) {
+  const Keyframe& k = write.keyframe;
+  std::uint64_t last = 0;
+  auto read = db.each(
+      "SELECT coalesce(max(sequence), 0) FROM keyframes WHERE session=?",
+      [&](const Row& row) { last = static_cast<std::uint64_t>(row.integer(0)); }, write.session);
+  if (!read) return read;
+  if (k.sequence <= last) return {};
+  if (k.sequence != last + 1)
+    return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(k.sequence) + " of session " +
+                                                    std::to_string(write.session) + " would leave a hole after " +
+                                                    std::to_string(last));
+  const std::string T = pose_blob(k.T_local_sensor);
+  const std::string q = floats_blob(k.descriptor.q), w = floats_blob(k.descriptor.w);
+  const std::string walls(k.walls.code.begin(), k.walls.code.end());
+  return db.run("INSERT INTO keyframes VALUES (?,?,?,?,?,?,?,?,?,?)", write.session, k.sequence, k.stamp_s, Blob{T},
+                double{k.spaciousness_m}, Blob{q}, Blob{w}, static_cast<int>(k.descriptor.place_class), Blob{walls},
+                k.point_count);
+}
+
+Result<void> put(Database& db, const PutCloud& write) {
+  return db.run(
+      "INSERT INTO clouds (session, sequence, encoded) VALUES (?,?,?) ON CONFLICT (session, sequence) DO NOTHING",
+      write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
+}
+
+Result<void> put(Database& db, const CompleteSession& write) {
+  return db.run("UPDATE sessions SET complete=1 WHERE id=?", write.session);
+}
+
+Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64_t revision) {
+  const std::string T = pose_blob(alignment.T_a_b);
+  const std::string_view state = to_string(alignment.state);
+  auto done = db.run(
+      "INSERT INTO alignments (a, b, id, state, T_a_b) VALUES (?,?,?,?,?)"
+      " ON CONFLICT (a, b) DO UPDATE SET id=excluded.id, state=excluded.state, T_a_b=excluded.T_a_b",
+      alignment.a, alignment.b, alignment.id, state, Blob{T});
+  for (const EvidenceField& field : evidence_fields()) {
+    if (!done) return done;
+    done = db.run("INSERT OR REPLACE INTO evidence (a, b, name, value) VALUES (?,?,?,?)", alignment.a, alignment.b,
+                  field.name, alignment.evidence.*field.member);
+  }
+  if (!done) return done;
+  return db.run("INSERT INTO merge_order (revision, a, b, state) VALUES (?,?,?,?)", revision, alignment.a, alignment.b,
+                state);
+}
+
+Result<void> put_atlas(Database& db, const Atlas& atlas) {
+  const double now_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  auto done = db.run("INSERT INTO revisions (number, time_s) VALUES (?,?)", atlas.revision, now_s);
+  for (const Component& component : atlas.components) {
+    for (const Placement& placement : component.placements) {
+      if (!done) return done;
+      const std::string T = pose_blob(placement.T_component_session);
+      done =
+          db.run("INSERT INTO placements VALUES (?,?,?,?)", atlas.revision, placement.session, component.id, Blob{T});
+    }
+  }
+  return done;
+}
+
+Result<void> put(Database& db, const PutMerge& write) {
+  std::uint64_t revision = 0;
+  auto done = db.each("SELECT coalesce(max(number), 0) FROM revisions",
+                      [&](const Row& row) { revision = static_cast<std::uint64_t>(row.integer(0)); });
+  if (done && write.atlas) {
+    revision = write.atlas->revision;
+    done = put_atlas(db, *write.atlas);
+  }
+  for (const Alignment& alignment : write.changed) {
+    if (!done) return done;
+    done = put_alignment(db, alignment, revision);
+  }
+  if (!done || write.attempted == 0) return done;
+  return db.run("UPDATE sessions SET attempted_keyframes=? WHERE id=?", write.attempted_keyframes, write.attempted);
+}
+
+}  // namespace
+
+Result<void> apply(Database& database, const Write& write) {
+  return std::visit([&](const auto& w) { return put(database, w); }, write);
+}
+
+std::size_t size_bytes(const Write& write) {
+  constexpr std::size_t small = 1024;
+  if (const auto* cloud = std::get_if<PutCloud>(&write)) return cloud->encoded.size() + small;
+  if (const auto* keyframe = std::get_if<PutKeyframe>(&write)) {
+    const Descriptor& d = keyframe->keyframe.descriptor;
+    return (d.q.size() + d.w.size()) * sizeof(float) + small;
+  }
+  return small;
+}
+
+}  // namespace headframe

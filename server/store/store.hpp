@@ -1,0 +1,93 @@
+#pragma once
+// What the base station keeps: sessions, keyframes, clouds, alignments, revisions. SQLite today; PostgreSQL will stand
+// behind the same interface.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/result.hpp"
+#include "common/session/keyframe.hpp"
+#include "server/atlas/atlas.hpp"
+#include "server/place/descriptor_index.hpp"
+
+namespace headframe {
+
+struct SessionRecord {
+  SessionId id = 0;
+  SessionKey key;
+  Sensor sensor;
+  FamilyId family;
+  std::uint32_t q_size = 0;
+  std::uint32_t w_size = 0;
+  std::uint64_t spool_id = 0;
+  bool complete = false;                  // the robot said that no keyframe follows
+  std::uint64_t attempted_keyframes = 0;  // how many the last finished merge attempt has seen
+};
+
+// Writes. Each may come again (a robot repeats what was not acknowledged): the second time changes nothing.
+struct PutSession {
+  SessionRecord session;
+};
+struct PutKeyframe {
+  SessionId session = 0;
+  Keyframe keyframe;
+};
+struct PutCloud {
+  KeyframeRef keyframe;
+  std::string encoded;
+};
+struct CompleteSession {
+  SessionId session = 0;
+};
+/// What one attempt changed, in one transaction.
+struct PutMerge {
+  SessionId attempted = 0;  // 0: none
+  std::uint64_t attempted_keyframes = 0;
+  std::vector<Alignment> changed;
+  std::optional<Atlas> atlas;  // a new revision
+};
+using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge>;
+
+struct StoreLoad {
+  std::size_t queued_writes = 0;
+  std::size_t queued_bytes = 0;
+  std::uint64_t durable_writes = 0;
+  std::uint64_t failed_writes = 0;
+  std::string last_error;  // empty when the last write was well
+};
+
+struct StoredMerge {
+  std::vector<Alignment> alignments;  // ordered by id
+  Atlas atlas;                        // the last revision
+};
+
+/// All calls are thread safe.
+class Store {
+ public:
+  using Done = std::function<void(const Result<void>&)>;
+
+  /// Finishes what is queued.
+  virtual ~Store() = default;
+
+  /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
+  /// the queue is full (unavailable). It must be quick. Writes are applied in the order of the calls; a keyframe that
+  /// would leave a hole in its session's sequence fails.
+  virtual void write(Write write, Done done) = 0;
+  virtual StoreLoad load() const = 0;
+
+  // Reads block on the disk: never on an I/O thread.
+  virtual Result<std::vector<SessionRecord>> sessions() = 0;
+  /// Keyframes from sequence `first` on, in order.
+  virtual Result<void> each_keyframe(SessionId session, std::uint64_t first,
+                                     const std::function<void(Keyframe)>& visit) = 0;
+  virtual Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) = 0;
+  /// Encoded as the robot sent it; not_found when there is none.
+  virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;
+  virtual Result<StoredMerge> merge() = 0;
+};
+
+}  // namespace headframe

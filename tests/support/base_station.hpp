@@ -1,0 +1,52 @@
+#pragma once
+// The real programs together, for system tests: a server on free ports, robots that replay session folders, the
+// operator's command.
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.hpp"
+
+namespace headframe::test {
+
+/// A folder of its own under the system's temporary one, removed when destroyed.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A running headframe-server.
+class BaseStation {
+ public:
+  /// Keeps its data in `data`; fails with what the server printed when it does not get ready.
+  static Result<BaseStation> start(const std::filesystem::path& data, const std::string& listen = "127.0.0.1:0");
+
+  const std::string& robots() const { return robots_; }  // HOST:PORT
+  const std::string& http() const { return http_; }
+  Process& process() { return process_; }
+
+  /// headframe-replay --fast of a session folder, with more options if wanted.
+  Result<Process> replay(const std::string& robot, const std::filesystem::path& session,
+                         const std::vector<std::string>& options = {}) const;
+
+  /// The operator's command against this server: its output and exit status.
+  Result<Process::Ended> command(const std::vector<std::string>& arguments) const;
+
+  /// `headframe atlas --json --wait 300`, parsed.
+  Result<nlohmann::json> settled_atlas() const;
+
+ private:
+  BaseStation(Process process, std::string robots, std::string http)
+      : process_(std::move(process)), robots_(std::move(robots)), http_(std::move(http)) {}
+  Process process_;
+  std::string robots_, http_;
+};
+
+}  // namespace headframe::test

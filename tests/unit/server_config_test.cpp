@@ -1,0 +1,49 @@
+#include <gtest/gtest.h>
+
+#include "server/config/server_config.hpp"
+
+namespace headframe {
+namespace {
+
+std::string error_of(std::string_view text) {
+  const auto config = parse_config(text, "hf.toml");
+  return config ? "accepted" : config.error().message;
+}
+
+TEST(ServerConfig, WhatIsNotSetKeepsItsDefault) {
+  const auto config = parse_config("[merge]\ntravelled_m = 25\nthreads = 4\n[limits]\nsilence_s = 2.5\n", "hf.toml");
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->schedule.travelled_m, 25);
+  EXPECT_EQ(config->merge.threads, 4);
+  EXPECT_EQ(config->limits.silence_s, 2.5);
+  EXPECT_EQ(config->limits.robots, RobotLimits{}.robots);
+  EXPECT_TRUE(parse_config("", "hf.toml"));
+}
+
+TEST(ServerConfig, UnknownKeysAreNamedWithFileLineAndTheKnownOnes) {
+  EXPECT_EQ(error_of("[server]\n\nio_treads = 3\n"),
+            "hf.toml:3: unknown key 'io_treads' in [server]; there are: io_threads");
+  EXPECT_NE(error_of("[mrege]\nthreads = 1\n").find("hf.toml:1: unknown section or key 'mrege'"), std::string::npos);
+  EXPECT_NE(error_of("threads = 1\n").find("unknown section or key 'threads'"), std::string::npos);
+  EXPECT_NE(error_of("server = 1\n").find("unknown section or key 'server'"), std::string::npos);
+}
+
+TEST(ServerConfig, ValuesAreCheckedAtTheirBounds) {
+  EXPECT_EQ(error_of("[merge]\naccept_probability = 1\n"), "accepted");
+  EXPECT_EQ(error_of("[merge]\naccept_probability = 1.01\n"),
+            "hf.toml:2: accept_probability must be a number from 0 to 1");
+  EXPECT_EQ(error_of("[merge]\nthreads = 1\n"), "accepted");
+  for (const std::string bad : {"0", "1.5", "'many'", "[1]", "nan"})
+    EXPECT_EQ(error_of("[merge]\nthreads = " + bad), "hf.toml:2: threads must be a whole number from 1 to 256");
+  EXPECT_NE(error_of("[merge]\ntravelled_m = nan\n"), "accepted");
+}
+
+TEST(ServerConfig, BrokenTomlSaysWhere) {
+  EXPECT_EQ(error_of("[merge]\nthreads = = 2\n").rfind("hf.toml:2: ", 0), 0U);
+  const auto missing = load_config("/nowhere/hf.toml");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::not_found);
+}
+
+}  // namespace
+}  // namespace headframe

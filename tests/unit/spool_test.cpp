@@ -1,0 +1,215 @@
+#include "client/spool/spool.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/temp_dir.hpp"
+
+namespace headframe {
+namespace {
+
+namespace fs = std::filesystem;
+
+Hello rover() {
+  Hello h;
+  h.session.robot = "rover";
+  h.sensor = {"os1-32", 32, 22.5F, 22.5F, 120};
+  h.family = {{"scan_context", 1}, 2, 1};
+  h.software = "test";
+  return h;
+}
+
+Keyframe keyframe(std::uint64_t sequence) {
+  Keyframe k;
+  k.sequence = sequence;
+  k.stamp_s = static_cast<double>(sequence) * 0.5;
+  k.descriptor = {{1, 2}, {3}, PlaceClass::unknown};
+  k.point_count = 5;
+  return k;
+}
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+void write(const fs::path& path, std::string_view bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+class SpoolTest : public testing::Test {
+ protected:
+  Result<Spool> open(std::uint64_t quota = 1 << 20) { return Spool::open({folder_.path(), quota, false}, rover()); }
+  fs::path log() const { return folder_.path() / "session.log"; }
+  void fill(std::uint64_t keyframes) {
+    auto spool = open();
+    ASSERT_TRUE(spool) << spool.error().message;
+    for (std::uint64_t i = spool->last_sequence() + 1; i <= keyframes; ++i)
+      ASSERT_TRUE(spool->append(keyframe(i), "cloud " + std::to_string(i)));
+  }
+  TempDir folder_;
+};
+
+TEST_F(SpoolTest, ASessionIsTheSameAfterReopening) {
+  fill(3);
+  SessionKey before;
+  std::uint64_t id = 0;
+  {
+    auto spool = open();
+    ASSERT_TRUE(spool);
+    before = spool->identity().session;
+    id = spool->identity().spool_id;
+    ASSERT_TRUE(spool->acknowledge_keyframes(2));
+    ASSERT_TRUE(spool->acknowledge_keyframes(1)) << "repeats are harmless";
+    ASSERT_TRUE(spool->acknowledge_cloud(1));
+    ASSERT_TRUE(spool->acknowledge_cloud(1));
+  }
+  const auto spool = open();
+  ASSERT_TRUE(spool);
+  EXPECT_TRUE(spool->resumed());
+  EXPECT_TRUE(spool->warnings().empty());
+  EXPECT_EQ(spool->identity().session, before);
+  EXPECT_EQ(spool->identity().session.session.size(), 16U);
+  EXPECT_EQ(spool->identity().spool_id, id);
+  EXPECT_NE(id, 0U);
+  EXPECT_EQ(spool->last_sequence(), 3U);
+  EXPECT_EQ(spool->acknowledged_keyframes(), 2U);
+  EXPECT_EQ(spool->acknowledged_clouds(), 1U);
+  EXPECT_EQ(spool->held_clouds(), 2U);
+  EXPECT_EQ(spool->next_held_cloud(1), 2U);
+  EXPECT_EQ(spool->next_held_cloud(4), 0U);
+  EXPECT_FALSE(spool->cloud(1));
+  EXPECT_EQ(*spool->cloud(3), "cloud 3");
+  EXPECT_EQ(spool->keyframe(2)->stamp_s, 1.0);
+  EXPECT_FALSE(spool->keyframe(0));
+  EXPECT_FALSE(spool->keyframe(4));
+}
+
+TEST_F(SpoolTest, ItBelongsToOneProcessOneRobotAndOneFamily) {
+  const auto first = open();
+  ASSERT_TRUE(first);
+  const auto second = open();
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::refused);
+}
+
+TEST_F(SpoolTest, AnotherRobotOrFamilyIsRefused) {
+  fill(1);
+  Hello other = rover();
+  other.session.robot = "crawler";
+  EXPECT_EQ(Spool::open({folder_.path()}, other).error().code, ErrorCode::refused);
+  other = rover();
+  other.session.session = "another";
+  EXPECT_EQ(Spool::open({folder_.path()}, other).error().code, ErrorCode::refused);
+  other = rover();
+  other.family.id.version = 2;
+  EXPECT_EQ(Spool::open({folder_.path()}, other).error().code, ErrorCode::refused);
+  EXPECT_TRUE(open());
+}
+
+TEST_F(SpoolTest, SequencesHaveNoHoles) {
+  auto spool = open();
+  ASSERT_TRUE(spool);
+  EXPECT_FALSE(spool->append(keyframe(2), ""));
+  EXPECT_TRUE(spool->append(keyframe(1), ""));
+  EXPECT_FALSE(spool->append(keyframe(1), ""));
+  Keyframe bad = keyframe(2);
+  bad.stamp_s = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(spool->append(bad, ""));
+  EXPECT_EQ(spool->last_sequence(), 1U);
+}
+
+TEST_F(SpoolTest, KilledAtAnyByteOfTheLastRecordOnlyThatRecordIsGone) {
+  fill(2);
+  const std::string two = bytes_of(log());
+  fill(3);
+  const std::string three = bytes_of(log());
+  ASSERT_GT(three.size(), two.size());
+  for (std::size_t cut = two.size(); cut < three.size(); ++cut) {
+    write(log(), std::string_view(three).substr(0, cut));
+    {
+      auto spool = open();
+      ASSERT_TRUE(spool) << cut << ": " << spool.error().message;
+      EXPECT_EQ(spool->last_sequence(), 2U) << cut;
+      EXPECT_EQ(spool->warnings().size(), cut == two.size() ? 0U : 1U) << cut;
+      EXPECT_FALSE(spool->holds_cloud(3)) << "a cloud without its keyframe is removed";
+      ASSERT_TRUE(spool->append(keyframe(3), "cloud 3 again"));
+    }
+    const auto again = open();
+    ASSERT_TRUE(again) << cut;
+    EXPECT_TRUE(again->warnings().empty()) << cut;
+    EXPECT_EQ(again->last_sequence(), 3U) << cut;
+    EXPECT_EQ(*again->cloud(3), "cloud 3 again");
+  }
+}
+
+TEST_F(SpoolTest, AFlippedByteIsNeverTakenForAKeyframe) {
+  fill(2);
+  const std::string two = bytes_of(log());
+  fill(3);
+  const std::string three = bytes_of(log());
+  for (std::size_t at = 0; at < three.size(); ++at) {
+    std::string flipped = three;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    write(log(), flipped);
+    const auto spool = open();
+    if (at < two.size()) {  // whole records follow: nothing is thrown away behind the operator's back
+      ASSERT_FALSE(spool) << at;
+      EXPECT_EQ(spool.error().code, ErrorCode::bad_input) << at;
+      EXPECT_EQ(bytes_of(log()), flipped) << at;
+    } else {
+      ASSERT_TRUE(spool) << at;
+      EXPECT_EQ(spool->last_sequence(), 2U) << at;
+    }
+  }
+}
+
+TEST_F(SpoolTest, ADamagedCloudIsAnErrorOfThatCloudAlone) {
+  fill(2);
+  const fs::path path = folder_.path() / "clouds" / "0000000001";
+  std::string bytes = bytes_of(path);
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  write(path, bytes);
+  auto spool = open();
+  ASSERT_TRUE(spool);
+  EXPECT_FALSE(spool->cloud(1));
+  EXPECT_EQ(*spool->cloud(2), "cloud 2");
+  spool->drop_cloud(1);
+  EXPECT_FALSE(spool->holds_cloud(1));
+  EXPECT_EQ(spool->dropped_clouds(), 1U);
+}
+
+TEST_F(SpoolTest, TheQuotaDropsTheOldestCloudsAndNoKeyframe) {
+  const std::string cloud(91, 'x');  // 100 bytes with the record's header
+  {
+    auto spool = open(300);
+    ASSERT_TRUE(spool);
+    for (std::uint64_t i = 1; i <= 3; ++i) ASSERT_TRUE(spool->append(keyframe(i), cloud));
+    EXPECT_EQ(spool->held_clouds(), 3U) << "exactly the quota is allowed";
+    ASSERT_TRUE(spool->append(keyframe(4), cloud));
+    EXPECT_EQ(spool->held_clouds(), 3U);
+    EXPECT_EQ(spool->next_held_cloud(1), 2U);
+    EXPECT_EQ(spool->last_sequence(), 4U);
+  }
+  const auto spool = open(299);
+  ASSERT_TRUE(spool);
+  EXPECT_EQ(spool->held_clouds(), 2U);
+  EXPECT_EQ(spool->dropped_clouds(), 2U);
+  EXPECT_EQ(spool->last_sequence(), 4U);
+}
+
+TEST_F(SpoolTest, ADirectoryThatCanNotBeMadeIsOneClearLine) {
+  write(folder_.path() / "file", "x");
+  const auto spool = Spool::open({folder_.path() / "file" / "spool"}, rover());
+  ASSERT_FALSE(spool);
+  EXPECT_EQ(spool.error().code, ErrorCode::unavailable);
+  EXPECT_NE(spool.error().message.find("spool"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace headframe

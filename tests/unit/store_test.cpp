@@ -1,0 +1,224 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <future>
+#include <limits>
+
+#include "server/store/schema.hpp"
+#include "server/store/sqlite_store.hpp"
+#include "tests/support/keyframes.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace headframe {
+namespace {
+
+Result<void> write_and_wait(Store& store, Write write) {
+  std::promise<Result<void>> durable;
+  store.write(std::move(write), [&](const Result<void>& result) { durable.set_value(result); });
+  return durable.get_future().get();
+}
+
+std::unique_ptr<Store> open(const TempDir& dir, const SqliteOptions& options = {}) {
+  auto store = open_sqlite_store(dir.path(), options);
+  EXPECT_TRUE(store) << (store ? "" : store.error().message);
+  return store ? std::move(*store) : nullptr;
+}
+
+std::vector<Keyframe> keyframes(Store& store, SessionId session, std::uint64_t first = 1) {
+  std::vector<Keyframe> all;
+  EXPECT_TRUE(store.each_keyframe(session, first, [&](Keyframe k) { all.push_back(std::move(k)); }));
+  return all;
+}
+
+TEST(Store, KeepsSessionsKeyframesAndCloudsBitForBit) {
+  const TempDir dir;
+  const SessionRecord session = session_record(1, "ant");
+  const Keyframe k = line_keyframe(1);
+  const std::string encoded("\0cloud\xff", 7);
+  {
+    const auto store = open(dir);
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session}));
+    ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, k}));
+    ASSERT_TRUE(write_and_wait(*store, PutCloud{{1, 1}, encoded}));
+    ASSERT_TRUE(write_and_wait(*store, CompleteSession{1}));
+  }
+  const auto store = open(dir);
+  const auto sessions = store->sessions();
+  ASSERT_TRUE(sessions);
+  ASSERT_EQ(sessions->size(), 1U);
+  const SessionRecord& s = sessions->front();
+  EXPECT_EQ(s.key, session.key);
+  EXPECT_EQ(s.family, session.family);
+  EXPECT_EQ(s.sensor.beams, 32);
+  EXPECT_EQ(s.spool_id, 77U);
+  EXPECT_TRUE(s.complete);
+  const auto all = keyframes(*store, 1);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].T_local_sensor.matrix(), k.T_local_sensor.matrix());
+  EXPECT_EQ(all[0].descriptor.q, k.descriptor.q);
+  EXPECT_EQ(all[0].descriptor.w, k.descriptor.w);
+  EXPECT_EQ(all[0].descriptor.place_class, PlaceClass::junction);
+  EXPECT_EQ(all[0].walls.code, k.walls.code);
+  EXPECT_EQ(all[0].point_count, 1000U);
+  EXPECT_EQ(store->cloud({1, 1}).value(), encoded);
+  EXPECT_EQ(store->cloud_sequences(1).value(), std::vector<std::uint64_t>{1});
+  EXPECT_EQ(store->cloud({1, 2}).error().code, ErrorCode::not_found);
+}
+
+TEST(Store, KeepsTheAtlasWithItsEvidence) {
+  const TempDir dir;
+  Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
+  alignment.evidence.probability = 0.97;
+  alignment.evidence.slide_ratio = std::numeric_limits<double>::quiet_NaN();
+  const Atlas atlas{4, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
+  {
+    const auto store = open(dir);
+    for (const SessionId id : {1, 2})
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{2, 17, {alignment}, atlas}));
+    alignment.state = AlignmentState::retracted;
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{1, 9, {alignment}, std::nullopt}));
+  }
+  const auto store = open(dir);
+  const auto merge = store->merge();
+  ASSERT_TRUE(merge);
+  ASSERT_EQ(merge->alignments.size(), 1U);
+  EXPECT_EQ(merge->alignments[0].state, AlignmentState::retracted);
+  EXPECT_EQ(merge->alignments[0].T_a_b.matrix(), alignment.T_a_b.matrix());
+  EXPECT_EQ(merge->alignments[0].evidence.probability, 0.97);
+  EXPECT_TRUE(std::isnan(merge->alignments[0].evidence.slide_ratio));
+  EXPECT_EQ(merge->atlas.revision, 4U);
+  ASSERT_EQ(merge->atlas.components.size(), 1U);
+  EXPECT_EQ(merge->atlas.components[0].placements[1].T_component_session.matrix(), alignment.T_a_b.matrix());
+  EXPECT_EQ(store->sessions()->at(1).attempted_keyframes, 17U);
+}
+
+TEST(Store, RepeatsChangeNothingAndHolesFail) {
+  const TempDir dir;
+  const auto store = open(dir);
+  ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+  for (const std::uint64_t sequence : {1, 2, 1, 2, 3}) {
+    ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(sequence)}));
+    ASSERT_TRUE(write_and_wait(*store, PutCloud{{1, sequence}, "first"}));
+  }
+  ASSERT_TRUE(write_and_wait(*store, PutCloud{{1, 2}, "second"}));
+  EXPECT_FALSE(write_and_wait(*store, PutKeyframe{1, line_keyframe(5)})) << "4 is missing";
+  EXPECT_FALSE(write_and_wait(*store, PutCloud{{1, 9}, "no such keyframe"}));
+  EXPECT_FALSE(store->load().last_error.empty());
+  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(4)})) << "one bad write fails alone";
+  EXPECT_TRUE(store->load().last_error.empty());
+  EXPECT_EQ(keyframes(*store, 1).size(), 4U);
+  EXPECT_EQ(keyframes(*store, 1, 3).front().sequence, 3U);
+  EXPECT_EQ(store->cloud({1, 2}).value(), "first");
+}
+
+TEST(Store, FullQueueRefusesAtOnce) {
+  const TempDir dir;
+  const auto store = open(dir, {.queue_bytes = 4096});
+  EXPECT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+  const auto refused = write_and_wait(*store, PutCloud{{1, 1}, std::string(4096, 'x')});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
+  EXPECT_EQ(store->load().queued_bytes, 0U);
+}
+
+TEST(Store, FullDiskFailsWritesAndLosesNothing) {
+  const TempDir dir;
+  std::uint64_t durable = 0;  // counted by the writer's thread, read when all is settled
+  {
+    const auto store = open(dir, {.database_bytes = 1'000'000});
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+    for (std::uint64_t i = 1; i < 3000; ++i) {
+      store->write(PutKeyframe{1, line_keyframe(i)}, [&](const Result<void>& result) { durable += result ? 1 : 0; });
+      if (i % 100 == 0) (void)write_and_wait(*store, CompleteSession{1});  // all before it are settled
+    }
+    ASSERT_FALSE(write_and_wait(*store, PutCloud{{1, 1}, std::string(2'000'000, 'x')}));
+    EXPECT_NE(store->load().last_error.find("disk is full"), std::string::npos) << store->load().last_error;
+    EXPECT_GE(durable, 100U);
+    EXPECT_EQ(keyframes(*store, 1).size(), durable) << "reads go on";
+  }
+  const auto store = open(dir);  // room was made
+  EXPECT_EQ(keyframes(*store, 1).size(), durable);
+  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(durable + 1)}));
+}
+
+/// Writes without end; tells each durable sequence through the pipe. Only left by a kill.
+[[noreturn]] void write_for_ever(const std::filesystem::path& directory, int pipe) {
+  auto store = open_sqlite_store(directory, {.group_ms = 1});
+  (*store)->write(PutSession{session_record(1, "ant")}, [](const Result<void>&) {});
+  for (std::uint64_t i = 1;; ++i) {
+    while ((*store)->load().queued_writes > 200) ::usleep(100);
+    (*store)->write(PutKeyframe{1, line_keyframe(i)}, [pipe, i](const Result<void>& result) {
+      if (!result || ::write(pipe, &i, sizeof i) != sizeof i) ::_exit(1);
+    });
+  }
+}
+
+TEST(Store, KillInMidWriteLosesNothingThatWasDurable) {
+  const TempDir dir;
+  for (int round = 0; round < 3; ++round) {
+    std::filesystem::remove_all(dir.path());
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    const pid_t child = ::fork();
+    if (child == 0) write_for_ever(dir.path(), ends[1]);
+    ::close(ends[1]);
+    std::uint64_t told = 0, sequence = 0;
+    while (told < 500U * (round + 1) && ::read(ends[0], &sequence, sizeof sequence) == sizeof sequence) told = sequence;
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    while (::read(ends[0], &sequence, sizeof sequence) == sizeof sequence) told = sequence;
+    ::close(ends[0]);
+    ASSERT_GE(told, 500U);
+    const auto store = open(dir);
+    const auto all = keyframes(*store, 1);
+    EXPECT_GE(all.size(), told);
+    for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i].sequence, i + 1);
+  }
+}
+
+std::string open_error(const std::filesystem::path& path) {
+  const auto store = open_sqlite_store(path);
+  return store ? "opened" : store.error().message;
+}
+
+TEST(Store, BadDirectoriesGiveOneClearLine) {
+  const TempDir dir;
+  std::ofstream(dir.path() / "file") << "x";
+  EXPECT_NE(open_error(dir.path() / "file").find("can not be created"), std::string::npos);
+  EXPECT_NE(open_error("/proc/headframe").find("can not be created"), std::string::npos);
+  std::filesystem::create_directory(dir.path() / "damaged");
+  std::ofstream(dir.path() / "damaged" / "headframe.db") << std::string(100000, 'x');
+  EXPECT_NE(open_error(dir.path() / "damaged").find("no headframe database"), std::string::npos);
+  EXPECT_EQ(open_error(dir.path() / "made" / "twice"), "opened") << "what is not there is made";
+}
+
+TEST(Store, OneServerToADirectory) {
+  const TempDir dir;
+  const auto store = open(dir);
+  EXPECT_NE(open_error(dir.path()).find("in use"), std::string::npos);
+}
+
+TEST(Store, NewerSchemaIsRefusedAndTheSameIsKept) {
+  const TempDir dir;
+  open(dir).reset();
+  const auto set_version = [&](int version) {
+    auto database = Database::open((dir.path() / "headframe.db").string());
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(database->execute("PRAGMA user_version=" + std::to_string(version)));
+  };
+  set_version(schema_version() + 1);
+  const auto refused = open_sqlite_store(dir.path());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::incompatible);
+  EXPECT_NE(refused.error().message.find("newer headframe-server"), std::string::npos);
+  set_version(schema_version());
+  EXPECT_EQ(open_error(dir.path()), "opened");
+}
+
+}  // namespace
+}  // namespace headframe
