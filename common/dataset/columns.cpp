@@ -56,9 +56,9 @@ Result<Points> points_of_text(Lines& lines, std::size_t count, std::size_t width
                                                std::to_string(points.size()) + " are there");
     const auto parts = words(*line);
     if (parts.empty()) continue;
-    if (parts.size() < width)
+    if (parts.size() != width)
       return failure(ErrorCode::bad_input,
-                     at() + "truncated: " + std::to_string(parts.size()) + " values of " + std::to_string(width));
+                     at() + std::to_string(parts.size()) + " values, the header says " + std::to_string(width));
     Eigen::Vector3f p;
     for (int axis = 0; axis < 3; ++axis) {
       const auto value = to_number(parts[xyz[axis]]);

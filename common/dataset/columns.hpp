@@ -29,9 +29,9 @@ bool readable(ScalarKind kind, std::size_t size_bytes);
 /// it.
 Points points_of_binary(std::string_view bytes, std::size_t count, const XyzColumns& columns);
 
-/// The points of a text table, one a line of at least `width` words; xyz are the places of x, y and z among them. Blank
-/// lines are passed over. Fails with the line when one is too short or has no number there, or when there are fewer
-/// than count.
+/// The points of a text table, one a line of `width` words; xyz are the places of x, y and z among them. Blank
+/// lines are passed over. Fails with the line when one is longer or shorter, or has no number there, or when there are
+/// fewer than count.
 Result<Points> points_of_text(Lines& lines, std::size_t count, std::size_t width,
                               const std::array<std::size_t, 3>& xyz);
 

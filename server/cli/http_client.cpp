@@ -11,6 +11,7 @@
 #include <boost/beast/http/write.hpp>
 #include <charconv>
 #include <chrono>
+#include <limits>
 
 namespace headframe {
 namespace {
@@ -25,7 +26,9 @@ constexpr std::size_t collected_bytes = 64 * 1024 * 1024;
 /// Asio's timeouts hold for asynchronous calls only: each step is one, run to its end.
 class Exchange {
  public:
-  explicit Exchange(const HttpEndpoint& endpoint) : endpoint_(endpoint) { parser_.body_limit(boost::none); }
+  explicit Exchange(const HttpEndpoint& endpoint) : endpoint_(endpoint) {
+    parser_.body_limit(std::numeric_limits<std::uint64_t>::max());  // Beast 1.74 takes boost::none for 0
+  }
 
   Result<void> connect(double timeout_s);
   Result<void> send(std::string_view method, std::string_view target, double timeout_s);

@@ -61,7 +61,7 @@ class RobotProtocol {
   std::nullopt_t out_of_order(const std::string& message);
   std::nullopt_t bad_message(const std::string& message);
 
-  const RobotLimits limits_;
+  RobotLimits limits_;
   State state_ = State::hello_awaited;
   Time born_, now_, heard_;  // heard_: when the last whole message came
   bool asked_ = false;       // a ping since then

@@ -27,7 +27,8 @@ double median_ms(int runs, Work&& work) {
   for (int i = 0; i <= runs; ++i) {
     const auto start = std::chrono::steady_clock::now();
     work();
-    if (i > 0) ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    if (i > 0)
+      ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }
   std::nth_element(ms.begin(), ms.begin() + static_cast<std::ptrdiff_t>(ms.size() / 2), ms.end());
   return ms[ms.size() / 2];
@@ -67,7 +68,8 @@ void report_error(const char* who, const Pose& T, const Pose& truth) {
 
 nlohmann::json registration(const std::filesystem::path& recordings) {
   const Pair pair = registration_pair(recordings);
-  std::printf("registration (%s, %zu and %zu points at 0.25 m)\n", pair.name.c_str(), pair.target.size(), pair.source.size());
+  std::printf("registration (%s, %zu and %zu points at 0.25 m)\n", pair.name.c_str(), pair.target.size(),
+              pair.source.size());
   Pose T_pcl, T_own;
   const double pcl_ms = median_ms(5, [&] { T_pcl = pcl_gicp(pair.target, pair.source); });
   GicpConfig config;
@@ -78,16 +80,18 @@ nlohmann::json registration(const std::filesystem::path& recordings) {
   const auto own_ms = [&](int threads) {
     config.threads = threads;
     return median_ms(9, [&] {
-      T_own = align(make_surfels(pair.target, 20, threads), make_surfels(pair.source, 20, threads), Pose::Identity(), config)
+      T_own = align(make_surfels(pair.target, 20, threads), make_surfels(pair.source, 20, threads), Pose::Identity(),
+                    config)
                   .T_target_source;
     });
   };
   const double one = own_ms(1), two = own_ms(2);
   const Surfels target = make_surfels(pair.target, 20, 2), source = make_surfels(pair.source, 20, 2);
   const double kept = median_ms(9, [&] { align(target, source, Pose::Identity(), config); });
-  std::printf("  PCL GICP %.1f ms; ours with normals %.1f ms (1 thread), %.1f ms (2); alignment alone %.1f ms\n", pcl_ms, one,
-              two, kept);
-  std::printf("  vs PCL: %.2fx with 1 thread, %.2fx with 2; alignment alone %.2fx\n", pcl_ms / one, pcl_ms / two, pcl_ms / kept);
+  std::printf("  PCL GICP %.1f ms; ours with normals %.1f ms (1 thread), %.1f ms (2); alignment alone %.1f ms\n",
+              pcl_ms, one, two, kept);
+  std::printf("  vs PCL: %.2fx with 1 thread, %.2fx with 2; alignment alone %.2fx\n", pcl_ms / one, pcl_ms / two,
+              pcl_ms / kept);
   report_error("PCL", T_pcl, pair.T_target_source);
   report_error("ours", T_own, pair.T_target_source);
   return {{"vs_pcl_1t", pcl_ms / one}, {"vs_pcl_2t", pcl_ms / two}, {"alignment_vs_pcl", pcl_ms / kept}};
@@ -106,12 +110,14 @@ nlohmann::json link_bytes() {
   }
   const double per_keyframe = static_cast<double>(keyframe_bytes) / static_cast<double>(drive.keyframes.size());
   const double per_point = static_cast<double>(cloud_bytes) / static_cast<double>(points);
-  std::printf("link\n  %.0f bytes a keyframe with its frame; clouds %.2f bytes a point at 1 cm\n", per_keyframe, per_point);
+  std::printf("link\n  %.0f bytes a keyframe with its frame; clouds %.2f bytes a point at 1 cm\n", per_keyframe,
+              per_point);
   return {{"bytes_per_keyframe", per_keyframe}, {"bytes_per_point", per_point}};
 }
 
 nlohmann::json walls() {
-  const test::BoxMine mine({test::BoxMine::drift(0, 0, 120, 0), test::BoxMine::drift(30, 0, 30, 60), test::BoxMine::drift(80, -40, 80, 0)});
+  const test::BoxMine mine(
+      {test::BoxMine::drift(0, 0, 120, 0), test::BoxMine::drift(30, 0, 30, 60), test::BoxMine::drift(80, -40, 80, 0)});
   const auto a = test::drive(mine, {{2, 0}, {30, 0}, {30, 58}}, 0, 1), b = test::drive(mine, {{118, 0}, {2, 0}}, 1, 2);
   const WallMap map_a = draw_wall_map(a.keyframes, 1), map_b = draw_wall_map(b.keyframes, 1);
   const double ms = median_ms(5, [&] { correlate(map_a, map_b, 20, 2); });
@@ -136,6 +142,7 @@ int main(int argc, char** argv) {
   part("registration", [&] { return registration(recordings); });
   part("link", [] { return link_bytes(); });
   part("places", [] { return walls(); });
-  if (!known) std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, all\n", what.c_str());
+  if (!known)
+    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, all\n", what.c_str());
   return known ? 0 : 2;
 }

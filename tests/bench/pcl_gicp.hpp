@@ -5,8 +5,8 @@
 
 namespace headframe::bench {
 
-/// PCL's Generalized-ICP from identity: 20 neighbours, 1 m correspondences; covariances and alignment together. The baseline
-/// of the bench and the oracle of the registration test.
+/// PCL's Generalized-ICP from identity: 20 neighbours, 1 m correspondences; covariances and alignment together. The
+/// baseline of the bench and the oracle of the registration test.
 Pose pcl_gicp(const Points& target, const Points& source);
 
 }  // namespace headframe::bench

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "common/descriptor/scan_context.hpp"
-#include "tests/support/box_mine.hpp"
+#include "tests/support/drawn_session.hpp"
 
 namespace headframe {
 namespace {
@@ -57,20 +57,10 @@ struct Base {
   const Drive& drive(SessionId id) const { return drives[static_cast<std::size_t>(id - 1)]; }
 };
 
-/*  y
- *  40        C
- *            |
- *   0  A ----+-----------+---- B          a drives A to C, b drives B to A; c drives D to B
- *            30          60
- * -25                    D (6 m wide)                                              */
-const BoxMine& branches() {
-  static const BoxMine mine(
-      {BoxMine::drift(0, 0, 90, 0), BoxMine::drift(30, 0, 30, 40), BoxMine::drift(60, -25, 60, 0, 6)});
-  return mine;
-}
-Drive a() { return test::drive(branches(), {{2, 0}, {30, 0}, {30, 38}}, 0, 1); }
-Drive b() { return test::drive(branches(), {{88, 0}, {4, 0}}, 2.3, 2); }
-Drive c() { return test::drive(branches(), {{60, -23}, {60, 0}, {88, 0}}, -1.1, 3); }
+// The mine and the drives: tests/support/drawn_session.hpp.
+Drive a() { return test::drive_a_to_c(3); }
+Drive b() { return test::drive_b_to_a(3); }
+Drive c() { return test::drive_d_to_b(3); }
 
 TEST(MergePipeline, ThreeDrivesBecomeOneComponentWhicheverIsTriedFirst) {
   for (const SessionId first : {1, 2, 3}) {
@@ -114,6 +104,19 @@ TEST(MergePipeline, AsksForTheCloudsItNeedsAndThenMerges) {
   EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
   EXPECT_GT(asked.size(), 0U);
   EXPECT_LT(asked.size(), base.shelf.clouds.size()) << "not the whole maps";
+}
+
+TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
+  const auto path_m = [](const Drive& d) { return 3.0 * static_cast<double>(d.keyframes.size() - 1); };
+  Drive shortened = b();
+  while (path_m(shortened) >= MergeConfig{}.least_path_m) shortened.keyframes.pop_back();
+  Base base({a(), shortened});
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+  EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::candidate);
+  base.pipeline.complete_session(2);
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
 }
 
 TEST(MergePipeline, RestoresWhatItHad) {

@@ -1,0 +1,40 @@
+#pragma once
+// When the uplink may send and when it may try again. Pure: the caller says what time it is.
+
+#include <chrono>
+#include <cstdint>
+#include <random>
+
+namespace headframe {
+
+/// A budget in bytes per second; a quarter of a second of it may be saved up. 0: no limit. Not thread safe.
+class TokenBucket {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  TokenBucket(double bytes_per_s, Time now) : bytes_per_s_(bytes_per_s), filled_(now) {}
+
+  /// Takes the bytes and says how long to wait before they are sent.
+  std::chrono::duration<double> take(std::size_t bytes, Time now);
+
+ private:
+  double bytes_per_s_;
+  double level_bytes_ = 0;  // below 0: owed
+  Time filled_;
+};
+
+/// Jittered exponential backoff: half to all of a span that doubles from `first_s` to `most_s`. Not thread safe.
+class Backoff {
+ public:
+  Backoff(double first_s, double most_s, std::uint32_t seed)
+      : first_s_(first_s), most_s_(most_s), span_s_(first_s), random_(seed) {}
+
+  double next_s();
+  void reset() { span_s_ = first_s_; }
+
+ private:
+  double first_s_, most_s_, span_s_;
+  std::mt19937 random_;
+};
+
+}  // namespace headframe

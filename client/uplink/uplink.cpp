@@ -1,0 +1,241 @@
+#include "client/uplink/uplink.hpp"
+
+#include <array>
+#include <atomic>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+#include <thread>
+
+#include "client/uplink/pacing.hpp"
+
+namespace headframe {
+namespace {
+
+namespace asio = boost::asio;
+using tcp = asio::ip::tcp;
+using Code = boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+// The one place where TLS comes in: an ssl::stream over this socket, with its handshake after the connect.
+using Stream = tcp::socket;
+
+Clock::duration seconds(double s) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+}
+
+}  // namespace
+
+// All members but the atomics belong to the thread that runs `io`.
+struct Uplink::Thread {
+  /// One connection or attempt. Handlers hold it; `over` tells late ones to do nothing.
+  struct Connection {
+    Connection(asio::io_context& io, const UplinkConfig& config, const Hello& hello, const UplinkSource& source)
+        : stream(io), pace(io), deadline(io), protocol(config.limits, hello, source, Clock::now()) {}
+    Stream stream;
+    asio::steady_timer pace, deadline;
+    UplinkProtocol protocol;
+    std::array<char, 16 * 1024> received{};
+    std::string writing;  // the frame that is on its way
+    bool up = false, over = false, shut = false;
+  };
+  using Link = std::shared_ptr<Connection>;
+
+  Thread(const UplinkConfig& c, const Hello& h, const UplinkSource& s, std::function<void(const UplinkEvent&)> e)
+      : config(c), hello(h), source(s), on_event(std::move(e)), bucket(c.bytes_per_s, Clock::now()) {}
+
+  void connect();
+  void connected_to(const Link& link);
+  void read(const Link& link);
+  void pump(const Link& link);
+  void write(const Link& link);
+  void tick(const Link& link);
+  void take(const Link& link, const std::vector<UplinkEvent>& events);
+  void fail(const Link& link, const std::string& what, const Code& code);
+  void end(const Link& link, bool permanent);
+  void begin_close(bool complete);
+
+  const UplinkConfig config;
+  const Hello hello;
+  const UplinkSource& source;
+  const std::function<void(const UplinkEvent&)> on_event;
+  asio::io_context io{1};
+  asio::steady_timer retry{io};
+  tcp::resolver resolver{io};
+  TokenBucket bucket;
+  Backoff backoff{config.retry_first_s, config.retry_most_s, std::random_device{}()};
+  Link link;
+  std::string pending_trigger;
+  bool closing = false;
+  std::atomic<bool> up{false};
+  std::atomic<std::uint64_t> bytes_sent{0};
+  std::thread runner;
+};
+
+void Uplink::Thread::connect() {
+  link = std::make_shared<Connection>(io, config, hello, source);
+  link->deadline.expires_after(seconds(config.connect_s));
+  link->deadline.async_wait([this, l = link](const Code& code) {
+    if (!code) fail(l, "no connection", asio::error::timed_out);
+  });
+  resolver.async_resolve(config.host, std::to_string(config.port), [this, l = link](const Code& code, auto found) {
+    if (l->over) return;
+    if (code) return fail(l, "can not be resolved", code);
+    asio::async_connect(l->stream, found, [this, l](const Code& fault, const tcp::endpoint&) {
+      if (l->over) return;
+      if (fault) return fail(l, "no connection", fault);
+      connected_to(l);
+    });
+  });
+}
+
+void Uplink::Thread::connected_to(const Link& l) {
+  l->up = true;
+  Code ignored;
+  l->stream.set_option(tcp::no_delay(true), ignored);
+  read(l);
+  pump(l);
+  tick(l);
+}
+
+void Uplink::Thread::read(const Link& l) {
+  l->stream.async_read_some(asio::buffer(l->received), [this, l](const Code& code, std::size_t n) {
+    if (l->over) return;
+    if (code) return fail(l, "the connection broke", code);
+    take(l, l->protocol.receive({l->received.data(), n}, Clock::now()));
+    if (l->over) return;
+    pump(l);
+    read(l);
+  });
+}
+
+// One frame is in flight at a time, so the next one is chosen by priority at the last moment.
+void Uplink::Thread::pump(const Link& l) {
+  if (l->over || !l->up || !l->writing.empty()) return;
+  std::vector<UplinkEvent> events;
+  auto frame = l->protocol.next_frame(events);
+  take(l, events);
+  if (l->over) return;
+  if (!frame) {
+    if (!closing || l->shut) return;
+    l->shut = true;  // all is said: the server reads to the end and hangs up
+    Code ignored;
+    l->stream.shutdown(tcp::socket::shutdown_send, ignored);
+    return;
+  }
+  l->writing = std::move(*frame);
+  const auto wait = bucket.take(l->writing.size(), Clock::now());
+  if (wait.count() <= 0) return write(l);
+  l->pace.expires_after(seconds(wait.count()));
+  l->pace.async_wait([this, l](const Code& code) {
+    if (!code && !l->over) write(l);
+  });
+}
+
+void Uplink::Thread::write(const Link& l) {
+  asio::async_write(l->stream, asio::buffer(l->writing), [this, l](const Code& code, std::size_t n) {
+    bytes_sent += n;
+    if (l->over) return;
+    if (code) return fail(l, "the connection broke", code);
+    l->writing.clear();
+    pump(l);
+  });
+}
+
+void Uplink::Thread::tick(const Link& l) {
+  l->deadline.expires_after(std::chrono::seconds(1));
+  l->deadline.async_wait([this, l](const Code& code) {
+    if (code || l->over) return;
+    take(l, l->protocol.tick(Clock::now()));
+    if (l->over) return;
+    pump(l);
+    tick(l);
+  });
+}
+
+void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events) {
+  for (const auto& event : events) {
+    if (std::holds_alternative<Welcomed>(event)) {
+      up = true;
+      backoff.reset();
+      if (!pending_trigger.empty()) l->protocol.trigger(std::exchange(pending_trigger, {}));
+    }
+    const auto* ended = std::get_if<LinkEnded>(&event);
+    if (ended) end(l, ended->permanent);
+    on_event(event);
+    if (ended) return;
+  }
+}
+
+void Uplink::Thread::fail(const Link& l, const std::string& what, const Code& code) {
+  if (l->over) return;
+  end(l, false);
+  const std::string where = config.host + ":" + std::to_string(config.port);
+  if (!closing) on_event(LinkEnded{{ErrorCode::unavailable, where + ": " + what + ": " + code.message()}, false});
+}
+
+void Uplink::Thread::end(const Link& l, bool permanent) {
+  if (l->over) return;
+  l->over = true;
+  up = false;
+  Code ignored;
+  l->stream.close(ignored);
+  l->pace.cancel();
+  l->deadline.cancel();
+  if (closing) return io.stop();
+  if (permanent) return;
+  retry.expires_after(seconds(backoff.next_s()));
+  retry.async_wait([this](const Code& code) {
+    if (!code && !closing) connect();
+  });
+}
+
+void Uplink::Thread::begin_close(bool complete) {
+  closing = true;
+  if (!link || link->over || !link->protocol.welcomed()) return io.stop();
+  link->protocol.goodbye(complete);
+  retry.expires_after(seconds(config.close_s));
+  retry.async_wait([this](const Code&) { io.stop(); });
+  pump(link);
+}
+
+Uplink::Uplink(const UplinkConfig& config, const Hello& hello, const UplinkSource& source,
+               std::function<void(const UplinkEvent&)> on_event)
+    : thread_(std::make_unique<Thread>(config, hello, source, std::move(on_event))) {
+  thread_->runner = std::thread([t = thread_.get()] {
+    const auto work = asio::make_work_guard(t->io);  // also while a permanent error leaves nothing to do
+    t->connect();
+    t->io.run();
+  });
+}
+
+void Uplink::wake() {
+  asio::post(thread_->io, [t = thread_.get()] {
+    if (t->link) t->pump(t->link);
+  });
+}
+
+void Uplink::trigger(const std::string& reason) {
+  asio::post(thread_->io, [t = thread_.get(), reason] {
+    if (t->link && t->link->protocol.welcomed()) {
+      t->link->protocol.trigger(reason);
+      t->pump(t->link);
+    } else {
+      t->pending_trigger = reason;
+    }
+  });
+}
+
+void Uplink::close(bool complete) {
+  if (!thread_->runner.joinable()) return;
+  asio::post(thread_->io, [t = thread_.get(), complete] { t->begin_close(complete); });
+  thread_->runner.join();
+}
+
+bool Uplink::connected() const { return thread_->up; }
+std::uint64_t Uplink::bytes_sent() const { return thread_->bytes_sent; }
+Uplink::~Uplink() { close(false); }
+
+}  // namespace headframe

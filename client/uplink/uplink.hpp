@@ -1,0 +1,52 @@
+#pragma once
+// The protocol over a TCP connection that comes back by itself.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "client/uplink/uplink_protocol.hpp"
+
+namespace headframe {
+
+struct UplinkConfig {
+  std::string host;
+  std::uint16_t port = 0;
+  double bytes_per_s = 0;  // budget of what is sent; 0: no limit
+  double retry_first_s = 0.5;
+  double retry_most_s = 30;
+  double connect_s = 10;  // a connection that is not up within this is given up
+  double close_s = 5;     // for the goodbye
+  UplinkLimits limits;
+};
+
+/// Runs a thread of its own between construction and close(). All calls are thread safe.
+class Uplink {
+ public:
+  /// on_event is called on the uplink's thread and must not throw; LinkEnded comes once for every connection or attempt
+  /// that ends; after a permanent one no other follows. `source` must be thread safe and outlive this.
+  Uplink(const UplinkConfig& config, const Hello& hello, const UplinkSource& source,
+         std::function<void(const UplinkEvent&)> on_event);
+
+  /// The source has grown.
+  void wake();
+
+  /// Asks the server to merge now; kept until a connection is there (the last one only).
+  void trigger(const std::string& reason);
+
+  /// Says goodbye if connected, waits for the server to hang up (at most config.close_s) and ends the thread. Not to be
+  /// called from on_event.
+  void close(bool complete);
+
+  bool connected() const;
+  std::uint64_t bytes_sent() const;
+
+  ~Uplink();
+
+ private:
+  struct Thread;
+  std::unique_ptr<Thread> thread_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,281 @@
+#include "client/uplink/uplink_protocol.hpp"
+
+#include <algorithm>
+
+#include "common/wire/limits.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr std::size_t most_control_frames = 64;
+constexpr std::size_t reason_bytes = 256;
+
+double seconds(UplinkProtocol::Time from, UplinkProtocol::Time to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+ErrorCode code_of(v1::ErrorKind kind) {
+  switch (kind) {
+    case v1::ERROR_KIND_PROTOCOL_VERSION: return ErrorCode::incompatible;
+    case v1::ERROR_KIND_REFUSED: return ErrorCode::refused;
+    case v1::ERROR_KIND_BAD_MESSAGE:
+    case v1::ERROR_KIND_FRAME_TOO_LARGE:
+    case v1::ERROR_KIND_OUT_OF_ORDER: return ErrorCode::bad_input;
+    default: return ErrorCode::unavailable;
+  }
+}
+
+}  // namespace
+
+UplinkProtocol::UplinkProtocol(const UplinkLimits& limits, const Hello& hello, const UplinkSource& source, Time now)
+    : limits_(limits), hello_(hello), source_(source), born_(now), heard_(now) {
+  v1::RobotMessage message;
+  *message.mutable_hello() = to_proto(hello_);
+  queue(message);
+}
+
+// A full queue drops the newest: only pongs to a server that pings without reading can fill it.
+void UplinkProtocol::queue(const v1::RobotMessage& message) {
+  std::string frame;
+  if (control_.size() < most_control_frames && append_frame(frame, message.SerializeAsString()))
+    control_.push_back(std::move(frame));
+}
+
+std::vector<UplinkEvent> UplinkProtocol::receive(std::string_view bytes, Time now) {
+  Events events;
+  if (ended()) return events;
+  frames_.feed(bytes);
+  while (!ended()) {
+    const auto payload = frames_.next();
+    if (!payload) {
+      end(events, ErrorCode::bad_input, "from the server: " + payload.error().message, false);
+      break;
+    }
+    if (!*payload) break;
+    heard_ = now;
+    asked_ = false;
+    v1::ServerMessage message;
+    if (message.ParseFromString(**payload))
+      handle(message, events);
+    else
+      end(events, ErrorCode::bad_input, "from the server: a frame is no ServerMessage of protocol v1", false);
+  }
+  return events;
+}
+
+std::vector<UplinkEvent> UplinkProtocol::tick(Time now) {
+  Events events;
+  if (ended()) return events;
+  const double silent_s = seconds(heard_, now);
+  if (!welcomed() && seconds(born_, now) >= limits_.welcome_s) {
+    end(events, ErrorCode::unavailable, "the server did not answer the hello: is it a headframe server?", false);
+  } else if (silent_s >= limits_.silence_s) {
+    end(events, ErrorCode::unavailable, "the server fell silent", false);
+  } else if (welcomed() && silent_s >= limits_.ping_s && !asked_) {
+    asked_ = true;
+    v1::RobotMessage message;
+    message.mutable_ping()->set_nonce(++pings_);
+    queue(message);
+  }
+  return events;
+}
+
+void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
+  using Body = v1::ServerMessage;
+  if (message.body_case() == Body::kError) return on_error(message.error(), events);
+  if (message.body_case() == Body::kWelcome) return on_welcome(message.welcome(), events);
+  if (!welcomed()) return end(events, ErrorCode::bad_input, "from the server: a message before its welcome", false);
+  switch (message.body_case()) {
+    case Body::kKeyframeAck: {
+      const auto up_to = message.keyframe_ack().durable_keyframes();
+      if (up_to > sent_keyframes_)
+        return end(events, ErrorCode::bad_input, "from the server: an ack of a keyframe that was not sent", false);
+      durable_keyframes_ = std::max(durable_keyframes_, up_to);
+      events.emplace_back(KeyframesDurable{durable_keyframes_});
+      return;
+    }
+    case Body::kCloudAck:
+      for (const auto sequence : message.cloud_ack().sequences()) on_cloud_ack(sequence, events);
+      return;
+    case Body::kSubmapRequest: return on_submap_request(message.submap_request());
+    case Body::kTransformUpdate: return on_transforms(message.transform_update(), events);
+    case Body::kPing: {
+      v1::RobotMessage pong;
+      pong.mutable_pong()->set_nonce(message.ping().nonce());
+      return queue(pong);
+    }
+    default: return;  // a pong, or a body that a later minor version adds
+  }
+}
+
+void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
+  if (welcomed()) return end(events, ErrorCode::bad_input, "from the server: a second welcome", false);
+  if (message.protocol_version() != protocol_version)
+    return end(events, ErrorCode::incompatible,
+               "the server speaks protocol " + std::to_string(message.protocol_version()) + ", this robot " +
+                   std::to_string(protocol_version) + ": update the older of the two",
+               true);
+  if (message.durable_keyframes() > source_.last_sequence())
+    return end(events, ErrorCode::refused,
+               "the server holds " + std::to_string(message.durable_keyframes()) +
+                   " keyframes of this session, the spool only " + std::to_string(source_.last_sequence()) +
+                   ": it is an old copy; begin a new session",
+               true);
+  state_ = State::welcomed;
+  sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
+  events.emplace_back(Welcomed{});
+  events.emplace_back(KeyframesDurable{durable_keyframes_});
+  for (const auto& range : message.durable_clouds())
+    if (range.first() <= range.last()) events.emplace_back(CloudsDurable{range.first(), range.last()});
+}
+
+void UplinkProtocol::on_cloud_ack(std::uint64_t sequence, Events& events) {
+  if (clouds_in_flight_.erase(sequence) == 0)
+    return end(events, ErrorCode::bad_input, "from the server: an ack of a cloud that was not sent", false);
+  events.emplace_back(CloudsDurable{sequence, sequence});
+}
+
+bool UplinkProtocol::wanted(std::uint64_t sequence) const {
+  return clouds_in_flight_.contains(sequence) || (requested_transfer_ && requested_transfer_->sequence == sequence) ||
+         (background_transfer_ && background_transfer_->sequence == sequence) ||
+         std::find(requested_.begin(), requested_.end(), sequence) != requested_.end();
+}
+
+void UplinkProtocol::on_submap_request(const v1::SubmapRequest& message) {
+  v1::RobotMessage answer;
+  for (const auto sequence : message.sequences()) {
+    if (hello_.clouds == CloudPolicy::never || !source_.holds_cloud(sequence))
+      answer.mutable_submap_unavailable()->add_sequences(sequence);
+    else if (!wanted(sequence))
+      requested_.push_back(sequence);
+  }
+  if (answer.submap_unavailable().sequences_size() > 0) queue(answer);
+}
+
+void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& events) {
+  Transforms t{message.revision(), message.component(), {}, {}};
+  auto anchor = from_proto(message.anchor());
+  if (!anchor) return end(events, ErrorCode::bad_input, "transform update: anchor: " + anchor.error().message, false);
+  t.anchor = std::move(*anchor);
+  for (const auto& s : message.sessions()) {
+    auto key = from_proto(s.session());
+    auto pose = from_proto(s.t_component_session());
+    if (!key || !pose)
+      return end(events, ErrorCode::bad_input,
+                 "transform update: " + (key ? pose.error().message : key.error().message), false);
+    t.sessions.push_back({std::move(*key), *pose});
+  }
+  events.emplace_back(std::move(t));
+}
+
+void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {
+  std::string text = message.message().substr(0, 1024);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  end(events, code_of(message.kind()), "the server says: " + text, message.permanent());
+}
+
+void UplinkProtocol::end(Events& events, ErrorCode code, const std::string& message, bool permanent) {
+  state_ = State::ended;
+  events.emplace_back(LinkEnded{{code, message}, permanent});
+}
+
+void UplinkProtocol::trigger(const std::string& reason) {
+  v1::RobotMessage message;
+  message.mutable_trigger()->set_reason(reason.substr(0, reason_bytes));
+  queue(message);
+}
+
+void UplinkProtocol::goodbye(bool complete) {
+  if (said_goodbye_) return;
+  v1::RobotMessage message;
+  message.mutable_goodbye()->set_complete(complete);
+  queue(message);
+  said_goodbye_ = true;
+}
+
+std::optional<std::string> UplinkProtocol::next_frame(Events& events) {
+  // The hello alone may go before the welcome; triggers wait in the queue behind it.
+  const bool only_hello = state_ == State::welcome_awaited;
+  if (ended() || (only_hello && said_hello_)) return std::nullopt;
+  if (control_.empty() && !said_goodbye_ && !queue_next_keyframe(events)) queue_next_chunk(events);
+  if (control_.empty()) return std::nullopt;
+  said_hello_ = true;
+  std::string frame = std::move(control_.front());
+  control_.pop_front();
+  return frame;
+}
+
+bool UplinkProtocol::queue_next_keyframe(Events& events) {
+  if (sent_keyframes_ >= source_.last_sequence() || sent_keyframes_ - durable_keyframes_ >= limits_.keyframes_in_flight)
+    return false;
+  const auto keyframe = source_.keyframe(sent_keyframes_ + 1);
+  const auto message = keyframe ? to_proto(*keyframe) : tl::unexpected(keyframe.error());
+  if (!message) {
+    end(events, message.error().code, message.error().message, true);  // no hole may be sent
+    return false;
+  }
+  v1::RobotMessage body;
+  *body.mutable_keyframe() = *message;
+  queue(body);
+  ++sent_keyframes_;
+  return true;
+}
+
+void UplinkProtocol::queue_next_chunk(Events& events) {
+  while (!requested_transfer_ && !requested_.empty() && clouds_in_flight_.size() < limits_.clouds_in_flight &&
+         requested_.front() <= sent_keyframes_) {
+    const auto sequence = requested_.front();
+    requested_.pop_front();
+    begin(requested_transfer_, sequence, events);
+  }
+  if (requested_transfer_) {
+    return queue_chunk(requested_transfer_);
+  }
+  while (!background_transfer_ && hello_.clouds == CloudPolicy::all &&
+         clouds_in_flight_.size() < limits_.clouds_in_flight) {
+    const auto sequence = next_background();
+    if (sequence == 0) return;
+    begin(background_transfer_, sequence, events);
+  }
+  if (background_transfer_) queue_chunk(background_transfer_);
+}
+
+std::uint64_t UplinkProtocol::next_background() {
+  while (true) {
+    const auto sequence = source_.next_held_cloud(background_from_);
+    if (sequence == 0 || sequence > sent_keyframes_) return 0;
+    background_from_ = sequence + 1;
+    if (!wanted(sequence)) return sequence;
+  }
+}
+
+void UplinkProtocol::begin(std::optional<Transfer>& transfer, std::uint64_t sequence, Events& events) {
+  auto bytes = source_.cloud(sequence);
+  if (bytes && !bytes->empty() && bytes->size() <= limits::cloud_bytes) {
+    transfer = Transfer{sequence, std::move(*bytes), 0};
+    return;
+  }
+  v1::RobotMessage gone;
+  gone.mutable_submap_unavailable()->add_sequences(sequence);
+  queue(gone);
+  events.emplace_back(CloudUnreadable{
+      sequence, bytes ? Error{ErrorCode::bad_input, "a cloud of an impossible size"} : std::move(bytes.error())});
+}
+
+void UplinkProtocol::queue_chunk(std::optional<Transfer>& transfer) {
+  v1::RobotMessage message;
+  auto& chunk = *message.mutable_cloud_chunk();
+  const std::size_t n = std::min(limits::chunk_bytes, transfer->bytes.size() - transfer->offset);
+  chunk.set_sequence(transfer->sequence);
+  chunk.set_total_bytes(static_cast<std::uint32_t>(transfer->bytes.size()));
+  chunk.set_offset(static_cast<std::uint32_t>(transfer->offset));
+  chunk.set_data(transfer->bytes.data() + transfer->offset, n);
+  queue(message);
+  transfer->offset += n;
+  if (transfer->offset < transfer->bytes.size()) return;
+  clouds_in_flight_.insert(transfer->sequence);
+  transfer.reset();
+}
+
+}  // namespace headframe

@@ -1,0 +1,124 @@
+#pragma once
+// The robot's side of protocol v1 for one connection, without sockets, threads or a clock of its own: bytes and times
+// in, events and frames out.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "client/transforms.hpp"
+#include "common/result.hpp"
+#include "common/wire/convert.hpp"
+#include "common/wire/frame_codec.hpp"
+
+namespace headframe {
+
+/// Where the protocol takes what it sends. The spool, or a table in tests.
+class UplinkSource {
+ public:
+  virtual ~UplinkSource() = default;
+  virtual std::uint64_t last_sequence() const = 0;
+  virtual Result<Keyframe> keyframe(std::uint64_t sequence) const = 0;
+  virtual bool holds_cloud(std::uint64_t sequence) const = 0;
+  virtual std::uint64_t next_held_cloud(std::uint64_t from) const = 0;  // 0: none at or after `from`
+  virtual Result<std::string> cloud(std::uint64_t sequence) const = 0;
+};
+
+// Events.
+struct Welcomed {};
+struct KeyframesDurable {
+  std::uint64_t up_to = 0;
+};
+struct CloudsDurable {  // both inclusive; a peer's numbers: clamp before walking from one to the other
+  std::uint64_t first = 0, last = 0;
+};
+struct CloudUnreadable {
+  std::uint64_t sequence = 0;
+  Error error;
+};
+struct LinkEnded {
+  Error error;
+  bool permanent = false;  // connecting again will not help
+};
+using UplinkEvent = std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, Transforms, LinkEnded>;
+
+struct UplinkLimits {
+  std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
+  std::size_t clouds_in_flight = 16;
+  double welcome_s = 10;  // a server that does not welcome within this is given up
+  double ping_s = 10;     // silence after which the server is asked
+  double silence_s = 30;  // silence after which it is given up
+};
+
+/// Not thread safe. Frames come by priority: control, keyframes, chunks of requested clouds, chunks of background
+/// clouds. A requested cloud overtakes one that is on its way in the background between two chunks; never are more than
+/// two clouds open.
+class UplinkProtocol {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  UplinkProtocol(const UplinkLimits& limits, const Hello& hello, const UplinkSource& source, Time now);
+
+  std::vector<UplinkEvent> receive(std::string_view bytes, Time now);
+  std::vector<UplinkEvent> tick(Time now);
+
+  /// The next frame to write; nullopt: nothing may be sent now. Ask again after an event or when the source grew.
+  /// `events` gets what went wrong with the source.
+  std::optional<std::string> next_frame(std::vector<UplinkEvent>& events);
+
+  void trigger(const std::string& reason);
+
+  /// Nothing follows this; the caller closes once it is written.
+  void goodbye(bool complete);
+
+  bool welcomed() const { return state_ == State::welcomed; }
+  bool ended() const { return state_ == State::ended; }
+
+ private:
+  enum class State { welcome_awaited, welcomed, ended };
+  using Events = std::vector<UplinkEvent>;
+  struct Transfer {
+    std::uint64_t sequence = 0;
+    std::string bytes;
+    std::size_t offset = 0;
+  };
+
+  void handle(const v1::ServerMessage& message, Events& events);
+  void on_welcome(const v1::Welcome& message, Events& events);
+  void on_cloud_ack(std::uint64_t sequence, Events& events);
+  void on_submap_request(const v1::SubmapRequest& message);
+  void on_transforms(const v1::TransformUpdate& message, Events& events);
+  void on_error(const v1::ErrorReport& message, Events& events);
+  void end(Events& events, ErrorCode code, const std::string& message, bool permanent);
+  void queue(const v1::RobotMessage& message);
+  bool queue_next_keyframe(Events& events);
+  void queue_next_chunk(Events& events);
+  std::uint64_t next_background();
+  bool wanted(std::uint64_t sequence) const;
+  void begin(std::optional<Transfer>& transfer, std::uint64_t sequence, Events& events);
+  void queue_chunk(std::optional<Transfer>& transfer);
+
+  const UplinkLimits limits_;
+  const Hello hello_;
+  const UplinkSource& source_;
+  State state_ = State::welcome_awaited;
+  Time born_, heard_;
+  bool asked_ = false;  // a ping since anything was heard
+  std::uint64_t pings_ = 0;
+  FrameReader frames_;
+  std::deque<std::string> control_;  // bounded: see queue()
+  bool said_hello_ = false, said_goodbye_ = false;
+  std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
+  std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once
+  std::set<std::uint64_t> clouds_in_flight_;  // wholly sent, not acknowledged
+  std::uint64_t background_from_ = 1;         // clouds before it were sent or are gone
+  std::optional<Transfer> requested_transfer_, background_transfer_;
+};
+
+}  // namespace headframe

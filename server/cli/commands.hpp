@@ -1,0 +1,41 @@
+#pragma once
+// The subcommands of `headframe`. Results go to stdout, progress and faults to stderr. Each returns the exit status.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "server/cli/http_client.hpp"
+
+namespace headframe {
+
+enum ExitCode : int { exit_ok = 0, exit_failed = 1, exit_usage = 2, exit_waited_out = 3 };
+
+class Commands {
+ public:
+  /// json: print the API's JSON instead of tables.
+  Commands(HttpEndpoint endpoint, bool json) : endpoint_(std::move(endpoint)), json_(json) {}
+
+  Result<int> status();
+  Result<int> sessions();
+  /// With wait_s: once nothing is pending; prints the atlas all the same when time runs out.
+  Result<int> atlas(std::optional<double> wait_s);
+  /// Queues an attempt for every session, then as atlas(wait_s) with progress; without wait_s as long as it takes.
+  Result<int> merge(std::optional<double> wait_s);
+  /// The format is the file's extension: .ply or .pcd.
+  Result<int> export_map(const std::string& component, const std::string& file, std::optional<double> voxel_m);
+  /// session: "robot/session", or "robot" when it has just one.
+  Result<int> trajectory(const std::string& session, const std::string& file);
+
+ private:
+  struct Waited;
+  Result<std::string> fetched(const std::string& target, double silence_s = 30);
+  Result<Waited> wait_for_idle(std::optional<double> wait_s, bool progress);
+  Result<int> print_waited(const Waited& waited);
+  Result<std::size_t> download(const std::string& target, const std::string& file);
+
+  HttpEndpoint endpoint_;
+  bool json_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,95 @@
+// headframe: the operator's command. Talks to headframe-server over HTTP.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "server/cli/commands.hpp"
+#include "server/cli/table.hpp"
+
+namespace {
+
+using headframe::Commands;
+using headframe::Result;
+
+struct Options {
+  std::string http = "127.0.0.1:7448";
+  bool json = false;
+  std::optional<double> wait_s, voxel_m;
+  std::string component, session, file;
+  std::function<Result<int>(Commands&)> command;
+};
+
+void add_commands(CLI::App& app, Options& options) {
+  const auto add = [&](const char* name, const char* what, auto run) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    sub->add_flag("--json", options.json, "Print JSON");
+    sub->callback([&options, run] { options.command = run; });
+    return sub;
+  };
+  const auto wait = [&](CLI::App* sub, const char* what) {
+    sub->add_option("--wait", options.wait_s, what)->check(CLI::Range(0.0, 1e7))->type_name("SECONDS");
+  };
+  add("status", "What the server is doing", [](Commands& c) { return c.status(); });
+  add("sessions", "Sessions of all robots", [](Commands& c) { return c.sessions(); });
+  wait(add("atlas", "Which sessions are merged, where, and on what evidence",
+           [&](Commands& c) { return c.atlas(options.wait_s); }),
+       "Wait until no merge work is pending; exit status 3 when it still is");
+  wait(add("merge", "Try to merge every session now, and wait for the outcome",
+           [&](Commands& c) { return c.merge(options.wait_s); }),
+       "Wait no longer than this; exit status 3 when work is still pending");
+  CLI::App* map = add("export", "The merged cloud of a component",
+                      [&](Commands& c) { return c.export_map(options.component, options.file, options.voxel_m); });
+  map->add_option("--component", options.component, "Id of the component, as atlas shows it")
+      ->required()
+      ->type_name("ID");
+  map->add_option("--voxel", options.voxel_m, "One point per cube within each keyframe, 0: every point (default 0.1)")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("M");
+  map->add_option("FILE", options.file, "FILE.ply or FILE.pcd")->required();
+  CLI::App* path = add("trajectory", "A session's trajectory in its component's frame, as TUM text",
+                       [&](Commands& c) { return c.trajectory(options.session, options.file); });
+  path->add_option("SESSION", options.session, "robot/session, or robot when it has just one")->required();
+  path->add_option("FILE", options.file, "Where to write it")->required();
+}
+
+int fault(const headframe::Error& error) {
+  std::cerr << "headframe: " << headframe::printable(error.message) << '\n';
+  return error.code == headframe::ErrorCode::invalid_argument ? headframe::exit_usage : headframe::exit_failed;
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app("The operator's command of headframe: what the base station knows, and the merged map.", "headframe");
+  app.add_option("--http", options.http, "Where headframe-server answers HTTP")
+      ->capture_default_str()
+      ->type_name("HOST:PORT");
+  app.require_subcommand(1);
+  app.fallthrough();
+  add_commands(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::cerr << "headframe: " << headframe::printable(error.what()) << "; headframe --help lists what there is\n";
+    return headframe::exit_usage;
+  }
+  const auto endpoint = headframe::parse_http_endpoint(options.http);
+  if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
+  Commands commands(*endpoint, options.json);
+  const auto code = options.command(commands);
+  return code ? *code : fault(code.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const nlohmann::json::exception&) {
+    return fault(
+        {headframe::ErrorCode::bad_input, "the answer is not the JSON of headframe-server; is it another one?"});
+  } catch (const std::exception& exception) {
+    return fault({headframe::ErrorCode::internal, exception.what()});
+  }
+}

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace headframe {
+
+/// Columns of text, the first ones left and those marked right-aligned; the widest are cut with "…" until a line fits.
+struct Table {
+  struct Column {
+    std::string title;
+    bool right = false;
+  };
+  std::vector<Column> columns;
+  std::vector<std::vector<std::string>> rows;  // as many cells as columns
+
+  /// Lines of at most width cells (as far as 4 cells a column allow); 0: as wide as needed.
+  std::string text(std::size_t width) const;
+};
+
+/// Of the terminal on stdout; 0 when stdout is none.
+std::size_t terminal_width();
+
+/// Without what would move a terminal's cursor or colour: peers choose the names.
+std::string printable(const std::string& text);
+
+/// "981 B", "1.2 MB".
+std::string bytes_text(double bytes);
+std::string fixed(double value, int decimals);
+
+}  // namespace headframe

@@ -1,0 +1,129 @@
+#include "server/cli/views.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "server/cli/table.hpp"
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string name(const Json& key) {
+  return printable(key.at("robot").get<std::string>()) + "/" + printable(key.at("session").get<std::string>());
+}
+
+/// "-" for null: not measured, or not there yet.
+std::string number(const Json& value, int decimals) {
+  return value.is_number() ? fixed(value.get<double>(), decimals) : "-";
+}
+
+std::string counted(std::uint64_t count, const std::string& one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+}
+
+std::string state(const Json& session) {
+  const bool complete = session.at("complete").get<bool>();
+  if (session.at("connected").get<bool>()) return complete ? "docked" : "live";
+  return complete ? "complete" : "away";
+}
+
+std::string component_table(const Json& component, std::size_t width) {
+  Table table{{{"  session"}, {"x m", true}, {"y m", true}, {"z m", true}, {"yaw deg", true}}, {}};
+  for (const Json& placed : component.at("sessions")) {
+    const auto& T = placed.at("T_component_session");
+    const double yaw_deg = std::atan2(T.at(4).get<double>(), T.at(0).get<double>()) * 180 / M_PI;
+    table.rows.push_back(
+        {"  " + name(placed), number(T.at(3), 2), number(T.at(7), 2), number(T.at(11), 2), fixed(yaw_deg, 2)});
+  }
+  return "\ncomponent " + component.at("id").dump() + ", in the frame of " + name(component.at("anchor")) + "\n" +
+         table.text(width);
+}
+
+std::string alignment_table(const Json& alignments, std::size_t width) {
+  Table table{{{"  a"},
+               {"b"},
+               {"state"},
+               {"prob", true},
+               {"overlap", true},
+               {"violated", true},
+               {"rmse m", true},
+               {"runner-up", true}},
+              {}};
+  for (const Json& row : alignments) {
+    const Json& evidence = row.at("evidence");
+    const auto value = [&](const char* field, int decimals) { return number(evidence.value(field, Json()), decimals); };
+    table.rows.push_back({"  " + name(row.at("a")), name(row.at("b")), row.at("state").get<std::string>(),
+                          value("probability", 3), value("overlap_a", 2) + "/" + value("overlap_b", 2),
+                          value("freespace_violation", 3), value("rmse_m", 2), value("runner_up", 2)});
+  }
+  return "\nalignments\n" + table.text(width);
+}
+
+}  // namespace
+
+std::string pending_view(const Json& pending) {
+  std::string out;
+  const auto add = [&](const char* field, const char* one) {
+    const auto count = pending.at(field).get<std::uint64_t>();
+    if (count > 0) out += (out.empty() ? "" : ", ") + counted(count, one);
+  };
+  add("attempts", "attempt");
+  add("keyframes", "keyframe");
+  add("awaited_submaps", "awaited submap");
+  return out.empty() ? "nothing" : out;
+}
+
+std::string status_view(const Json& status) {
+  const auto count = [&](const char* field) { return status.at(field).get<std::uint64_t>(); };
+  std::string alignments;
+  for (const auto& [state_name, number_of] : status.at("alignments").items())
+    alignments += (alignments.empty() ? "" : ", ") + number_of.dump() + " " + state_name;
+  std::string out = "headframe-server " + status.at("version").get<std::string>() + ", up for " +
+                    number(status.at("uptime_s"), 0) + " s\n";
+  out += "atlas       revision " + std::to_string(count("revision")) + ", " +
+         counted(count("components"), "component") + " of " + counted(count("sessions"), "session") + "\n";
+  out += "robots      " + std::to_string(count("connected")) + " connected\n";
+  out += "received    " + counted(count("keyframes"), "keyframe") + ", " + counted(count("clouds"), "cloud") + ", " +
+         bytes_text(static_cast<double>(count("bytes_received"))) + "\n";
+  out += "alignments  " + (alignments.empty() ? "none" : alignments) + "\n";
+  return out + "pending     " + pending_view(status.at("pending")) + "\n";
+}
+
+std::string sessions_view(const Json& sessions, std::size_t width) {
+  const Json& rows = sessions.at("sessions");
+  if (rows.empty()) return "no session yet\n";
+  Table table{{{"session"},
+               {"state"},
+               {"keyframes", true},
+               {"clouds", true},
+               {"received", true},
+               {"distance", true},
+               {"component", true},
+               {"merged in", true},
+               {"sensor"}},
+              {}};
+  for (const Json& row : rows) {
+    const Json& ms = row.at("trigger_to_transform_ms");
+    table.rows.push_back({name(row), state(row), row.at("keyframes").dump(), row.at("clouds").dump(),
+                          bytes_text(row.at("bytes_received").get<double>()), number(row.at("distance_m"), 0) + " m",
+                          row.at("component").is_null() ? "-" : row.at("component").dump(),
+                          ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-",
+                          printable(row.at("sensor").at("model").get<std::string>())});
+  }
+  return table.text(width);
+}
+
+std::string atlas_view(const Json& atlas, std::size_t width) {
+  const Json& components = atlas.at("components");
+  std::size_t sessions = 0;
+  for (const Json& component : components) sessions += component.at("sessions").size();
+  std::string out = "revision " + atlas.at("revision").dump() + ": " + counted(components.size(), "component") +
+                    " of " + counted(sessions, "session") + "\n";
+  for (const Json& component : components) out += component_table(component, width);
+  if (!atlas.at("alignments").empty()) out += alignment_table(atlas.at("alignments"), width);
+  return out;
+}
+
+}  // namespace headframe

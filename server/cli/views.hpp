@@ -1,0 +1,17 @@
+#pragma once
+// What the command prints of the API's JSON. Throws nlohmann::json::exception when the JSON is not the API's.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace headframe {
+
+/// Tables fit into width cells; 0: no limit.
+std::string status_view(const nlohmann::json& status);
+std::string sessions_view(const nlohmann::json& sessions, std::size_t width);
+std::string atlas_view(const nlohmann::json& atlas, std::size_t width);
+
+/// "2 attempts, 5 keyframes, 1 submap", without what is zero; "nothing".
+std::string pending_view(const nlohmann::json& pending);
+
+}  // namespace headframe

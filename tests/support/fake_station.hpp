@@ -1,0 +1,120 @@
+#pragma once
+// A station with two merged sessions, one apart and one rejected alignment, for tests of what the operator sees.
+
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "server/operator/station.hpp"
+
+namespace headframe {
+
+class FakeStation : public Station {
+ public:
+  FakeStation() {
+    for (SessionId id = 1; id <= 3; ++id) {
+      SessionRow row;
+      row.id = id;
+      row.key = {id == 3 ? "gamma \"3\"" : id == 2 ? "beta" : "alpha", "run/1"};
+      row.family = {"scan_context", 1};
+      row.sensor = {"VLP-16", 16, 15, 15, 100};
+      row.connected = id != 1;
+      row.complete = id == 1;
+      row.keyframes = 3;
+      row.clouds = 2;
+      row.bytes_received = 1000;
+      row.distance_m = 12.5;
+      row.trigger_to_transform_ms = id == 3 ? -1 : 420;
+      rows.push_back(row);
+    }
+    Pose T_1_2 = pose_from_yaw(M_PI / 2, {10, 20, 30});
+    view.atlas = {7, {{1, {{1, Pose::Identity()}, {2, T_1_2}}}, {3, {{3, Pose::Identity()}}}}};
+    AlignmentRow published{{1, 1, 2, AlignmentState::published, T_1_2, {}}, rows[0].key, rows[1].key};
+    published.alignment.evidence.probability = 0.97;
+    published.alignment.evidence.tilt_deg = std::numeric_limits<double>::quiet_NaN();
+    AlignmentRow rejected{{2, 1, 3, AlignmentState::rejected, Pose::Identity(), {}}, rows[0].key, rows[2].key};
+    view.alignments = {published, rejected};
+  }
+  ~FakeStation() override {
+    timer_stop_.request_stop();
+    if (timer_.joinable()) timer_.join();
+  }
+
+  std::vector<SessionRow> sessions() const override { return rows; }
+  AtlasView atlas() const override { return view; }
+  Pending pending() const override {
+    const std::lock_guard lock(mutex_);
+    return pending_;
+  }
+
+  /// Like the real one: at once, on settle(), or when the time is over; one waiter is enough for a fake.
+  void when_idle(double timeout_s, std::function<void(Pending)> callback) override {
+    ++waits;
+    const Pending now = pending();
+    if (now.idle() || timeout_s == 0) return callback(now);
+    if (timer_.joinable()) timer_.join();
+    timer_ = std::jthread([this, timeout_s, callback = std::move(callback)] {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, timer_stop_.get_token(), std::chrono::duration<double>(timeout_s),
+                        [this] { return pending_.idle(); });
+      const Pending left = pending_;
+      lock.unlock();
+      callback(left);
+    });
+  }
+  void merge_all() override {
+    ++merges;
+    if (merge_makes_work) set_pending({3, 0, 0});
+  }
+  void set_pending(Pending pending) {
+    const std::lock_guard lock(mutex_);
+    pending_ = pending;
+    changed_.notify_all();
+  }
+
+  Result<std::vector<Keyframe>> trajectory(SessionId session) const override {
+    if (broken_trajectory) return failure(ErrorCode::bad_input, "the store's page 7 is damaged");
+    std::vector<Keyframe> keyframes(3);
+    for (std::size_t i = 0; i < keyframes.size(); ++i) {
+      keyframes[i].sequence = i + 1;
+      keyframes[i].stamp_s = 100.0 * static_cast<double>(session) + static_cast<double>(i);
+      keyframes[i].T_local_sensor.translation() = Eigen::Vector3d(static_cast<double>(i), 0, 0);
+    }
+    return keyframes;
+  }
+
+  /// Keyframes 1 and 2 have `points` points 1 m apart on the x axis, in two sweeps; 3 has none.
+  Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override {
+    ++clouds_read;
+    if (sequence == 3) return failure(ErrorCode::not_found, "no cloud");
+    if (cloud_that_breaks == clouds_read) return failure(ErrorCode::bad_input, "a damaged cloud");
+    KeyframeCloud out{{Sweep{}, Sweep{}}};
+    for (int i = 0; i < points; ++i)
+      out.sweeps[static_cast<std::size_t>(i % 2)].points.emplace_back(static_cast<float>(i), 0.F,
+                                                                      static_cast<float>(session));
+    out.sweeps[1].points.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0.F, 0.F);
+    return out;
+  }
+
+  std::vector<SessionRow> rows;
+  AtlasView view;
+  int points = 10;
+  bool broken_trajectory = false;
+  int cloud_that_breaks = 0;  // the n-th that is read
+  bool merge_makes_work = false;
+  std::atomic<int> merges = 0, waits = 0;
+  mutable std::atomic<int> clouds_read = 0;
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  Pending pending_;
+  std::stop_source timer_stop_;
+  std::jthread timer_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "server/cli/http_client.hpp"
+#include "tests/support/operator_server.hpp"
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::json;
+
+class OperatorApiTest : public testing::Test {
+ protected:
+  HttpResponse get(const std::string& target) { return taken(client.get(target)); }
+  HttpResponse post(const std::string& target) { return taken(client.post(target)); }
+  static HttpResponse taken(Result<HttpResponse> response) {
+    EXPECT_TRUE(response) << response.error().message;
+    return response.value_or(HttpResponse{});
+  }
+  void expect_error(const HttpResponse& response, int status, const std::string& code, const std::string& says) {
+    EXPECT_EQ(response.status, status);
+    const Json json = Json::parse(response.body);
+    EXPECT_EQ(json["error"]["code"], code);
+    EXPECT_NE(json["error"]["message"].get<std::string>().find(says), std::string::npos) << response.body;
+  }
+
+  OperatorServer server;
+  HttpClient client{*parse_http_endpoint(server.where())};
+};
+
+TEST_F(OperatorApiTest, SaysThatItIsThere) {
+  EXPECT_EQ(get("/healthz").status, 200);
+  const Json status = Json::parse(get("/api/v1/status").body);
+  EXPECT_EQ(status["revision"], 7);
+  EXPECT_EQ(status["sessions"], 3);
+  EXPECT_EQ(status["connected"], 2);
+  EXPECT_EQ(status["components"], 2);
+  EXPECT_EQ(status["keyframes"], 9);
+  EXPECT_EQ(status["clouds"], 6);
+  EXPECT_EQ(status["bytes_received"], 3000);
+  EXPECT_EQ(status["alignments"], (Json{{"published", 1}, {"rejected", 1}}));
+  EXPECT_EQ(status["pending"], (Json{{"attempts", 0}, {"keyframes", 0}, {"awaited_submaps", 0}}));
+}
+
+TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
+  const Json rows = Json::parse(get("/api/v1/sessions").body)["sessions"];
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[1]["robot"], "beta");
+  EXPECT_EQ(rows[1]["session"], "run/1");
+  EXPECT_EQ(rows[1]["component"], 1);
+  EXPECT_EQ(rows[1]["family"], (Json{{"name", "scan_context"}, {"version", 1}}));
+  EXPECT_EQ(rows[1]["sensor"]["beams"], 16);
+  EXPECT_EQ(rows[1]["distance_m"], 12.5);
+  EXPECT_EQ(rows[1]["trigger_to_transform_ms"], 420);
+  EXPECT_TRUE(rows[2]["trigger_to_transform_ms"].is_null());
+  EXPECT_EQ(rows[2]["robot"], "gamma \"3\"");
+  EXPECT_EQ(rows[0]["complete"], true);
+  EXPECT_EQ(rows[0]["connected"], false);
+}
+
+TEST_F(OperatorApiTest, AtlasHasTheSchemaOfItsContract) {
+  const Json atlas = Json::parse(get("/api/v1/atlas").body);
+  EXPECT_EQ(atlas.size(), 3U) << "nothing else without wait";
+  EXPECT_EQ(atlas["revision"], 7);
+  ASSERT_EQ(atlas["components"].size(), 2U);
+  const Json& merged = atlas["components"][0];
+  EXPECT_EQ(merged["id"], 1);
+  EXPECT_EQ(merged["anchor"], (Json{{"robot", "alpha"}, {"session", "run/1"}}));
+  EXPECT_EQ(merged["sessions"][1]["robot"], "beta");
+  const auto T = merged["sessions"][1]["T_component_session"].get<std::vector<double>>();
+  ASSERT_EQ(T.size(), 16U);
+  const std::vector<double> row_major{0, -1, 0, 10, 1, 0, 0, 20, 0, 0, 1, 30, 0, 0, 0, 1};
+  for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(T[i], row_major[i], 1e-12) << i;
+  const Json& published = atlas["alignments"][0];
+  EXPECT_EQ(published["a"], (Json{{"robot", "alpha"}, {"session", "run/1"}}));
+  EXPECT_EQ(published["b"], (Json{{"robot", "beta"}, {"session", "run/1"}}));
+  EXPECT_EQ(published["state"], "published");
+  EXPECT_EQ(published["T_a_b"].size(), 16U);
+  EXPECT_EQ(published["evidence"].size(), evidence_fields().size());
+  EXPECT_EQ(published["evidence"]["probability"], 0.97);
+  EXPECT_TRUE(published["evidence"]["tilt_deg"].is_null()) << "NaN";
+  EXPECT_EQ(atlas["alignments"][1]["state"], "rejected");
+}
+
+TEST_F(OperatorApiTest, NamesThatAreNoUtf8AreStillShown) {
+  server.station.rows[0].key.robot = "a\xff\n";
+  const Json json = Json::parse(get("/api/v1/sessions").body);
+  EXPECT_EQ(json["sessions"][0]["robot"], "a\xEF\xBF\xBD\n");
+}
+
+TEST_F(OperatorApiTest, WaitEndsAsSoonAsNothingIsPending) {
+  Json atlas = Json::parse(get("/api/v1/atlas?wait=3600").body);
+  EXPECT_EQ(atlas["waited_out"], false);
+  EXPECT_EQ(atlas["pending"]["attempts"], 0);
+
+  server.station.set_pending({1, 2, 3});
+  std::jthread settle([&] {
+    while (server.station.waits < 2) std::this_thread::yield();
+    server.station.set_pending({});
+  });
+  atlas = Json::parse(get("/api/v1/atlas?wait=3600").body);
+  EXPECT_EQ(atlas["waited_out"], false);
+  EXPECT_EQ(atlas["revision"], 7);
+}
+
+TEST_F(OperatorApiTest, WaitThatRunsOutSaysWhatIsPending) {
+  server.station.set_pending({1, 2, 3});
+  for (const char* target : {"/api/v1/atlas?wait=0", "/api/v1/atlas?wait=0.01"}) {
+    const Json atlas = Json::parse(get(target).body);
+    EXPECT_EQ(atlas["waited_out"], true);
+    EXPECT_EQ(atlas["pending"], (Json{{"attempts", 1}, {"keyframes", 2}, {"awaited_submaps", 3}}));
+    EXPECT_EQ(atlas["revision"], 7);
+  }
+}
+
+TEST_F(OperatorApiTest, MergeIsQueued) {
+  EXPECT_EQ(post("/api/v1/merge").status, 202);
+  EXPECT_EQ(server.station.merges, 1);
+}
+
+TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
+  expect_error(get("/api/v1/nothing"), 404, "not_found", "/api/v1/nothing");
+  expect_error(get("/"), 404, "not_found", "/api/v1/");
+  expect_error(get("/api/v1/merge"), 405, "refused", "POST");
+  expect_error(post("/api/v1/atlas"), 405, "refused", "GET");
+  EXPECT_EQ(server.station.merges, 0);
+  for (const char* wait : {"-1", "3601", "abc", "", "nan", "1e999", "5s"})
+    expect_error(get(std::string("/api/v1/atlas?wait=") + wait), 400, "invalid_argument", "wait");
+  expect_error(get("/api/v1/atlas?wiat=1"), 400, "invalid_argument", "wiat");
+  expect_error(get("/api/v1/atlas?wait=1&wait=2"), 400, "bad_input", "twice");
+  expect_error(get("/api/v1/atlas?wait=%2"), 400, "bad_input", "%XX");
+  expect_error(get("/api/v1/export"), 400, "invalid_argument", "component");
+  expect_error(get("/api/v1/export?component=one"), 400, "invalid_argument", "one");
+  expect_error(get("/api/v1/export?component=2"), 404, "not_found", "there are 1, 3");
+  expect_error(get("/api/v1/export?component=1&format=stl"), 400, "invalid_argument", "ply or pcd");
+  for (const char* voxel : {"0.009", "101", "-1", "x"})
+    expect_error(get(std::string("/api/v1/export?component=1&voxel=") + voxel), 400, "invalid_argument", "voxel");
+  for (const char* voxel : {"0", "0.01", "100"})
+    EXPECT_EQ(get(std::string("/api/v1/export?component=1&voxel=") + voxel).status, 200);
+  expect_error(get("/api/v1/trajectory?robot=alpha"), 400, "invalid_argument", "session");
+  expect_error(get("/api/v1/trajectory?robot=alpha&session=2"), 404, "not_found", "alpha/2");
+}
+
+TEST_F(OperatorApiTest, TrajectoryIsInTheComponentsFrame) {
+  const HttpResponse response = get("/api/v1/trajectory?robot=beta&session=run%2F1");
+  EXPECT_EQ(response.status, 200);
+  std::istringstream text(response.body);
+  std::string comment;
+  std::getline(text, comment);
+  EXPECT_EQ(comment.substr(0, 1), "#");
+  EXPECT_NE(comment.find("component 1"), std::string::npos);
+  std::vector<double> numbers{std::istream_iterator<double>(text), {}};
+  ASSERT_EQ(numbers.size(), 3U * 8);
+  const double half = std::sqrt(0.5);
+  const std::vector<double> second{201, 10, 21, 30, 0, 0, half, half};  // T_1_2 turns x to y
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(numbers[8 + i], second[i], 1e-6) << i;
+  server.station.broken_trajectory = true;
+  expect_error(get("/api/v1/trajectory?robot=beta&session=run%2F1"), 500, "bad_input", "damaged");
+}
+
+}  // namespace
+}  // namespace headframe

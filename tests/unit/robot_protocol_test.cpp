@@ -1,0 +1,258 @@
+#include "server/net/robot_protocol.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/wire/limits.hpp"
+#include "tests/support/robot_bytes.hpp"
+
+namespace headframe {
+namespace {
+
+class Protocol : public testing::Test {
+ protected:
+  std::vector<RobotEvent> feed(const std::string& bytes) {
+    protocol.receive(bytes, now);
+    std::vector<RobotEvent> events;
+    while (auto event = protocol.next()) events.push_back(std::move(*event));
+    return events;
+  }
+
+  void greet(const Durable& durable = {}) {
+    ASSERT_EQ(feed(hello_frame()).size(), 1U);
+    protocol.welcome(durable);
+    ASSERT_TRUE(protocol.welcomed());
+    (void)protocol.take_output();
+  }
+
+  void later(double s) {
+    now += std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(s));
+    protocol.tick(now, true);
+  }
+
+  /// The error that was sent; the connection has to end with it.
+  v1::ErrorReport error() {
+    EXPECT_TRUE(protocol.ended());
+    const auto sent = messages(protocol.take_output());
+    return sent.empty() ? v1::ErrorReport() : sent.back().error();
+  }
+
+  RobotLimits limits;
+  RobotProtocol::Time now{};
+  RobotProtocol protocol{limits, now};
+};
+
+TEST_F(Protocol, HelloIsAskedAboutAndTheWelcomeSaysWhatIsDurable) {
+  const auto events = feed(hello_frame() + keyframe_frame(line_keyframe(6)));
+  ASSERT_EQ(events.size(), 1U) << "what follows a hello waits for its answer";
+  EXPECT_EQ(std::get<HelloReceived>(events[0]).hello.session, (SessionKey{"ant", "s1"}));
+  protocol.welcome({5, {1, 2, 3, 5}});
+  const auto sent = messages(protocol.take_output());
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].welcome().durable_keyframes(), 5U);
+  ASSERT_EQ(sent[0].welcome().durable_clouds_size(), 2);
+  EXPECT_EQ(sent[0].welcome().durable_clouds(0).last(), 3U);
+  EXPECT_EQ(sent[0].welcome().durable_clouds(1).first(), 5U);
+  const auto rest = feed("");
+  ASSERT_EQ(rest.size(), 1U);
+  EXPECT_EQ(std::get<KeyframeReceived>(rest[0]).keyframe.sequence, 6U);
+}
+
+TEST_F(Protocol, EventsAreTheSameHoweverTheBytesAreCut) {
+  const std::string cloud = small_cloud();
+  std::string bytes = keyframe_frame(line_keyframe(1)) + keyframe_frame(line_keyframe(2));
+  for (std::size_t at = 0; at < cloud.size(); at += 100)
+    bytes += chunk_frame(1, cloud.size(), at, cloud.substr(at, 100));
+  bytes += goodbye_frame(true);
+  for (const std::size_t cut : {1UL, 13UL, bytes.size()}) {
+    protocol = RobotProtocol(limits, now);
+    greet();
+    std::vector<RobotEvent> events;
+    for (std::size_t at = 0; at < bytes.size(); at += cut)
+      for (auto& event : feed(bytes.substr(at, cut))) events.push_back(std::move(event));
+    ASSERT_EQ(events.size(), 4U) << "cut every " << cut;
+    EXPECT_EQ(std::get<KeyframeReceived>(events[1]).keyframe.descriptor.q, line_keyframe(2).descriptor.q);
+    EXPECT_EQ(std::get<CloudReceived>(events[2]).encoded, cloud);
+    EXPECT_TRUE(std::get<GoodbyeReceived>(events[3]).complete);
+  }
+}
+
+TEST_F(Protocol, AnotherProtocolVersionIsRefusedForGood) {
+  v1::RobotMessage message;
+  *message.mutable_hello() = to_proto(robot_hello());
+  message.mutable_hello()->set_protocol_version(2);
+  EXPECT_TRUE(feed(frame(message)).empty());
+  const auto report = error();
+  EXPECT_EQ(report.kind(), v1::ERROR_KIND_PROTOCOL_VERSION);
+  EXPECT_TRUE(report.permanent());
+}
+
+TEST_F(Protocol, GarbageGetsATypedErrorAndNothingMoreIsRead) {
+  EXPECT_TRUE(feed("GET / HTTP/1.1\r\n").empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_FRAME_TOO_LARGE);
+  EXPECT_TRUE(feed(hello_frame()).empty());
+
+  protocol = RobotProtocol(limits, now);
+  std::string noise;
+  ASSERT_TRUE(append_frame(noise, "\xff\xff\xff garbage"));
+  EXPECT_TRUE(feed(noise).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+}
+
+TEST_F(Protocol, HelloComesFirstAndOnce) {
+  EXPECT_TRUE(feed(keyframe_frame(line_keyframe(1))).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER);
+
+  protocol = RobotProtocol(limits, now);
+  greet();
+  EXPECT_TRUE(feed(hello_frame()).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER);
+}
+
+TEST_F(Protocol, HolesEndTheConnectionAndRepeatsAreAcknowledgedAgain) {
+  greet({5, {}});
+  EXPECT_EQ(feed(keyframe_frame(line_keyframe(6))).size(), 1U);
+  EXPECT_TRUE(feed(keyframe_frame(line_keyframe(3)) + keyframe_frame(line_keyframe(6))).empty());
+  auto sent = messages(protocol.take_output());
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].keyframe_ack().durable_keyframes(), 5U) << "6 is not durable yet";
+  protocol.keyframes_durable(6);
+  EXPECT_EQ(messages(protocol.take_output()).at(0).keyframe_ack().durable_keyframes(), 6U);
+
+  EXPECT_TRUE(feed(keyframe_frame(line_keyframe(8))).empty());
+  const auto report = error();
+  EXPECT_EQ(report.kind(), v1::ERROR_KIND_OUT_OF_ORDER);
+  EXPECT_NE(report.message().find("7 comes next"), std::string::npos) << report.message();
+}
+
+TEST_F(Protocol, DescriptorsMustHaveTheSizesOfTheHello) {
+  greet();
+  Keyframe keyframe = line_keyframe(1);
+  keyframe.descriptor.q.push_back(0);
+  EXPECT_TRUE(feed(keyframe_frame(keyframe)).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+}
+
+TEST_F(Protocol, NothingFollowsACompleteSession) {
+  greet();
+  EXPECT_EQ(feed(keyframe_frame(line_keyframe(1)) + goodbye_frame(true)).size(), 2U);
+  EXPECT_TRUE(feed(keyframe_frame(line_keyframe(1))).empty()) << "a repeat is harmless";
+  EXPECT_FALSE(protocol.ended());
+  EXPECT_TRUE(feed(keyframe_frame(line_keyframe(2))).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER);
+}
+
+TEST_F(Protocol, CloudsThatDoNotFitOrDecodeAreRefused) {
+  const std::string cloud = small_cloud();
+  const std::vector<std::string> bad{
+      chunk_frame(1, cloud.size(), 5, "abc"),                      // a hole
+      chunk_frame(1, 2, 0, "abc"),                                 // more than announced
+      chunk_frame(1, limits::cloud_bytes + 1, 0, "abc"),           // over the limit
+      chunk_frame(1, 0, 0, "abc"),                                 //
+      chunk_frame(1, 3, 0, ""),                                    // would never end
+      chunk_frame(1, 6, 0, "abc") + chunk_frame(1, 7, 3, "defg"),  // another size half-way
+      chunk_frame(1, 7, 0, "garbage"),                             // does not decode
+  };
+  for (std::size_t i = 0; i < bad.size(); ++i) {
+    protocol = RobotProtocol(limits, now);
+    greet({1, {}});
+    EXPECT_TRUE(feed(bad[i]).empty());
+    EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE) << "case " << i;
+  }
+  protocol = RobotProtocol(limits, now);
+  greet({1, {}});
+  EXPECT_TRUE(feed(chunk_frame(1, limits::cloud_bytes, 0, "abc")).empty());
+  EXPECT_FALSE(protocol.ended()) << "exactly the limit";
+  EXPECT_TRUE(feed(chunk_frame(2, 3, 0, "abc")).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER) << "no such keyframe";
+}
+
+TEST_F(Protocol, AFewCloudsMayOvertakeEachOtherButNotMany) {
+  greet({10, {}});
+  const std::string cloud = small_cloud();
+  for (std::uint64_t s = 1; s <= CloudAssembler::open_clouds; ++s)
+    EXPECT_TRUE(feed(chunk_frame(s, cloud.size(), 0, cloud.substr(0, 50))).empty());
+  EXPECT_EQ(feed(chunk_frame(2, cloud.size(), 50, cloud.substr(50))).size(), 1U);
+  EXPECT_EQ(feed(chunk_frame(1, cloud.size(), 0, cloud)).size(), 1U) << "begun anew";
+  for (const std::uint64_t s : {5, 6}) EXPECT_TRUE(feed(chunk_frame(s, cloud.size(), 0, "x")).empty());
+  EXPECT_FALSE(protocol.ended());
+  EXPECT_TRUE(feed(chunk_frame(7, cloud.size(), 0, "x")).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+}
+
+TEST_F(Protocol, SilenceIsAskedAboutAndThenEndsTheConnection) {
+  greet();
+  later(limits.ping_s - 0.1);
+  EXPECT_TRUE(protocol.take_output().empty());
+  later(0.1);
+  const auto sent = messages(protocol.take_output());
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_TRUE(sent[0].has_ping());
+  later(1);
+  EXPECT_TRUE(protocol.take_output().empty()) << "asked once";
+  v1::RobotMessage pong;
+  pong.mutable_pong()->set_nonce(sent[0].ping().nonce());
+  EXPECT_TRUE(feed(frame(pong)).empty());
+  later(limits.silence_s - 0.1);
+  EXPECT_FALSE(protocol.ended());
+  later(0.2);
+  EXPECT_TRUE(protocol.ended());
+}
+
+TEST_F(Protocol, BytesThatMakeNoMessageAreSilence) {
+  greet();
+  for (int i = 0; i < 31; ++i) {
+    protocol.receive(std::string(1, '\0'), now);
+    later(1);
+  }
+  EXPECT_TRUE(protocol.ended());
+}
+
+TEST_F(Protocol, ARobotThatIsNotReadIsNotBlamedForItsSilence) {
+  greet();
+  now += std::chrono::hours(1);
+  protocol.tick(now, false);
+  EXPECT_FALSE(protocol.ended());
+  later(limits.silence_s);
+  EXPECT_TRUE(protocol.ended());
+}
+
+TEST_F(Protocol, AHelloIsWaitedForSoLong) {
+  later(limits.hello_s - 0.1);
+  EXPECT_FALSE(protocol.ended());
+  later(0.1);
+  EXPECT_TRUE(protocol.ended());
+}
+
+TEST_F(Protocol, OutputKeepsTheLatestWordOnly) {
+  greet({9, {}});
+  for (std::uint64_t nonce = 1; nonce <= 1000; ++nonce) {
+    v1::RobotMessage ping;
+    ping.mutable_ping()->set_nonce(nonce);
+    feed(frame(ping));
+    v1::ServerMessage update;
+    update.mutable_transform_update()->set_revision(nonce);
+    protocol.update_transform(std::make_shared<const std::string>(update.SerializeAsString()));
+    protocol.cloud_durable(3);
+    protocol.request_submap({4, 2, 4});
+  }
+  const auto sent = messages(protocol.take_output());
+  ASSERT_EQ(sent.size(), 4U);
+  EXPECT_EQ(sent[0].cloud_ack().sequences_size(), 1);
+  ASSERT_EQ(sent[1].submap_request().sequences_size(), 2);
+  EXPECT_EQ(sent[1].submap_request().sequences(0), 4U) << "nearest first";
+  EXPECT_EQ(sent[2].transform_update().revision(), 1000U);
+  EXPECT_EQ(sent[3].pong().nonce(), 1000U);
+  EXPECT_TRUE(protocol.take_output().empty());
+}
+
+TEST_F(Protocol, UnavailableCloudsOfUnknownKeyframesAreLeftOut) {
+  greet({3, {}});
+  v1::RobotMessage message;
+  for (const std::uint64_t s : {0, 2, 3, 4}) message.mutable_submap_unavailable()->add_sequences(s);
+  const auto events = feed(frame(message));
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(std::get<CloudsUnavailable>(events[0]).sequences, (std::vector<std::uint64_t>{2, 3}));
+}
+
+}  // namespace
+}  // namespace headframe
