@@ -17,8 +17,8 @@ struct RobotOutcome {
   std::string sensor;
   std::uint64_t keyframes = 0;
   std::uint64_t bytes_sent = 0;
-  std::optional<double> trigger_to_transform_ms;  // none for the robot whose frame is the component's
-  std::optional<std::uint64_t> component;
+  std::optional<double> trigger_to_transform_ms = {};  // none for the robot whose frame is the component's
+  std::optional<std::uint64_t> component = {};
   Pose T_component_session = Pose::Identity();
   double error_m = -1;  // the worst of its overlaps with others of its component; -1: none is known
   double error_deg = -1;
