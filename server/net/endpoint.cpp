@@ -7,7 +7,7 @@ namespace headframe {
 Result<Endpoint> parse_endpoint(std::string_view text) {
   const auto bad = [&] {
     return failure(ErrorCode::invalid_argument,
-                   "'" + std::string(text) + "' is no HOST:PORT, such as 127.0.0.1:7447 or [::1]:7447");
+                   std::string(text) + " is no HOST:PORT, such as 127.0.0.1:7447 or [::1]:7447");
   };
   const auto colon = text.rfind(':');
   if (colon == std::string_view::npos || colon == 0) return bad();
