@@ -45,9 +45,18 @@ KeyframeSelector::Decision KeyframeSelector::add(const Pose& T_local_sensor, flo
   const Eigen::Vector3d p_local = T_local_sensor.translation();
   const bool usable = T_local_sensor.matrix().allFinite() && p_local.cwiseAbs().maxCoeff() < reach_m;
   if (!usable || !is_keyframe(T_local_sensor)) return {false, spaciousness_m_};
-  cells_[cell_key(p_local, 0, 0, 0)].push_back(keyframes_.size());
-  keyframes_.push_back(T_local_sensor);
+  remember(T_local_sensor);
   return {true, spaciousness_m_};
+}
+
+void KeyframeSelector::restore(const Pose& T_local_sensor, float spaciousness_m) {
+  spaciousness_m_ = spaciousness_m;
+  remember(T_local_sensor);
+}
+
+void KeyframeSelector::remember(const Pose& T_local_sensor) {
+  cells_[cell_key(T_local_sensor.translation(), 0, 0, 0)].push_back(keyframes_.size());
+  keyframes_.push_back(T_local_sensor);
 }
 
 // s_k = 0.9 s_{k-1} + 0.1 S_k; the first scan starts the filter, so s_0 = S_0.

@@ -43,12 +43,17 @@ class KeyframeSelector {
   /// finite or farther than 1e9 m from the origin is never a keyframe.
   Decision add(const Pose& T_local_sensor, float mean_range_m);
 
+  /// A keyframe that was chosen before a restart, in order: afterwards add() decides as if there had been none. The
+  /// pose must be finite and within 1e9 m.
+  void restore(const Pose& T_local_sensor, float spaciousness_m);
+
  private:
   struct Nearby {
     bool any = false;       // an earlier keyframe is nearer than the threshold
     bool same_way = false;  // and one of those looks the same way
   };
   void smooth(float mean_range_m);
+  void remember(const Pose& T_local_sensor);
   bool is_keyframe(const Pose& T_local_sensor) const;
   Nearby nearby(const Pose& T_local_sensor, double threshold_m) const;
 

@@ -1,5 +1,6 @@
 #include "common/dataset/text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/result.hpp"
+#include "common/session/cloud_policy.hpp"
 #include "common/session/keyframe.hpp"
 #include "headframe/v1/robot.pb.h"
 
@@ -17,8 +18,6 @@ struct FamilySpec {
   std::size_t q_size = 0;
   std::size_t w_size = 0;
 };
-
-enum class CloudPolicy : std::uint8_t { on_request = 0, all = 1, never = 2 };
 
 /// Who a robot is. The protocol version is not part of it: compare it first, so that strangers get the right error.
 struct Hello {

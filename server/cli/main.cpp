@@ -64,7 +64,8 @@ int run(int argc, char** argv) {
   app.add_option("--http", options.http, "Where headframe-server answers HTTP")
       ->capture_default_str()
       ->type_name("HOST:PORT");
-  app.require_subcommand(1);
+  app.add_flag("--json", options.json, "Print JSON");
+  app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
   add_commands(app, options);
   try {
@@ -74,6 +75,10 @@ int run(int argc, char** argv) {
     std::cerr << "headframe: " << headframe::printable(error.what()) << "; headframe --help lists what there is\n";
     return headframe::exit_usage;
   }
+  if (!options.command)
+    return fault({headframe::ErrorCode::invalid_argument,
+                  "say what to do: status, sessions, atlas, "
+                  "merge, export or trajectory; headframe --help lists what there is"});
   const auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
   Commands commands(*endpoint, options.json);

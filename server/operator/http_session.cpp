@@ -54,8 +54,24 @@ void HttpSession::read() {
   parser_->header_limit(static_cast<std::uint32_t>(shared_->limits.header_bytes));
   parser_->body_limit(shared_->limits.body_bytes);
   stream_.expires_after(duration(turn_away_ ? linger_s : shared_->limits.idle_s));
-  http::async_read(stream_, buffer_, *parser_,
-                   [self = shared_from_this()](Code code, std::size_t) { self->on_read(code); });
+  header_bytes_ = 0;
+  read_header();
+}
+
+/// Piece by piece: Beast 1.74 counts its header limit anew after each complete field, so that a header could be
+/// endless.
+void HttpSession::read_header() {
+  parser_->eager(false);
+  http::async_read_some(stream_, buffer_, *parser_, [self = shared_from_this()](Code code, std::size_t parsed_bytes) {
+    self->header_bytes_ += parsed_bytes;
+    const bool done = self->parser_->is_header_done();
+    if (!code && self->header_bytes_ + (done ? 0 : self->buffer_.size()) > self->shared_->limits.header_bytes)
+      code = http::error::header_limit;
+    if (code) return self->on_read(code);
+    if (!done) return self->read_header();
+    http::async_read(self->stream_, self->buffer_, *self->parser_,
+                     [self](Code body_code, std::size_t) { self->on_read(body_code); });
+  });
 }
 
 void HttpSession::on_read(Code code) {

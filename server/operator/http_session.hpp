@@ -31,7 +31,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
-  /// Starts a connection: served, told 503 when there are limits.connections, dropped when there are twice as many.
+  /// Starts a connection: told 503 when limits.connections are served, dropped when as many are being told so.
   void accept(boost::asio::ip::tcp::socket socket);
   void forget(const std::shared_ptr<HttpSession>& session);
   /// Ends all connections and the work on disk, and takes no new ones. Waits for the piece being read.
@@ -49,12 +49,14 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   HttpSession(boost::asio::ip::tcp::socket socket, std::shared_ptr<HttpShared> shared, bool turn_away);
   void start();
   void close();
+  bool turned_away() const { return turn_away_; }
 
  private:
   using Code = boost::beast::error_code;
   using Piece = Result<std::optional<std::string>>;
 
   void read();
+  void read_header();
   void on_read(Code code);
   void refuse(Code code);
   void perform(Reply reply);
@@ -74,6 +76,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   const bool turn_away_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
+  std::size_t header_bytes_ = 0;
   bool keep_alive_ = false;
   bool head_sent_ = false;  // of the Stream under way
   std::unique_ptr<Stream> body_;

@@ -1,5 +1,6 @@
 #include "server/operator/operator_api.hpp"
 
+#include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -18,9 +19,10 @@ void HttpShared::accept(tcp::socket socket) {
   std::shared_ptr<HttpSession> session;
   {
     const std::lock_guard lock(mutex_);
-    if (stopped_ || sessions_.size() >= 2 * limits.connections) return;
-    session =
-        std::make_shared<HttpSession>(std::move(socket), shared_from_this(), sessions_.size() >= limits.connections);
+    const auto served = static_cast<std::size_t>(
+        std::count_if(sessions_.begin(), sessions_.end(), [](const auto& other) { return !other->turned_away(); }));
+    if (stopped_ || sessions_.size() >= served + limits.connections) return;
+    session = std::make_shared<HttpSession>(std::move(socket), shared_from_this(), served >= limits.connections);
     sessions_.insert(session);
   }
   session->start();
@@ -64,9 +66,10 @@ Result<void> OperatorApi::Listener::open(const std::string& host, std::uint16_t 
   const std::string where = host + ":" + std::to_string(port);
   error_code code;
   const auto found = tcp::resolver(io).resolve(host, std::to_string(port), tcp::resolver::passive, code);
-  if (code || found.empty())
-    return failure(ErrorCode::invalid_argument, "HTTP: \"" + host + "\" is not a host of this network (" +
-                                                    code.message() + "); give an address of this machine");
+  if (code || host.empty() || found.empty())
+    return failure(ErrorCode::invalid_argument, "HTTP: \"" + host + "\" is no host name" +
+                                                    (code ? " (" + code.message() + ")" : "") +
+                                                    "; give an address of this machine");
   const tcp::endpoint endpoint = *found.begin();
   acceptor.open(endpoint.protocol(), code);
   if (!code) acceptor.set_option(tcp::acceptor::reuse_address(true), code);
@@ -82,8 +85,9 @@ Result<void> OperatorApi::Listener::open(const std::string& host, std::uint16_t 
     return failure(ErrorCode::unavailable,
                    "HTTP: " + where + " is in use; is a server running already? Choose another port");
   const bool foreign = code == boost::system::errc::address_not_available;
-  return failure(foreign ? ErrorCode::invalid_argument : ErrorCode::unavailable,
-                 "HTTP: cannot listen on " + where + ": " + code.message());
+  return failure(
+      foreign ? ErrorCode::invalid_argument : ErrorCode::unavailable,
+      "HTTP: cannot listen on " + where + ": " + code.message() + (foreign ? "; give an address of this machine" : ""));
 }
 
 void OperatorApi::Listener::accept() {

@@ -63,6 +63,15 @@ Result<CloudFormat> cloud_format(const Query& query) {
   return failure(ErrorCode::invalid_argument, "parameter \"format\" is \"" + format->second + "\"; give ply or pcd");
 }
 
+Result<double> voxel(const Query& query) {
+  const auto text = query.find("voxel");
+  if (text == query.end()) return ExportRequest().voxel_m;
+  const auto voxel_m = parse_number("voxel", text->second, 0, 100);
+  if (voxel_m && *voxel_m > 0 && *voxel_m < 0.01)
+    return failure(ErrorCode::invalid_argument, "parameter \"voxel\" is below 0.01; give more, or 0 for every point");
+  return voxel_m;
+}
+
 Result<Reply> map(const Query& query, const Context& context) {
   const auto component = required(query, "component");
   if (!component) return tl::unexpected(component.error());
@@ -74,13 +83,9 @@ Result<Reply> map(const Query& query, const Context& context) {
   const auto format = cloud_format(query);
   if (!format) return tl::unexpected(format.error());
   request.format = *format;
-  if (const auto voxel = query.find("voxel"); voxel != query.end() && voxel->second != "0") {
-    const auto voxel_m = parse_number("voxel", voxel->second, 0.01, 100);
-    if (!voxel_m) return tl::unexpected(voxel_m.error());
-    request.voxel_m = *voxel_m;
-  } else if (voxel != query.end()) {
-    request.voxel_m = 0;
-  }
+  const auto voxel_m = voxel(query);
+  if (!voxel_m) return tl::unexpected(voxel_m.error());
+  request.voxel_m = *voxel_m;
   if (const auto there = find_component(context.station.atlas().atlas, request.component); !there)
     return tl::unexpected(there.error());
   return Stream{"application/octet-stream", std::make_unique<MapExport>(context.station, request)};

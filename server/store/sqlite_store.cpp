@@ -75,6 +75,16 @@ class SqliteStore : public Store {
         [&](const Row& row) { visit(keyframe_of(row)); }, session, first);
   }
 
+  Result<std::uint64_t> last_keyframe(SessionId session) override {
+    std::uint64_t last = 0;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each(
+        "SELECT coalesce(max(sequence), 0) FROM keyframes WHERE session=?",
+        [&](const Row& row) { last = static_cast<std::uint64_t>(row.integer(0)); }, session);
+    if (!read) return tl::unexpected(read.error());
+    return last;
+  }
+
   Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) override {
     std::vector<std::uint64_t> sequences;
     const std::lock_guard lock(mutex_);

@@ -84,6 +84,8 @@ class Store {
   /// Keyframes from sequence `first` on, in order.
   virtual Result<void> each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) = 0;
+  /// How many keyframes it has: the last sequence, 0 without any.
+  virtual Result<std::uint64_t> last_keyframe(SessionId session) = 0;
   virtual Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) = 0;
   /// Encoded as the robot sent it; not_found when there is none.
   virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;

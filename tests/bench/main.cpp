@@ -105,7 +105,7 @@ nlohmann::json link_bytes() {
     v1::RobotMessage message;
     *message.mutable_keyframe() = to_proto(drive.keyframes[i]).value();
     keyframe_bytes += message.ByteSizeLong() + 4;
-    cloud_bytes += encode_cloud(drive.clouds[i]).size();
+    cloud_bytes += encode_cloud(drive.clouds[i]).value().size();
     points += point_count(drive.clouds[i]);
   }
   const double per_keyframe = static_cast<double>(keyframe_bytes) / static_cast<double>(drive.keyframes.size());

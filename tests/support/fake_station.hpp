@@ -90,6 +90,7 @@ class FakeStation : public Station {
   /// Keyframes 1 and 2 have `points` points 1 m apart on the x axis, in two sweeps; 3 has none.
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override {
     ++clouds_read;
+    const std::lock_guard gate(cloud_gate);
     if (sequence == 3) return failure(ErrorCode::not_found, "no cloud");
     if (cloud_that_breaks == clouds_read) return failure(ErrorCode::bad_input, "a damaged cloud");
     KeyframeCloud out{{Sweep{}, Sweep{}}};
@@ -108,6 +109,7 @@ class FakeStation : public Station {
   bool merge_makes_work = false;
   std::atomic<int> merges = 0, waits = 0;
   mutable std::atomic<int> clouds_read = 0;
+  mutable std::mutex cloud_gate;  // held by a test: cloud() waits
 
  private:
   mutable std::mutex mutex_;

@@ -89,10 +89,10 @@ TEST(ScanFormats, DamagedBytesNeverDoMoreThanFail) {
 TEST(ScanFormats, ACountThatLiesIsFoundBeforeMemoryIsTaken) {
   for (const std::string lie : {"6", "99999999", "18446744073709551615", "-1", "5x"}) {
     for (const std::string data : {"ascii", "binary", "binary_compressed"}) {
-      std::string bytes = replaced(pcd(some_points, data), "WIDTH 5", "WIDTH " + lie);
-      EXPECT_FALSE(parse_pcd(bytes)) << "WIDTH against POINTS";
-      bytes = replaced(bytes, "POINTS 5", "POINTS " + lie);
-      EXPECT_FALSE(parse_pcd(bytes)) << data << " " << lie;
+      const std::string at_odds = replaced(pcd(some_points, data), "WIDTH 5", "WIDTH " + lie);
+      EXPECT_FALSE(parse_pcd(at_odds)) << "WIDTH against POINTS";
+      const std::string lying = replaced(at_odds, "POINTS 5", "POINTS " + lie);
+      EXPECT_FALSE(parse_pcd(lying)) << data << " " << lie;
     }
     for (const std::string format : {"ascii", "binary_little_endian"}) {
       const std::string bytes = replaced(ply(some_points, format), "vertex 5", "vertex " + lie);

@@ -1,0 +1,216 @@
+#include "client/robot_client.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "client/spooled_link.hpp"
+#include "client/uplink/uplink.hpp"
+#include "common/cloud/cloud_codec.hpp"
+#include "common/descriptor/family.hpp"
+#include "common/descriptor/wall_profile.hpp"
+
+namespace headframe {
+
+// The robot's data flow:
+//   scan + pose -> selector -> descriptor, walls, sweeps -> spool -> uplink -> base station
+//   base station -> acks -> spool; transforms -> callback
+struct RobotClient::State {
+  State(RobotConfig c, std::unique_ptr<DescriptorFamily> f, Spool spool)
+      : config(std::move(c)),
+        family(std::move(f)),
+        selector(config.keyframes),
+        sweeps(config.sweeps),
+        link(std::move(spool)),
+        sequence(link.last_sequence()) {}
+
+  Result<void> restore_selection();
+  Result<bool> judge(double stamp_s, const Pose& T_local_sensor) const;
+  Result<bool> spool_keyframe(Keyframe keyframe, const Points& points_sensor, const Points& points_level);
+
+  const RobotConfig config;
+  const std::unique_ptr<DescriptorFamily> family;  // null with own descriptors
+  KeyframeSelector selector;
+  SweepCollector sweeps;
+  SpooledLink link;
+  std::uint64_t sequence = 0;  // of the last keyframe
+  double last_stamp_s = 0;     // of it
+  std::atomic<bool> finished{false};
+  std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
+};
+
+namespace {
+
+Points level(const Pose& T_local_sensor, const Points& points_sensor) {
+  const Eigen::Isometry3f T_level_sensor = (levelled(T_local_sensor).inverse() * T_local_sensor).cast<float>();
+  Points points_level;
+  points_level.reserve(points_sensor.size());
+  for (const auto& p : points_sensor) points_level.push_back(T_level_sensor * p);
+  return points_level;
+}
+
+Hello hello_of(const RobotConfig& config, const DescriptorFamily* family) {
+  Hello hello;
+  hello.session = {config.robot, config.session};
+  hello.sensor = config.sensor;
+  if (hello.sensor.model.empty()) hello.sensor.model = "unknown";
+  if (config.own_descriptors)
+    hello.family = {config.own_descriptors->family, config.own_descriptors->q_size, config.own_descriptors->w_size};
+  else
+    hello.family = {family->id(), family->q_size(), family->w_size()};
+  hello.clouds = config.clouds;
+  hello.software = "headframe robot library 0.1.0";
+  return hello;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config) {
+  if (!config.insecure)
+    return failure(ErrorCode::invalid_argument,
+                   "TLS is not there yet: give insecure (--insecure) to send in the clear");
+  if (auto ok = check_name("robot", config.robot); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
+  std::unique_ptr<DescriptorFamily> family;
+  if (!config.own_descriptors) {
+    auto made = make_family(config.family);
+    if (!made) return tl::unexpected(made.error());
+    family = std::move(*made);
+  }
+  const Hello hello = hello_of(config, family.get());
+  auto spool = Spool::open({config.spool, config.cloud_quota_bytes, true}, hello);
+  if (!spool) return tl::unexpected(spool.error());
+
+  auto state = std::make_unique<State>(config, std::move(family), std::move(*spool));
+  if (auto ok = state->restore_selection(); !ok) return tl::unexpected(ok.error());
+  UplinkConfig link;
+  link.host = config.host;
+  link.port = config.port;
+  link.bytes_per_s = config.bytes_per_s;
+  state->uplink = std::make_unique<Uplink>(link, state->link.identity(), state->link,
+                                           [s = state.get()](const UplinkEvent& event) { s->link.on_event(event); });
+  return std::unique_ptr<RobotClient>(new RobotClient(std::move(state)));
+}
+
+Result<void> RobotClient::State::restore_selection() {
+  for (std::uint64_t s = 1; s <= sequence; ++s) {
+    const auto keyframe = link.keyframe(s);
+    if (!keyframe) return tl::unexpected(keyframe.error());
+    selector.restore(keyframe->T_local_sensor, keyframe->spaciousness_m);
+    last_stamp_s = keyframe->stamp_s;
+    // The sweeps since then are lost: at most one keyframe's way.
+    if (s == sequence) (void)sweeps.take(keyframe->T_local_sensor, {});
+  }
+  return {};
+}
+
+/// False: it is of the past.
+Result<bool> RobotClient::State::judge(double stamp_s, const Pose& T_local_sensor) const {
+  if (!std::isfinite(stamp_s) || !T_local_sensor.matrix().allFinite())
+    return failure(ErrorCode::invalid_argument, "a stamp or pose that is not finite");
+  if (finished) return failure(ErrorCode::invalid_argument, "the session is finished");
+  return sequence == 0 || stamp_s > last_stamp_s;
+}
+
+Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor) {
+  State& s = *state_;
+  if (!s.family) return failure(ErrorCode::invalid_argument, "add_scan with own descriptors: use add_keyframe");
+  const auto fresh = s.judge(stamp_s, T_local_sensor);
+  if (!fresh || !*fresh) return fresh;
+  const Points points = finite_points(points_sensor, s.config.min_range_m);
+  if (points.empty()) return failure(ErrorCode::bad_input, "a scan without a usable point");
+
+  const auto decision = s.selector.add(T_local_sensor, mean_range_m(points));
+  if (!decision.keyframe) {
+    s.sweeps.add(T_local_sensor, points);
+    return false;
+  }
+  const Points points_level = level(T_local_sensor, points);
+  auto descriptor = s.family->extract(points_level);
+  if (!descriptor) return tl::unexpected(descriptor.error());
+  Keyframe keyframe;
+  keyframe.stamp_s = stamp_s;
+  keyframe.T_local_sensor = T_local_sensor;
+  keyframe.spaciousness_m = decision.spaciousness_m;
+  keyframe.descriptor = std::move(*descriptor);
+  return s.spool_keyframe(std::move(keyframe), points, points_level);
+}
+
+Result<bool> RobotClient::add_keyframe(double stamp_s, const Pose& T_local_sensor, const Descriptor& descriptor,
+                                       const Points& points_sensor) {
+  State& s = *state_;
+  const auto& own = s.config.own_descriptors;
+  if (!own || descriptor.q.size() != own->q_size || descriptor.w.size() != own->w_size)
+    return failure(ErrorCode::invalid_argument, "add_keyframe: q and w must have the sizes stated in own_descriptors");
+  const auto fresh = s.judge(stamp_s, T_local_sensor);
+  if (!fresh || !*fresh) return fresh;
+  const Points points = finite_points(points_sensor, s.config.min_range_m);
+  Keyframe keyframe;
+  keyframe.stamp_s = stamp_s;
+  keyframe.T_local_sensor = T_local_sensor;
+  keyframe.spaciousness_m = mean_range_m(points);
+  keyframe.descriptor = descriptor;
+  return s.spool_keyframe(std::move(keyframe), points, level(T_local_sensor, points));
+}
+
+Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Points& points_sensor,
+                                                const Points& points_level) {
+  keyframe.sequence = sequence + 1;
+  keyframe.walls = wall_profile(points_level);
+  const KeyframeCloud cloud = sweeps.take(keyframe.T_local_sensor, points_sensor);
+  std::string encoded;
+  const std::size_t count = point_count(cloud);
+  if (count > 0 && config.clouds != CloudPolicy::never) {
+    auto bytes = encode_cloud(cloud);
+    if (!bytes) return tl::unexpected(bytes.error());
+    encoded = std::move(*bytes);
+    keyframe.point_count = static_cast<std::uint32_t>(count);
+  }
+  if (auto ok = link.append(keyframe, encoded); !ok) return tl::unexpected(ok.error());
+  sequence = keyframe.sequence;
+  last_stamp_s = keyframe.stamp_s;
+  uplink->wake();
+  return true;
+}
+
+Result<void> RobotClient::finish(std::chrono::milliseconds patience,
+                                 const std::function<void(const Progress&)>& each_step) {
+  using Clock = std::chrono::steady_clock;
+  if (!state_->finished.exchange(true)) trigger("session finished");
+  auto last = progress();
+  auto moved = Clock::now();
+  while (true) {
+    const Progress now = progress();
+    if (each_step) each_step(now);
+    if (state_->link.all_acknowledged()) return {};
+    if (now.refused) return failure(ErrorCode::refused, now.link_error);
+    if ((now.connected && now.bytes_sent != last.bytes_sent) ||
+        now.keyframes_acknowledged != last.keyframes_acknowledged || now.clouds_waiting != last.clouds_waiting)
+      moved = Clock::now();
+    last = now;
+    if (Clock::now() - moved >= patience)
+      return failure(ErrorCode::unavailable,
+                     now.link_error.empty() ? "the server acknowledges nothing" : now.link_error);
+    state_->link.wait(std::chrono::milliseconds(200));
+  }
+}
+
+void RobotClient::on_transform(std::function<void(const Transforms&)> callback) {
+  state_->link.on_transform(std::move(callback));
+}
+std::optional<Transforms> RobotClient::transforms() const { return state_->link.transforms(); }
+void RobotClient::trigger(const std::string& reason) { state_->uplink->trigger(reason); }
+SessionKey RobotClient::session() const { return state_->link.identity().session; }
+const std::vector<std::string>& RobotClient::warnings() const { return state_->link.warnings(); }
+
+Progress RobotClient::progress() const {
+  Progress p = state_->link.progress();
+  p.bytes_sent = state_->uplink->bytes_sent();
+  p.connected = state_->uplink->connected();
+  return p;
+}
+
+void RobotClient::close() { state_->uplink->close(state_->finished && state_->link.all_acknowledged()); }
+
+RobotClient::RobotClient(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RobotClient::~RobotClient() { close(); }
+
+}  // namespace headframe

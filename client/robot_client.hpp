@@ -1,0 +1,106 @@
+#pragma once
+// What a robot developer links: scans with poses in, the transform of the robot's map out. No ROS, no PCL.
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/keyframe/keyframe_selector.hpp"
+#include "client/keyframe/sweeps.hpp"
+#include "client/transforms.hpp"
+#include "common/cloud/point_cloud.hpp"
+#include "common/result.hpp"
+#include "common/session/cloud_policy.hpp"
+#include "common/session/keyframe.hpp"
+
+namespace headframe {
+
+/// Descriptors that the robot computes itself, for add_keyframe.
+struct OwnDescriptors {
+  FamilyId family;
+  std::size_t q_size = 0;
+  std::size_t w_size = 0;
+};
+
+struct RobotConfig {
+  std::string robot;            // its name on the server
+  std::string session;          // empty: a random name, made once and kept in the spool
+  std::filesystem::path spool;  // directory; one directory is one session (one local frame)
+  std::string host;             // of the base station
+  std::uint16_t port = 7447;
+  bool insecure = false;  // plain TCP; TLS is not there yet, so it must be set
+  Sensor sensor;
+
+  std::string family = "scan_context";            // of add_scan
+  std::optional<OwnDescriptors> own_descriptors;  // set: add_keyframe only
+  CloudPolicy clouds = CloudPolicy::all;
+  double bytes_per_s = 0;                         // budget of what is sent; 0: no limit
+  std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // of the spool; the oldest clouds go first
+  float min_range_m = 0.1F;                       // nearer points are no returns
+  KeyframeConfig keyframes;
+  SweepConfig sweeps;
+};
+
+struct Progress {
+  std::uint64_t keyframes = 0;  // of the session, in the spool
+  std::uint64_t keyframes_acknowledged = 0;
+  std::uint64_t clouds_waiting = 0;  // in the spool, not acknowledged
+  std::uint64_t clouds_acknowledged = 0;
+  std::uint64_t clouds_dropped = 0;  // by the quota, or damaged
+  std::uint64_t bytes_sent = 0;      // since open()
+  bool connected = false;
+  bool refused = false;    // the server said no for good: nothing more is tried
+  std::string link_error;  // why the last connection ended; empty: none did
+};
+
+/// add_scan and add_keyframe: from one thread at a time, and one of the two only. All else is thread safe.
+class RobotClient {
+ public:
+  /// Opens the spool (resuming its session when there is one) and starts connecting. The server need not be there.
+  static Result<std::unique_ptr<RobotClient>> open(const RobotConfig& config);
+
+  /// One scan in the sensor frame. True: it became a keyframe and is on the disk. Blocks for the disk then (a few
+  /// milliseconds; more when it stalls). Stamps go up; a scan whose stamp is not after the last keyframe in the spool
+  /// adds nothing: that is how a recording, or a driver that repeats itself, resumes. A fault (invalid_argument,
+  /// bad_input) loses this scan alone; unavailable is the disk's.
+  Result<bool> add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor);
+
+  /// A keyframe that the robot chose and described itself; points may be empty (no cloud). q and w must have the sizes
+  /// of own_descriptors. False: its stamp is not after the last keyframe's.
+  Result<bool> add_keyframe(double stamp_s, const Pose& T_local_sensor, const Descriptor& descriptor,
+                            const Points& points_sensor);
+
+  /// Called when transforms change, on the link's thread, and at once when some are known. It must not throw, block or
+  /// call close(). The last one set counts.
+  void on_transform(std::function<void(const Transforms&)> callback);
+  std::optional<Transforms> transforms() const;
+
+  /// Asks the server to merge now.
+  void trigger(const std::string& reason);
+
+  SessionKey session() const;
+  const std::vector<std::string>& warnings() const;  // what opening the spool found and cured
+  Progress progress() const;
+
+  /// The session has ended: asks the server to merge, then waits until every keyframe (and with the policy `all` every
+  /// cloud) is acknowledged. Fails with the link's last error after `patience` without progress, or at once when
+  /// refused. Nothing is lost then: open the same spool again. `each_step` is called about five times a second.
+  Result<void> finish(std::chrono::milliseconds patience, const std::function<void(const Progress&)>& each_step = {});
+
+  /// Says goodbye (complete after a finish() that succeeded) and stops the link.
+  void close();
+
+  ~RobotClient();  // close()
+
+ private:
+  struct State;
+  explicit RobotClient(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,115 @@
+#include "client/spooled_link.hpp"
+
+#include <algorithm>
+
+namespace headframe {
+
+using Lock = std::lock_guard<std::mutex>;
+
+std::uint64_t SpooledLink::last_sequence() const {
+  const Lock lock(mutex_);
+  return spool_.last_sequence();
+}
+
+Result<Keyframe> SpooledLink::keyframe(std::uint64_t sequence) const {
+  const Lock lock(mutex_);
+  return spool_.keyframe(sequence);
+}
+
+bool SpooledLink::holds_cloud(std::uint64_t sequence) const {
+  const Lock lock(mutex_);
+  return spool_.holds_cloud(sequence);
+}
+
+std::uint64_t SpooledLink::next_held_cloud(std::uint64_t from) const {
+  const Lock lock(mutex_);
+  return spool_.next_held_cloud(from);
+}
+
+Result<std::string> SpooledLink::cloud(std::uint64_t sequence) const {
+  const Lock lock(mutex_);
+  return spool_.cloud(sequence);
+}
+
+Result<void> SpooledLink::append(const Keyframe& keyframe, std::string_view encoded_cloud) {
+  const Lock lock(mutex_);
+  return spool_.append(keyframe, encoded_cloud);
+}
+
+void SpooledLink::on_event(const UplinkEvent& event) {
+  if (const auto* t = std::get_if<Transforms>(&event)) return take(*t);
+  const Lock lock(mutex_);
+  Result<void> written;
+  if (std::holds_alternative<Welcomed>(event)) {
+    welcomed_ = true;
+    durable_keyframes_ = 0;
+    link_error_.clear();
+  } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
+    durable_keyframes_ = k->up_to;
+    written = spool_.acknowledge_keyframes(k->up_to);
+  } else if (const auto* c = std::get_if<CloudsDurable>(&event)) {
+    for (auto s = spool_.next_held_cloud(c->first); s != 0 && s <= c->last; s = spool_.next_held_cloud(s + 1))
+      if (auto ok = spool_.acknowledge_cloud(s); !ok) written = ok;
+  } else if (const auto* u = std::get_if<CloudUnreadable>(&event)) {
+    spool_.drop_cloud(u->sequence);
+    link_error_ = u->error.message;
+  } else if (const auto* e = std::get_if<LinkEnded>(&event)) {
+    link_error_ = e->error.message;
+    refused_ = e->permanent;
+  }
+  if (!written) link_error_ = written.error().message;  // asked for again after a restart: harmless
+  changed_.notify_all();
+}
+
+void SpooledLink::take(const Transforms& transforms) {
+  std::function<void(const Transforms&)> callback;
+  {
+    const Lock lock(mutex_);
+    const bool known =
+        transforms_ && transforms_->revision == transforms.revision && transforms_->component == transforms.component;
+    transforms_ = transforms;
+    if (!known) callback = on_transform_;
+  }
+  if (callback) callback(transforms);
+}
+
+void SpooledLink::on_transform(std::function<void(const Transforms&)> callback) {
+  std::optional<Transforms> known;
+  {
+    const Lock lock(mutex_);
+    on_transform_ = callback;
+    known = transforms_;
+  }
+  if (known && callback) callback(*known);
+}
+
+std::optional<Transforms> SpooledLink::transforms() const {
+  const Lock lock(mutex_);
+  return transforms_;
+}
+
+Progress SpooledLink::progress() const {
+  const Lock lock(mutex_);
+  Progress p;
+  p.keyframes = spool_.last_sequence();
+  p.keyframes_acknowledged = welcomed_ ? durable_keyframes_ : spool_.acknowledged_keyframes();
+  p.clouds_waiting = spool_.held_clouds();
+  p.clouds_acknowledged = spool_.acknowledged_clouds();
+  p.clouds_dropped = spool_.dropped_clouds();
+  p.refused = refused_;
+  p.link_error = link_error_;
+  return p;
+}
+
+bool SpooledLink::all_acknowledged() const {
+  const Lock lock(mutex_);
+  return welcomed_ && durable_keyframes_ == spool_.last_sequence() &&
+         (spool_.identity().clouds != CloudPolicy::all || spool_.held_clouds() == 0);
+}
+
+void SpooledLink::wait(std::chrono::milliseconds most) const {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait_for(lock, most);
+}
+
+}  // namespace headframe

@@ -1,0 +1,59 @@
+#pragma once
+// The spool as both threads see it: the robot adds, the uplink sends and acknowledges.
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+
+#include "client/robot_client.hpp"
+#include "client/spool/spool.hpp"
+#include "client/uplink/uplink_protocol.hpp"
+
+namespace headframe {
+
+/// Thread safe.
+class SpooledLink final : public UplinkSource {
+ public:
+  explicit SpooledLink(Spool spool) : spool_(std::move(spool)) {}
+
+  // What the uplink takes.
+  std::uint64_t last_sequence() const override;
+  Result<Keyframe> keyframe(std::uint64_t sequence) const override;
+  bool holds_cloud(std::uint64_t sequence) const override;
+  std::uint64_t next_held_cloud(std::uint64_t from) const override;
+  Result<std::string> cloud(std::uint64_t sequence) const override;
+
+  /// What the uplink tells.
+  void on_event(const UplinkEvent& event);
+
+  Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
+  const Hello& identity() const { return spool_.identity(); }  // does not change
+  const std::vector<std::string>& warnings() const { return spool_.warnings(); }
+
+  void on_transform(std::function<void(const Transforms&)> callback);
+  std::optional<Transforms> transforms() const;
+
+  Progress progress() const;  // without bytes_sent and connected
+
+  /// All that the policy sends is acknowledged by the server that we are, or were last, connected to.
+  bool all_acknowledged() const;
+
+  /// Returns when something was acknowledged or ended, or after the time.
+  void wait(std::chrono::milliseconds most) const;
+
+ private:
+  void take(const Transforms& transforms);
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  Spool spool_;
+  bool welcomed_ = false;
+  std::uint64_t durable_keyframes_ = 0;  // as the last server said; it may hold fewer than were once acknowledged
+  bool refused_ = false;
+  std::string link_error_;
+  std::optional<Transforms> transforms_;
+  std::function<void(const Transforms&)> on_transform_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,166 @@
+// headframe-replay: plays a session folder through the robot library, as the robot would have.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <thread>
+
+#include "client/robot_client.hpp"
+#include "client/tools/replay_report.hpp"
+#include "common/dataset/session_folder.hpp"
+
+namespace headframe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string server, robot, folder, spool, clouds = "all";
+  bool insecure = false, fast = false;
+  double rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
+};
+
+int failed(const std::string& message, int status = 1) {
+  std::fprintf(stderr, "headframe-replay: %s\n", message.c_str());
+  return status;
+}
+
+std::chrono::milliseconds milliseconds(double s) { return std::chrono::milliseconds(static_cast<long>(s * 1000)); }
+
+/// HOST:PORT or [HOST]:PORT.
+bool split_address(const std::string& address, RobotConfig& config) {
+  const auto colon = address.rfind(':');
+  if (colon == std::string::npos || colon == 0) return false;
+  config.host = address.substr(0, colon);
+  if (config.host.front() == '[' && config.host.back() == ']') config.host = config.host.substr(1, colon - 2);
+  const char *begin = address.data() + colon + 1, *end = address.data() + address.size();
+  const auto [stop, fault] = std::from_chars(begin, end, config.port);
+  return fault == std::errc() && stop == end && config.port > 0 && !config.host.empty();
+}
+
+/// Every scan in its time. A fault of the disk or of a file ends it; a scan that is no use is passed over.
+Result<void> play(const SessionFolder& session, const Options& options, RobotClient& robot, ReplayReport& report) {
+  const auto start = Clock::now();
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < session.size(); ++i) {
+    const std::chrono::duration<double> due((session.stamp_s(i) - session.stamp_s(0)) / options.rate);
+    if (!options.fast) std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(due));
+    const auto scan = session.load(i);
+    if (!scan) return tl::unexpected(scan.error());
+    dropped += scan->dropped;
+    const auto added = robot.add_scan(session.stamp_s(i), session.T_local_sensor(i), scan->points);
+    if (!added && added.error().code == ErrorCode::bad_input)
+      report.warning("scan " + std::to_string(i) + " passed over: " + added.error().message);
+    else if (!added)
+      return tl::unexpected(added.error());
+    report.step(i + 1, robot.progress());
+  }
+  if (dropped > 0) report.line(std::to_string(dropped) + " points without a return (NaN or zero) were left out");
+  return {};
+}
+
+/// Stays connected until nothing was asked for or acknowledged for so long.
+void linger(double linger_s, std::size_t scans, const RobotClient& robot, ReplayReport& report) {
+  constexpr std::uint64_t more_than_pings = 4096;
+  auto last = robot.progress();
+  auto quiet_since = Clock::now();
+  while (Clock::now() - quiet_since < milliseconds(linger_s)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    const auto now = robot.progress();
+    report.step(scans, now);
+    if (now.clouds_acknowledged == last.clouds_acknowledged && now.bytes_sent < last.bytes_sent + more_than_pings)
+      continue;
+    last = now;
+    quiet_since = Clock::now();
+  }
+}
+
+Result<void> run(const Options& options, const RobotConfig& config, const SessionFolder& session) {
+  ReplayReport report(session.size());
+  for (const auto& warning : session.warnings()) report.warning(warning);
+  const auto robot = RobotClient::open(config);
+  if (!robot) return tl::unexpected(robot.error());
+  for (const auto& warning : (*robot)->warnings()) report.warning(warning);
+  const SessionKey mine = (*robot)->session();
+  const auto before = (*robot)->progress().keyframes;
+  report.line((before > 0 ? "resumes session " : "session ") + mine.robot + "/" + mine.session +
+              (before > 0 ? " after keyframe " + std::to_string(before) : ""));
+  (*robot)->on_transform([&](const Transforms& t) { report.transforms(mine, t); });
+
+  auto done = play(session, options, **robot, report);
+  if (done)
+    done =
+        (*robot)->finish(milliseconds(options.patience_s), [&](const Progress& p) { report.step(session.size(), p); });
+  if (done) linger(options.linger_s, session.size(), **robot, report);
+  (*robot)->close();
+  report.end((*robot)->progress());
+  return done;
+}
+
+int replay(Options options) {
+  RobotConfig config;
+  if (!split_address(options.server, config))
+    return failed("--server " + options.server + ": HOST:PORT is needed, such as 10.0.0.2:7447", 2);
+  if (!options.insecure)
+    return failed("TLS is not there yet; --insecure sends in the clear and is needed until it is", 2);
+  const auto session = SessionFolder::open(options.folder);
+  if (!session) return failed(session.error().message);
+  config.robot = options.robot;
+  config.insecure = true;
+  config.sensor = session->sensor();
+  config.bytes_per_s = options.bytes_per_s;
+  config.clouds = options.clouds == "all"     ? CloudPolicy::all
+                  : options.clouds == "never" ? CloudPolicy::never
+                                              : CloudPolicy::on_request;
+  if (options.linger_s < 0) options.linger_s = config.clouds == CloudPolicy::on_request ? 30 : 0;
+  config.spool = options.spool;
+  if (options.spool.empty()) {
+    std::string name = (std::filesystem::temp_directory_path() / "headframe-replay-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) return failed(name + ": can not be made; give --spool DIR");
+    config.spool = name;
+  }
+
+  const auto done = run(options, config, *session);
+  std::error_code ignored;
+  const bool empty = !done && !std::filesystem::exists(config.spool / "session.log", ignored);
+  if (options.spool.empty() && (done || empty)) std::filesystem::remove_all(config.spool, ignored);
+  if (done) return 0;
+  return failed(done.error().message + "; what is spooled is safe: go on with --spool " + config.spool.string());
+}
+
+}  // namespace
+}  // namespace headframe
+
+int main(int argc, char** argv) {
+  headframe::Options o;
+  CLI::App app{"Plays a recorded session through the robot library, as the robot would have."};
+  app.add_option("--server", o.server, "base station, HOST:PORT")->required();
+  app.add_option("--robot", o.robot, "name of the robot")->required();
+  app.add_option("--spool", o.spool,
+                 "directory that keeps the session; without it a temporary one, removed on success");
+  app.add_flag("--insecure", o.insecure, "plain TCP");
+  auto* fast = app.add_flag("--fast", o.fast, "as fast as the disk and the processor allow");
+  app.add_option("--rate", o.rate, "times real time")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber)
+      ->excludes(fast);
+  app.add_option("--clouds", o.clouds, "which clouds to send")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"all", "on_request", "never"}));
+  app.add_option("--linger", o.linger_s, "stay so many seconds after the last answer (30 with on_request, else 0)")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--patience", o.patience_s, "give up after so many seconds without progress")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--bytes-per-s", o.bytes_per_s, "budget of the link; 0: no limit")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("SESSION_DIR", o.folder, "scans/, poses.txt and sensor.json")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  return headframe::replay(std::move(o));
+}

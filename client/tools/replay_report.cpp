@@ -1,0 +1,108 @@
+#include "client/tools/replay_report.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace headframe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto bar_every = std::chrono::milliseconds(100);
+constexpr auto line_every = std::chrono::seconds(5);
+
+std::string name(const SessionKey& key) { return key.robot + "/" + key.session; }
+
+std::string megabytes(std::uint64_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f MB", static_cast<double>(bytes) / 1e6);
+  return text;
+}
+
+std::string pose(const Pose& T) {
+  char text[96];
+  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f) m, yaw %.1f deg", T.translation().x(), T.translation().y(),
+                T.translation().z(), yaw_rad(T) * 180 / std::numbers::pi);
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const Progress& p) {
+  std::string text = std::to_string(p.keyframes) + " keyframes (" + std::to_string(p.keyframes_acknowledged) +
+                     " acknowledged), " + std::to_string(p.clouds_waiting + p.clouds_acknowledged) + " clouds (" +
+                     std::to_string(p.clouds_acknowledged) + " acknowledged), " + megabytes(p.bytes_sent) + " sent";
+  if (p.clouds_dropped > 0) text += ", " + std::to_string(p.clouds_dropped) + " clouds dropped";
+  return text;
+}
+
+ReplayReport::ReplayReport(std::size_t scans) : scans_(scans), terminal_(::isatty(STDOUT_FILENO) == 1) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 12);  // who reads from a pipe gets each line when it is written
+}
+
+void ReplayReport::line(const std::string& text) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  clear_bar();
+  std::printf("%s\n", text.c_str());
+  draw_bar();
+}
+
+void ReplayReport::warning(const std::string& text) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  clear_bar();
+  std::fprintf(stderr, "headframe-replay: %s\n", text.c_str());
+  draw_bar();
+}
+
+void ReplayReport::step(std::size_t scans_done, const Progress& progress) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto now = Clock::now();
+  if (drawn_ != Clock::time_point{} &&
+      now - drawn_ < (terminal_ ? Clock::duration(bar_every) : Clock::duration(line_every)))
+    return;
+  const bool first = drawn_ == Clock::time_point{};
+  drawn_ = now;
+  const std::string status = std::to_string(scans_done) + "/" + std::to_string(scans_) + " scans, " +
+                             describe(progress) + (progress.connected ? "" : ", not connected");
+  if (!terminal_) {
+    if (!first) std::printf("%s\n", status.c_str());
+    return;
+  }
+  constexpr std::size_t width = 20;
+  const std::size_t full = scans_ == 0 ? width : width * scans_done / scans_;
+  clear_bar();
+  bar_ = std::string(full, '#') + std::string(width - full, '.') + " " + status;
+  draw_bar();
+}
+
+void ReplayReport::transforms(const SessionKey& mine, const Transforms& t) {
+  std::string text = "transforms, revision " + std::to_string(t.revision) + ": anchor " + name(t.anchor);
+  if (const auto T = t.T_component(mine)) text += "; T_component_mine " + pose(*T);
+  for (const auto& s : t.sessions)
+    if (const auto T = t.T_mine_other(mine, s.session); T && s.session != mine)
+      text += "; T_mine_" + name(s.session) + " " + pose(*T);
+  line(text);
+}
+
+void ReplayReport::end(const Progress& progress) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  clear_bar();
+  bar_.clear();
+  std::printf("%s\n", describe(progress).c_str());
+}
+
+void ReplayReport::clear_bar() {
+  if (!bar_.empty()) std::printf("\r\033[K");
+  std::fflush(stdout);
+}
+
+void ReplayReport::draw_bar() {
+  if (bar_.empty()) return;
+  std::printf("%s", bar_.c_str());
+  std::fflush(stdout);
+}
+
+}  // namespace headframe

@@ -1,0 +1,37 @@
+#pragma once
+// What headframe-replay prints: a bar that redraws itself on a terminal, plain lines now and then elsewhere.
+
+#include <chrono>
+#include <mutex>
+#include <string>
+
+#include "client/robot_client.hpp"
+
+namespace headframe {
+
+/// Thread safe: transforms come on the link's thread.
+class ReplayReport {
+ public:
+  explicit ReplayReport(std::size_t scans);
+
+  void line(const std::string& text);
+  void warning(const std::string& text);  // on standard error
+  void step(std::size_t scans_done, const Progress& progress);
+  void transforms(const SessionKey& mine, const Transforms& transforms);
+  void end(const Progress& progress);
+
+ private:
+  void clear_bar();
+  void draw_bar();
+
+  std::mutex mutex_;
+  const std::size_t scans_;
+  const bool terminal_;
+  std::string bar_;  // as it stands on the terminal
+  std::chrono::steady_clock::time_point drawn_;
+};
+
+/// "45 keyframes (40 acknowledged), 40 clouds (30 acknowledged), 1.2 MB sent"
+std::string describe(const Progress& progress);
+
+}  // namespace headframe

@@ -1,0 +1,76 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <iostream>
+
+#include "server/map_merge_server.hpp"
+
+namespace {
+
+using namespace headframe;
+
+constexpr int bad_usage = 2;
+
+int fail(const std::string& message, int status) {
+  std::cerr << "headframe-server: " << message << '\n';
+  return status;
+}
+
+/// SIGINT and SIGTERM wait for wait_for_signal() from here on, in every thread that is started later.
+sigset_t hold_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+int serve(const ServerOptions& options) {
+  const sigset_t signals = hold_signals();
+  const auto server = MapMergeServer::start(options);
+  if (!server) return fail(server.error().message, 1);
+  std::cout << "headframe-server ready: robots on " << to_string((*server)->robots()) << ", http on "
+            << to_string((*server)->http()) << ", data in " << options.data.string() << std::endl;
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("signal {}: finishing", signal);
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  std::string data, listen, http, config;
+  bool insecure = false;
+  CLI::App app("The base station: robots stream their maps, the server merges them.", "headframe-server");
+  app.add_option("--data", data, "directory of the database; made when it is not there")->required();
+  app.add_option("--listen", listen, "HOST:PORT for robots; port 0 takes any")->required();
+  app.add_option("--http", http, "HOST:PORT for operators; port 0 takes any")->required();
+  app.add_flag("--insecure", insecure, "without TLS and tokens: anyone who reaches the ports may use them");
+  app.add_option("--config", config, "TOML file: [server], [limits], [merge]");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : bad_usage;
+  }
+  if (!insecure) return fail("TLS is not there yet: give --insecure to serve without it", bad_usage);
+  const auto robots = parse_endpoint(listen), operators = parse_endpoint(http);
+  if (!robots) return fail("--listen: " + robots.error().message, bad_usage);
+  if (!operators) return fail("--http: " + operators.error().message, bad_usage);
+  auto settings = config.empty() ? Result<ServerConfig>(ServerConfig()) : load_config(config);
+  if (!settings) return fail(settings.error().message, bad_usage);
+  return serve({data, *robots, *operators, *settings});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  spdlog::set_default_logger(spdlog::stderr_color_mt("headframe"));
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    return fail(error.what(), 1);
+  }
+}

@@ -1,0 +1,86 @@
+#include "server/map_merge_server.hpp"
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <optional>
+#include <thread>
+
+#include "server/net/robot_listener.hpp"
+#include "server/operator/operator_api.hpp"
+#include "server/station_view.hpp"
+#include "server/store/sqlite_store.hpp"
+
+namespace headframe {
+
+/// Order of life: what is below uses what is above. stop() goes from the peers inwards.
+struct MapMergeServer::Parts {
+  Parts(const ServerOptions& o, std::unique_ptr<Store> opened)
+      : options(o),
+        store(std::move(opened)),
+        worker(make_pipeline(o.config.merge), *store, o.config.schedule),
+        hub(*store, worker),
+        listener(io, hub, o.config.limits),
+        view(io, hub, worker, *store) {}
+  ~Parts() { stop(); }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+
+  Result<void> start();
+  void stop();
+
+  const ServerOptions options;
+  boost::asio::io_context io;
+  std::unique_ptr<Store> store;
+  MergeWorker worker;
+  SessionHub hub;
+  RobotListener listener;
+  StationView view;
+  std::optional<OperatorApi> api;
+  Endpoint robots, http;
+  std::vector<std::thread> threads;
+};
+
+Result<void> MapMergeServer::Parts::start() {
+  auto done = hub.restore();
+  if (done) done = worker.restore();
+  if (!done) return done;
+  auto listening = listener.listen(options.listen);
+  if (!listening) return tl::unexpected(listening.error());
+  robots = *listening;
+  api.emplace(io, view);
+  done = api->listen(options.http.host, options.http.port);
+  if (!done) return done;
+  http = {options.http.host, api->port()};
+  worker.start(hub);
+  for (int i = 0; i < options.config.io_threads; ++i) threads.emplace_back([this] { io.run(); });
+  return {};
+}
+
+void MapMergeServer::Parts::stop() {
+  listener.stop();
+  if (api) api->stop();
+  io.stop();  // what is left are waits of operators that have gone; robots repeat what was not acknowledged
+  for (std::thread& thread : threads) thread.join();
+  threads.clear();
+  worker.stop();
+  store.reset();  // writes what was received; its callbacks find hub and worker still there
+}
+
+MapMergeServer::MapMergeServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+MapMergeServer::~MapMergeServer() = default;
+
+Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOptions& options) {
+  constexpr std::size_t mib = 1024UL * 1024;
+  auto store = open_sqlite_store(options.data,
+                                 {.queue_bytes = static_cast<std::size_t>(options.config.write_queue_mib) * mib,
+                                  .database_bytes = static_cast<std::uint64_t>(options.config.database_mib) * mib});
+  if (!store) return tl::unexpected(store.error());
+  auto parts = std::make_unique<Parts>(options, std::move(*store));
+  if (auto done = parts->start(); !done) return tl::unexpected(done.error());
+  return std::unique_ptr<MapMergeServer>(new MapMergeServer(std::move(parts)));
+}
+
+const Endpoint& MapMergeServer::robots() const { return parts_->robots; }
+const Endpoint& MapMergeServer::http() const { return parts_->http; }
+
+}  // namespace headframe

@@ -1,0 +1,37 @@
+#pragma once
+// The whole base station, put together: store, robots, merge worker, operator API.
+
+#include <filesystem>
+#include <memory>
+
+#include "server/config/server_config.hpp"
+#include "server/net/endpoint.hpp"
+
+namespace headframe {
+
+struct ServerOptions {
+  std::filesystem::path data;
+  Endpoint listen;  // for robots
+  Endpoint http;    // for operators
+  ServerConfig config;
+};
+
+/// Runs from start() to stop(); restored from its data directory when there is something in it.
+class MapMergeServer {
+ public:
+  /// unavailable: the directory can not be written or is in use, a port is taken; incompatible: a newer schema.
+  static Result<std::unique_ptr<MapMergeServer>> start(const ServerOptions& options);
+
+  /// stop(): no robot is served any more, the running attempt is finished, what was received is written.
+  ~MapMergeServer();
+
+  const Endpoint& robots() const;  // with the real port
+  const Endpoint& http() const;
+
+ private:
+  struct Parts;
+  explicit MapMergeServer(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+
+#include "server/merge_worker/merge_news.hpp"
+
+namespace headframe {
+
+/// What has happened to one session since the worker last looked.
+struct SessionNews {
+  std::optional<FamilyId> added;
+  std::uint64_t durable_keyframes = 0;
+  std::set<std::uint64_t> clouds_came, clouds_gone;
+  bool left = false;                                               // comes before `came`
+  std::optional<bool> came;                                        // whether it answers
+  std::optional<std::pair<Trigger, MergeSchedule::Time>> trigger;  // the first
+};
+
+/// News by session: bounded by what the sessions hold, however long the worker is busy.
+using Mailbox = std::map<SessionId, SessionNews>;
+
+}  // namespace headframe

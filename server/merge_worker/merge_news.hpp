@@ -1,0 +1,39 @@
+#pragma once
+// Where the merge worker meets the robots: news go in, requests and transforms come out.
+
+#include <vector>
+
+#include "common/session/keyframe.hpp"
+#include "server/atlas/atlas.hpp"
+#include "server/merge_worker/merge_schedule.hpp"
+
+namespace headframe {
+
+/// What the worker is told. Thread safe, quick, never blocks: news of a session join until the worker takes them.
+class MergeNews {
+ public:
+  virtual ~MergeNews() = default;
+  virtual void session_added(SessionId session, const FamilyId& family) = 0;
+  virtual void keyframes_durable(SessionId session, std::uint64_t sequence) = 0;
+  virtual void cloud_durable(const KeyframeRef& cloud) = 0;
+  virtual void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) = 0;
+  /// answers: it will answer submap requests.
+  virtual void robot_came(SessionId session, bool answers) = 0;
+  virtual void robot_left(SessionId session) = 0;
+  virtual void trigger(SessionId session, Trigger trigger) = 0;
+};
+
+/// What the worker asks for. Called from the worker's thread; must not block.
+class Robots {
+ public:
+  virtual ~Robots() = default;
+  virtual void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) = 0;
+  /// The atlas is durable; `changed` are its components whose robots have to hear of it.
+  virtual void publish(const Atlas& atlas, const std::vector<Component>& changed) = 0;
+};
+
+/// Components of `now` that a robot has to hear of: other placements than before, or a session that was merged and
+/// stands alone again.
+std::vector<Component> changed_components(const Atlas& before, const Atlas& now);
+
+}  // namespace headframe

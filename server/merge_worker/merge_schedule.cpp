@@ -1,0 +1,110 @@
+#include "server/merge_worker/merge_schedule.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace headframe {
+
+std::string_view to_string(Trigger trigger) {
+  constexpr std::array<std::string_view, 6> names{"link", "travelled", "request", "goodbye", "command", "restart"};
+  return names.at(static_cast<std::size_t>(trigger));
+}
+
+void MergeSchedule::enqueue(const Attempt& attempt) {
+  const auto same = [&](const Attempt& a) { return a.session == attempt.session; };
+  if (std::none_of(queue_.begin(), queue_.end(), same)) queue_.push_back(attempt);
+}
+
+void MergeSchedule::trigger(SessionId session, Trigger trigger, Time now) { enqueue({session, trigger, now}); }
+
+void MergeSchedule::travelled(SessionId session, double metres, Time now) {
+  double& since_try_m = travelled_m_[session];
+  since_try_m += metres;
+  if (since_try_m >= config_.travelled_m) trigger(session, Trigger::travelled, now);
+}
+
+std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
+  if (queue_.empty()) return std::nullopt;
+  const Attempt attempt = queue_.front();
+  queue_.pop_front();
+  travelled_m_[attempt.session] = 0;
+  return attempt;
+}
+
+void MergeSchedule::again(const Attempt& attempt) { enqueue(attempt); }
+
+MergeSchedule::Time MergeSchedule::deadline(Time now) const {
+  return now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(config_.submap_s));
+}
+
+std::vector<KeyframeRef> MergeSchedule::wait_for(Attempt attempt, const std::vector<KeyframeRef>& wanted, Time now) {
+  std::vector<KeyframeRef> ask;
+  if (wanted.empty() || ++attempt.round > most_rounds) return ask;
+  std::set<KeyframeRef> missing;
+  for (const KeyframeRef& cloud : wanted) {
+    if (in_vain(cloud)) continue;
+    missing.insert(cloud);
+    if (!awaited_.insert(cloud).second) continue;
+    ask.push_back(cloud);
+    deadlines_[cloud.session] = deadline(now);
+  }
+  if (missing.empty()) {
+    enqueue(attempt);
+    return ask;
+  }
+  const auto same = [&](const Waiting& w) { return w.attempt.session == attempt.session; };
+  const auto waiting = std::find_if(waiting_.begin(), waiting_.end(), same);
+  if (waiting == waiting_.end())
+    waiting_.push_back({attempt, std::move(missing)});
+  else
+    waiting->missing.merge(missing);
+  return ask;
+}
+
+void MergeSchedule::settle(const KeyframeRef& cloud) {
+  if (awaited_.erase(cloud) == 0) return;
+  const auto next = awaited_.lower_bound({cloud.session, 0});
+  if (next == awaited_.end() || next->session != cloud.session) deadlines_.erase(cloud.session);
+  for (Waiting& w : waiting_)
+    if (w.missing.erase(cloud) > 0 && w.missing.empty()) enqueue(w.attempt);
+  std::erase_if(waiting_, [](const Waiting& w) { return w.missing.empty(); });
+}
+
+void MergeSchedule::cloud_came(const KeyframeRef& cloud, Time now) {
+  in_vain_.erase(cloud);
+  settle(cloud);
+  if (const auto it = deadlines_.find(cloud.session); it != deadlines_.end()) it->second = deadline(now);
+}
+
+void MergeSchedule::cloud_will_not_come(const KeyframeRef& cloud) {
+  in_vain_.insert(cloud);
+  settle(cloud);
+}
+
+void MergeSchedule::robot_came(SessionId session) {
+  std::erase_if(in_vain_, [&](const KeyframeRef& cloud) { return cloud.session == session; });
+}
+
+void MergeSchedule::give_up(SessionId session) {
+  std::vector<KeyframeRef> owed;
+  for (const KeyframeRef& cloud : awaited_)
+    if (cloud.session == session) owed.push_back(cloud);
+  for (const KeyframeRef& cloud : owed) cloud_will_not_come(cloud);
+}
+
+void MergeSchedule::robot_left(SessionId session) { give_up(session); }
+
+void MergeSchedule::tick(Time now) {
+  std::vector<SessionId> late;
+  for (const auto& [session, time] : deadlines_)
+    if (time <= now) late.push_back(session);
+  for (const SessionId session : late) give_up(session);
+}
+
+std::optional<MergeSchedule::Time> MergeSchedule::next_deadline() const {
+  std::optional<Time> first;
+  for (const auto& [session, time] : deadlines_) first = first ? std::min(*first, time) : time;
+  return first;
+}
+
+}  // namespace headframe

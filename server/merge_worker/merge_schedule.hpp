@@ -1,0 +1,90 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "server/merge_worker/schedule_config.hpp"
+#include "server/place/descriptor_index.hpp"
+
+namespace headframe {
+
+/// Why a session is tried.
+enum class Trigger {
+  link,       // its robot has connected
+  travelled,  // ... has come far enough since the last try
+  request,    // ... asked for it
+  goodbye,    // ... has ended the session
+  command,    // the operator asked for it
+  restart,    // keyframes came before the server stopped that no attempt has seen
+};
+
+std::string_view to_string(Trigger trigger);
+
+/// Which session is tried next, and which attempts wait for clouds. Pure: times come in, no thread, no clock. Each
+/// session is queued once at most, so the queue is bounded by the number of sessions.
+class MergeSchedule {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  struct Attempt {
+    SessionId session = 0;
+    Trigger trigger = Trigger::command;
+    Time triggered;  // of the first trigger that this attempt answers
+    int round = 0;   // how often it has waited for clouds
+  };
+
+  explicit MergeSchedule(const ScheduleConfig& config) : config_(config) {}
+
+  /// Joins an attempt that is queued already.
+  void trigger(SessionId session, Trigger trigger, Time now);
+  void travelled(SessionId session, double metres, Time now);
+
+  /// The attempt that was queued first; it counts as the session's last try.
+  std::optional<Attempt> next();
+  /// Behind what is queued: the attempt has more to try.
+  void again(const Attempt& attempt);
+
+  /// The attempt waits until all these clouds have come or will not come, then it is queued again. Returns those that
+  /// have to be asked for now: the others are awaited already. After most_rounds the attempt is let go.
+  std::vector<KeyframeRef> wait_for(Attempt attempt, const std::vector<KeyframeRef>& wanted, Time now);
+  void cloud_came(const KeyframeRef& cloud, Time now);
+  void cloud_will_not_come(const KeyframeRef& cloud);
+  void robot_came(SessionId session);
+  void robot_left(SessionId session);
+  /// Clouds that a robot has not sent for config.submap_s will not come.
+  void tick(Time now);
+  std::optional<Time> next_deadline() const;
+
+  /// Asked for in vain since its robot connected last.
+  bool in_vain(const KeyframeRef& cloud) const { return in_vain_.contains(cloud); }
+
+  std::size_t queued() const { return queue_.size(); }
+  std::size_t awaited() const { return awaited_.size(); }
+
+  static constexpr int most_rounds = 20;
+
+ private:
+  struct Waiting {
+    Attempt attempt;
+    std::set<KeyframeRef> missing;
+  };
+
+  void enqueue(const Attempt& attempt);
+  void settle(const KeyframeRef& cloud);
+  void give_up(SessionId session);
+  Time deadline(Time now) const;
+
+  ScheduleConfig config_;
+  std::deque<Attempt> queue_;
+  std::vector<Waiting> waiting_;  // one for each session at most
+  std::set<KeyframeRef> awaited_, in_vain_;
+  std::map<SessionId, Time> deadlines_;  // of robots that owe clouds
+  std::map<SessionId, double> travelled_m_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,232 @@
+#include "server/merge_worker/merge_worker.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/cloud/cloud_codec.hpp"
+
+namespace headframe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto retry_after = std::chrono::seconds(1);  // a write that failed: the disk may have room again
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+MergeWorker::MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config)
+    : pipeline_(std::move(pipeline)), store_(store), schedule_(config) {}
+
+MergeWorker::~MergeWorker() { stop(); }
+
+Result<void> MergeWorker::restore() {
+  auto sessions = store_.sessions();
+  if (!sessions) return tl::unexpected(sessions.error());
+  for (const SessionRecord& session : *sessions) {
+    pipeline_->add_session(session.id, session.family);
+    feed(session.id, false);
+    auto clouds = store_.cloud_sequences(session.id);
+    if (!clouds) return tl::unexpected(clouds.error());
+    Known& known = known_[session.id];
+    known.stored = {clouds->begin(), clouds->end()};
+    if (known.keyframes > session.attempted_keyframes) schedule_.trigger(session.id, Trigger::restart, Clock::now());
+  }
+  auto merge = store_.merge();
+  if (!merge) return tl::unexpected(merge.error());
+  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision);
+  atlas_ = pipeline_->atlas();
+  update_view();
+  rest();
+  return {};
+}
+
+void MergeWorker::start(Robots& robots) {
+  robots_ = &robots;
+  thread_ = std::thread([this] { run(); });
+}
+
+void MergeWorker::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void MergeWorker::run() {
+  Mailbox news;
+  while (wait_for_news(news)) {
+    for (const auto& [session, what] : news) take(session, what);
+    if (!news.empty()) update_view();
+    schedule_.tick(Clock::now());
+    if (const auto next = schedule_.next()) attempt(*next);
+    rest();
+  }
+}
+
+/// Sleeps until there is something to do; false: stop.
+bool MergeWorker::wait_for_news(Mailbox& news) {
+  std::unique_lock lock(mutex_);
+  const auto due = [&] { return stopping_ || !mailbox_.empty() || pending_.attempts > 0; };
+  if (const auto deadline = schedule_.next_deadline())
+    wake_.wait_until(lock, *deadline, due);
+  else
+    wake_.wait(lock, due);
+  busy_ = true;
+  news = std::move(mailbox_);
+  mailbox_.clear();
+  return !stopping_;
+}
+
+void MergeWorker::rest() {
+  const std::lock_guard lock(mutex_);
+  pending_.attempts = schedule_.queued();
+  pending_.awaited_submaps = schedule_.awaited();
+  busy_ = false;
+}
+
+void MergeWorker::take(SessionId session, const SessionNews& news) {
+  const auto now = Clock::now();
+  if (news.added) pipeline_->add_session(session, *news.added);
+  Known& known = known_[session];
+  if (news.durable_keyframes > known.keyframes) feed(session, true);
+  for (const std::uint64_t sequence : news.clouds_came) {
+    known.stored.insert(sequence);
+    schedule_.cloud_came({session, sequence}, now);
+  }
+  for (const std::uint64_t sequence : news.clouds_gone) schedule_.cloud_will_not_come({session, sequence});
+  if (news.left) {
+    known.answers = false;
+    schedule_.robot_left(session);
+  }
+  if (news.came) {
+    known.answers = *news.came;
+    schedule_.robot_came(session);
+  }
+  if (news.trigger && known.keyframes > 0) schedule_.trigger(session, news.trigger->first, news.trigger->second);
+}
+
+/// Gives the pipeline what the store has and it has not. counts: the distance triggers attempts.
+void MergeWorker::feed(SessionId session, bool counts) {
+  Known& known = known_[session];
+  double metres = 0;
+  const auto read = store_.each_keyframe(session, known.keyframes + 1, [&](Keyframe keyframe) {
+    const Eigen::Vector3d here_m = keyframe.T_local_sensor.translation();
+    if (known.keyframes > 0) metres += (here_m - known.last_m).norm();
+    known.last_m = here_m;
+    known.keyframes = keyframe.sequence;
+    if (keyframe.point_count == 0) known.without_cloud.insert(keyframe.sequence);
+    pipeline_->add_keyframe(session, std::move(keyframe));
+  });
+  if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
+  draft_.sessions[session].distance_m += metres;
+  if (counts) schedule_.travelled(session, metres, Clock::now());
+}
+
+void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
+  AttemptReport report;
+  const auto start = Clock::now();
+  try {
+    report = pipeline_->attempt(attempt.session, *this);
+  } catch (const std::exception& e) {
+    spdlog::error("attempt to merge session {} failed: {}", attempt.session, e.what());
+    return;
+  }
+  const StageTimes& t = report.times;
+  spdlog::info(
+      "attempt: session {} ({}), {:.0f} ms: hypotheses {:.0f}, sampling {:.0f}, registration {:.0f}, verification "
+      "{:.0f}, atlas {:.0f}; {} alignments changed, {} clouds wanted{}",
+      attempt.session, to_string(attempt.trigger), ms_since(start), t.hypotheses_ms, t.sampling_ms, t.registration_ms,
+      t.verification_ms, t.atlas_ms, report.changed.size(), report.wanted.size(),
+      report.unfinished ? ", unfinished" : "");
+  if (!commit(attempt, report)) return;  // the server stops
+  request(schedule_.wait_for(attempt, report.wanted, Clock::now()));
+  if (report.unfinished) schedule_.again(attempt);
+}
+
+void MergeWorker::request(const std::vector<KeyframeRef>& clouds) {
+  std::map<SessionId, std::vector<std::uint64_t>> of_robot;
+  for (const KeyframeRef& cloud : clouds) of_robot[cloud.session].push_back(cloud.sequence);
+  for (const auto& [session, sequences] : of_robot) robots_->request_submap(session, sequences);
+}
+
+bool MergeWorker::commit(const MergeSchedule::Attempt& attempt, const AttemptReport& report) {
+  PutMerge write;
+  if (report.wanted.empty() && !report.unfinished) {
+    write.attempted = attempt.session;
+    write.attempted_keyframes = known_[attempt.session].keyframes;
+  }
+  write.changed = report.changed;
+  if (report.atlas_changed) write.atlas = pipeline_->atlas();
+  if (write.attempted == 0 && write.changed.empty() && !write.atlas) return true;
+  if (!write_durably(write)) return false;
+  if (report.atlas_changed) published(attempt);
+  if (report.atlas_changed || !report.changed.empty()) update_view();
+  return true;
+}
+
+void MergeWorker::published(const MergeSchedule::Attempt& attempt) {
+  const Atlas& now = pipeline_->atlas();
+  const auto changed = changed_components(atlas_, now);
+  atlas_ = now;
+  robots_->publish(atlas_, changed);
+  const double ms = ms_since(attempt.triggered);
+  draft_.sessions[attempt.session].trigger_to_transform_ms = ms;
+  spdlog::info("revision {}: session {}, {:.0f} ms from its trigger ({}) to the transform; {} components changed",
+               atlas_.revision, attempt.session, ms, to_string(attempt.trigger), changed.size());
+}
+
+/// Blocks until the write is on disk, trying again as long as the disk refuses it; false: the server stops.
+bool MergeWorker::write_durably(const PutMerge& write) {
+  while (true) {
+    auto result = std::make_shared<std::optional<Result<void>>>();
+    store_.write(write, [this, result](const Result<void>& done) {
+      const std::lock_guard lock(mutex_);
+      *result = done;
+      wake_.notify_all();
+    });
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [&] { return result->has_value(); });
+    if (result->value()) return true;
+    spdlog::error("the merge waits for the disk: {}", result->value().error().message);
+    if (wake_.wait_for(lock, retry_after, [&] { return stopping_; })) return false;
+  }
+}
+
+void MergeWorker::update_view() {
+  draft_.atlas = pipeline_->atlas();
+  draft_.alignments = pipeline_->alignments();
+  std::set<SessionId> placed;
+  for (const Component& component : draft_.atlas.components)
+    for (const Placement& placement : component.placements) placed.insert(placement.session);
+  for (const auto& [session, known] : known_)
+    if (!placed.contains(session)) draft_.atlas.components.push_back({session, {{session, Pose::Identity()}}});
+  std::sort(draft_.atlas.components.begin(), draft_.atlas.components.end(),
+            [](const Component& a, const Component& b) { return a.id < b.id; });
+  auto made = std::make_shared<const MergeView>(draft_);
+  const std::lock_guard lock(mutex_);
+  view_ = std::move(made);
+}
+
+CloudState MergeWorker::state(const KeyframeRef& keyframe) const {
+  const auto it = known_.find(keyframe.session);
+  if (it == known_.end()) return CloudState::unobtainable;
+  const Known& known = it->second;
+  if (known.stored.contains(keyframe.sequence)) return CloudState::stored;
+  const bool can_come =
+      known.answers && !known.without_cloud.contains(keyframe.sequence) && !schedule_.in_vain(keyframe);
+  return can_come ? CloudState::obtainable : CloudState::unobtainable;
+}
+
+Result<KeyframeCloud> MergeWorker::load(const KeyframeRef& keyframe) {
+  const auto encoded = store_.cloud(keyframe);
+  if (!encoded) return tl::unexpected(encoded.error());
+  return decode_cloud(*encoded);
+}
+
+}  // namespace headframe

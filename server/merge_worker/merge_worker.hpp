@@ -1,0 +1,96 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "server/merge_worker/mailbox.hpp"
+#include "server/merge_worker/pipeline.hpp"
+#include "server/operator/station.hpp"
+#include "server/store/store.hpp"
+
+namespace headframe {
+
+/// What the worker knows, as of the last durable revision.
+struct MergeView {
+  struct Session {
+    double distance_m = 0;
+    double trigger_to_transform_ms = -1;
+  };
+  Atlas atlas;  // every session is in it
+  std::vector<Alignment> alignments;
+  std::map<SessionId, Session> sessions;
+};
+
+/// The one thread that owns the pipeline. It feeds durable keyframes from the store, tries sessions as the schedule
+/// says, stores what an attempt changed, and only then publishes it. One attempt at a time; a full disk holds merging
+/// up and nothing else. Thread safe but for restore() and start().
+class MergeWorker : public MergeNews, private CloudSource {
+ public:
+  MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config);
+  ~MergeWorker() override;  // stop()
+
+  /// Brings back what the store holds; once, before start(). Sessions with keyframes that no attempt has seen are
+  /// tried.
+  Result<void> restore();
+  void start(Robots& robots);
+  /// Waits for the attempt that is running; what is queued is found again by restore().
+  void stop();
+
+  void session_added(SessionId session, const FamilyId& family) override;
+  void keyframes_durable(SessionId session, std::uint64_t sequence) override;
+  void cloud_durable(const KeyframeRef& cloud) override;
+  void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) override;
+  void robot_came(SessionId session, bool answers) override;
+  void robot_left(SessionId session) override;
+  void trigger(SessionId session, Trigger trigger) override;
+
+  Pending pending() const;
+  std::shared_ptr<const MergeView> view() const;
+
+ private:
+  using Time = MergeSchedule::Time;
+  struct Known {
+    std::uint64_t keyframes = 0;
+    Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
+    std::set<std::uint64_t> stored, without_cloud;
+    bool answers = false;
+  };
+
+  template <class Change>
+  void tell(SessionId session, Change change);
+  void run();
+  bool wait_for_news(Mailbox& news);
+  void rest();
+  void take(SessionId session, const SessionNews& news);
+  void feed(SessionId session, bool counts);
+  void attempt(const MergeSchedule::Attempt& attempt);
+  void request(const std::vector<KeyframeRef>& clouds);
+  bool commit(const MergeSchedule::Attempt& attempt, const AttemptReport& report);
+  void published(const MergeSchedule::Attempt& attempt);
+  bool write_durably(const PutMerge& write);
+  void update_view();
+
+  CloudState state(const KeyframeRef& keyframe) const override;
+  Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+
+  // The worker's thread only.
+  std::unique_ptr<Pipeline> pipeline_;
+  Store& store_;
+  Robots* robots_ = nullptr;
+  MergeSchedule schedule_;
+  std::map<SessionId, Known> known_;
+  Atlas atlas_;  // as published last
+  MergeView draft_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  Mailbox mailbox_;
+  Pending pending_;  // of the schedule, when the worker looked last
+  bool busy_ = false, stopping_ = false;
+  std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();
+  std::thread thread_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,26 @@
+#include "server/merge_worker/pipeline.hpp"
+
+namespace headframe {
+namespace {
+
+class RealPipeline : public Pipeline {
+ public:
+  explicit RealPipeline(const MergeConfig& config) : pipeline_(config) {}
+  void add_session(SessionId id, const FamilyId& family) override { pipeline_.add_session(id, family); }
+  void add_keyframe(SessionId id, Keyframe keyframe) override { pipeline_.add_keyframe(id, std::move(keyframe)); }
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision) override {
+    pipeline_.restore(std::move(alignments), revision);
+  }
+  AttemptReport attempt(SessionId id, CloudSource& clouds) override { return pipeline_.attempt(id, clouds); }
+  const Atlas& atlas() const override { return pipeline_.atlas(); }
+  const std::vector<Alignment>& alignments() const override { return pipeline_.alignments(); }
+
+ private:
+  MergePipeline pipeline_;
+};
+
+}  // namespace
+
+std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config) { return std::make_unique<RealPipeline>(config); }
+
+}  // namespace headframe

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+
+#include "server/merge_pipeline.hpp"
+
+namespace headframe {
+
+/// MergePipeline as the worker sees it, so that tests can script one. See merge_pipeline.hpp for the promises.
+class Pipeline {
+ public:
+  virtual ~Pipeline() = default;
+  virtual void add_session(SessionId id, const FamilyId& family) = 0;
+  virtual void add_keyframe(SessionId id, Keyframe keyframe) = 0;
+  virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision) = 0;
+  virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;
+  virtual const Atlas& atlas() const = 0;
+  virtual const std::vector<Alignment>& alignments() const = 0;
+};
+
+std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config);
+
+}  // namespace headframe

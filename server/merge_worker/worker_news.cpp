@@ -1,0 +1,92 @@
+// What other threads tell the worker, and what they may see of it.
+#include <algorithm>
+
+#include "server/merge_worker/merge_worker.hpp"
+
+namespace headframe {
+
+template <class Change>
+void MergeWorker::tell(SessionId session, Change change) {
+  {
+    const std::lock_guard lock(mutex_);
+    change(mailbox_[session]);
+  }
+  wake_.notify_all();
+}
+
+void MergeWorker::session_added(SessionId session, const FamilyId& family) {
+  tell(session, [&](SessionNews& news) { news.added = family; });
+}
+
+void MergeWorker::keyframes_durable(SessionId session, std::uint64_t sequence) {
+  tell(session, [&](SessionNews& news) { news.durable_keyframes = std::max(news.durable_keyframes, sequence); });
+}
+
+void MergeWorker::cloud_durable(const KeyframeRef& cloud) {
+  tell(cloud.session, [&](SessionNews& news) {
+    news.clouds_came.insert(cloud.sequence);
+    news.clouds_gone.erase(cloud.sequence);
+  });
+}
+
+void MergeWorker::clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) {
+  tell(session, [&](SessionNews& news) {
+    for (const std::uint64_t sequence : sequences)
+      if (!news.clouds_came.contains(sequence)) news.clouds_gone.insert(sequence);
+  });
+}
+
+void MergeWorker::robot_came(SessionId session, bool answers) {
+  tell(session, [&](SessionNews& news) { news.came = answers; });
+}
+
+void MergeWorker::robot_left(SessionId session) {
+  tell(session, [&](SessionNews& news) {
+    news.left = true;
+    news.came.reset();
+  });
+}
+
+void MergeWorker::trigger(SessionId session, Trigger trigger) {
+  tell(session, [&](SessionNews& news) {
+    if (!news.trigger) news.trigger.emplace(trigger, std::chrono::steady_clock::now());
+  });
+}
+
+Pending MergeWorker::pending() const {
+  const std::lock_guard lock(mutex_);
+  Pending pending = pending_;
+  pending.attempts += busy_ ? 1 : 0;
+  for (const auto& [session, news] : mailbox_) {
+    pending.attempts += news.trigger ? 1 : 0;
+    pending.keyframes += 1;  // at least: how many the worker will know when it looks
+  }
+  return pending;
+}
+
+std::shared_ptr<const MergeView> MergeWorker::view() const {
+  const std::lock_guard lock(mutex_);
+  return view_;
+}
+
+std::vector<Component> changed_components(const Atlas& before, const Atlas& now) {
+  std::map<SessionId, const Component*> was;
+  for (const Component& component : before.components)
+    for (const Placement& placement : component.placements) was[placement.session] = &component;
+  const auto same = [](const Placement& p, const Placement& q) {
+    return p.session == q.session && p.T_component_session.matrix() == q.T_component_session.matrix();
+  };
+  std::vector<Component> changed;
+  for (const Component& component : now.components) {
+    const auto it = was.find(component.id);
+    const Component* old = it == was.end() ? nullptr : it->second;
+    const auto& placements = component.placements;
+    const bool alone = placements.size() == 1 && (!old || old->placements.size() == 1);
+    const bool kept =
+        old && std::equal(placements.begin(), placements.end(), old->placements.begin(), old->placements.end(), same);
+    if (!alone && !kept) changed.push_back(component);
+  }
+  return changed;
+}
+
+}  // namespace headframe

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/result.hpp"
+
+namespace headframe {
+
+struct Endpoint {
+  std::string host;
+  std::uint16_t port = 0;  // 0: any that is free
+};
+
+/// "HOST:PORT", "[IPV6]:PORT". invalid_argument otherwise.
+Result<Endpoint> parse_endpoint(std::string_view text);
+std::string to_string(const Endpoint& endpoint);
+
+}  // namespace headframe

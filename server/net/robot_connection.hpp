@@ -1,0 +1,62 @@
+#pragma once
+// The protocol on a socket: one strand, one read and one write at a time.
+
+#include <array>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+
+#include "server/net/robot_protocol.hpp"
+#include "server/net/session_hub.hpp"
+
+namespace headframe {
+
+/// The RobotLink calls come from any thread; all else runs on the socket's strand. Backpressure: while more than
+/// limits.undurable_mib of this robot's bytes wait for the disk its socket is not read, so TCP holds the robot back and
+/// nobody else. Lives as long as its socket is open.
+class RobotConnection : public RobotLink, public std::enable_shared_from_this<RobotConnection> {
+ public:
+  /// The socket's executor must be a strand.
+  RobotConnection(boost::asio::ip::tcp::socket socket, SessionHub& hub, const RobotLimits& limits);
+
+  void start();
+  /// Says why and ends at once: the server has no room.
+  void start_refusing(const std::string& why);
+  /// The server stops. Thread safe.
+  void shut();
+
+  void settled(std::size_t bytes, const Result<void>& result) override;
+  void keyframes_durable(std::uint64_t sequence) override;
+  void cloud_durable(std::uint64_t sequence) override;
+  void request_submap(const std::vector<std::uint64_t>& sequences) override;
+  void update_transform(std::shared_ptr<const std::string> payload) override;
+  void close(v1::ErrorKind kind, const std::string& message, bool permanent) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  template <class Action>
+  void on_strand(Action action);
+  void read();
+  void on_bytes(std::size_t bytes);
+  void greet(const Hello& hello);
+  void flush();
+  void after_last_word();
+  void tick();
+  void drop();
+  bool crowded() const;
+
+  boost::asio::ip::tcp::socket socket_;
+  boost::asio::steady_timer timer_;
+  SessionHub& hub_;
+  const RobotLimits limits_;
+  RobotProtocol protocol_;
+  SessionId session_ = 0;  // 0: not admitted
+  std::size_t undurable_bytes_ = 0;
+  bool reading_ = false, writing_ = false, finishing_ = false, dropped_ = false;
+  Clock::time_point write_began_, finish_began_;
+  std::string output_;
+  std::array<char, 64 * 1024> input_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,86 @@
+#include "server/net/robot_listener.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/strand.hpp>
+
+namespace headframe {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto breath = std::chrono::milliseconds(100);  // after a failed accept: no file descriptors, most likely
+
+}  // namespace
+
+RobotListener::RobotListener(boost::asio::io_context& io, SessionHub& hub, const RobotLimits& limits)
+    : io_(io), acceptor_(boost::asio::make_strand(io)), pause_(acceptor_.get_executor()), hub_(hub), limits_(limits) {}
+
+Result<Endpoint> RobotListener::listen(const Endpoint& at) {
+  const auto unavailable = [&](const error_code& error) {
+    return failure(ErrorCode::unavailable, "can not listen for robots on " + to_string(at) + ": " + error.message());
+  };
+  error_code error;
+  tcp::resolver resolver(io_);
+  const auto found = resolver.resolve(at.host, std::to_string(at.port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error) return unavailable(error);
+  const tcp::endpoint endpoint = *found.begin();
+  acceptor_.open(endpoint.protocol(), error);
+  if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor_.bind(endpoint, error);
+  if (!error) acceptor_.listen(boost::asio::socket_base::max_listen_connections, error);
+  if (error) return unavailable(error);
+  boost::asio::post(acceptor_.get_executor(), [this] { accept(); });
+  return Endpoint{at.host, acceptor_.local_endpoint().port()};
+}
+
+void RobotListener::accept() {
+  acceptor_.async_accept(boost::asio::make_strand(io_), [this](error_code error, tcp::socket socket) {
+    if (!acceptor_.is_open()) return;
+    if (!error) {
+      welcome(std::move(socket));
+      return accept();
+    }
+    spdlog::warn("a robot could not be accepted: {}", error.message());
+    pause_.expires_after(breath);
+    pause_.async_wait([this](error_code cancelled) {
+      if (!cancelled) accept();
+    });
+  });
+}
+
+void RobotListener::welcome(tcp::socket socket) {
+  auto connection = std::make_shared<RobotConnection>(std::move(socket), hub_, limits_);
+  std::size_t living = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopped_) return;
+    std::erase_if(connections_, [](const auto& known) { return known.expired(); });
+    living = connections_.size();
+    const auto most = static_cast<std::size_t>(limits_.robots);
+    if (living >= 2 * most) return;  // even the refusals crowd: the socket just closes
+    connections_.push_back(connection);
+  }
+  if (living < static_cast<std::size_t>(limits_.robots))
+    connection->start();
+  else
+    connection->start_refusing("the server serves " + std::to_string(limits_.robots) +
+                               " robots already; raise limits.robots or try again later");
+}
+
+void RobotListener::stop() {
+  boost::asio::post(acceptor_.get_executor(), [this] {
+    error_code ignored;
+    acceptor_.close(ignored);
+    pause_.cancel();
+  });
+  const std::lock_guard lock(mutex_);
+  stopped_ = true;
+  for (const auto& known : connections_)
+    if (const auto connection = known.lock()) connection->shut();
+}
+
+}  // namespace headframe

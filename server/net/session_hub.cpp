@@ -1,0 +1,244 @@
+#include "server/net/session_hub.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "common/wire/limits.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr std::size_t keyframe_bytes = 1024;  // of memory until it is on disk, about
+
+std::string name_of(const SessionKey& key) { return key.robot + "/" + key.session; }
+
+bool same_family(const SessionRecord& record, const FamilySpec& family) {
+  return record.family == family.id && record.q_size == family.q_size && record.w_size == family.w_size;
+}
+
+}  // namespace
+
+Result<void> SessionHub::restore() {
+  auto sessions = store_.sessions();
+  if (!sessions) return tl::unexpected(sessions.error());
+  auto merge = store_.merge();
+  if (!merge) return tl::unexpected(merge.error());
+  const std::lock_guard lock(mutex_);
+  for (const SessionRecord& record : *sessions) {
+    auto clouds = store_.cloud_sequences(record.id);
+    if (!clouds) return tl::unexpected(clouds.error());
+    auto keyframes = store_.last_keyframe(record.id);
+    if (!keyframes) return tl::unexpected(keyframes.error());
+    Session& session = sessions_[record.id];
+    session.record = record;
+    session.keyframes = *keyframes;
+    session.clouds = {clouds->begin(), clouds->end()};
+    ids_[record.key] = record.id;
+  }
+  atlas_ = std::move(merge->atlas);
+  for (const Component& component : atlas_.components)
+    for (const Placement& placement : component.placements)
+      if (component.placements.size() > 1) told_.insert(placement.session);
+  for (const Alignment& alignment : merge->alignments)
+    if (alignment.state == AlignmentState::retracted) told_.insert({alignment.a, alignment.b});
+  return {};
+}
+
+/// The hello's session, made when it is new. Under the lock.
+SessionHub::Session& SessionHub::session_of(const Hello& hello) {
+  if (const auto known = ids_.find(hello.session); known != ids_.end()) return sessions_.at(known->second);
+  const SessionId id = sessions_.empty() ? 1 : sessions_.rbegin()->first + 1;
+  ids_[hello.session] = id;
+  Session& session = sessions_[id];
+  session.record = {id,
+                    hello.session,
+                    hello.sensor,
+                    hello.family.id,
+                    static_cast<std::uint32_t>(hello.family.q_size),
+                    static_cast<std::uint32_t>(hello.family.w_size),
+                    hello.spool_id};
+  return session;
+}
+
+Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::shared_ptr<RobotLink>& link) {
+  Admitted admitted;
+  SessionRecord record;
+  std::shared_ptr<RobotLink> replaced;
+  {
+    const std::lock_guard lock(mutex_);
+    Session& session = session_of(hello);
+    record = session.record;
+    if (record.spool_id != hello.spool_id)
+      return failure(ErrorCode::refused, "session " + name_of(record.key) +
+                                             " is fed from another spool; use that spool, or another session name");
+    if (!same_family(record, hello.family))
+      return failure(ErrorCode::refused, "session " + name_of(record.key) + " was begun with descriptor family " +
+                                             record.family.name + " version " + std::to_string(record.family.version) +
+                                             " of " + std::to_string(record.q_size) + " + " +
+                                             std::to_string(record.w_size) + " numbers; begin a new session");
+    replaced = session.link.lock();
+    session.link = link;
+    admitted = {record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, nullptr};
+    for (const Component& component : atlas_.components)
+      for (const Placement& placement : component.placements)
+        if (placement.session == record.id && told_.contains(record.id)) admitted.transform = update_of(component);
+    news_.session_added(record.id, record.family);
+    if (replaced) news_.robot_left(record.id);  // what was asked of the old connection has to be asked again
+    news_.robot_came(record.id, hello.clouds != CloudPolicy::never);
+    news_.trigger(record.id, Trigger::link);
+  }
+  if (replaced) replaced->close(v1::ERROR_KIND_REFUSED, "replaced by a newer connection of the same spool", false);
+  write(PutSession{record}, link, 0, [] {});
+  spdlog::info("robot {} connected ({}): {} keyframes and {} clouds are here", name_of(record.key), hello.software,
+               admitted.durable.keyframes, admitted.durable.clouds.size());
+  return admitted;
+}
+
+std::size_t SessionHub::stored_bytes(const RobotEvent& event) {
+  if (std::holds_alternative<KeyframeReceived>(event)) return keyframe_bytes;
+  if (const auto* cloud = std::get_if<CloudReceived>(&event)) return cloud->encoded.size() + keyframe_bytes;
+  return 0;
+}
+
+void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link) {
+  const std::size_t bytes = stored_bytes(event);
+  if (auto* keyframe = std::get_if<KeyframeReceived>(&event)) handle(session, std::move(*keyframe), link, bytes);
+  if (auto* cloud = std::get_if<CloudReceived>(&event)) handle(session, std::move(*cloud), link, bytes);
+  if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
+  if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
+  if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
+    write(PutMerge{}, link, 0, [this, session] { news_.trigger(session, Trigger::request); });
+}
+
+void SessionHub::handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link,
+                        std::size_t bytes) {
+  const std::uint64_t sequence = event.keyframe.sequence;
+  write(PutKeyframe{session, std::move(event.keyframe)}, link, bytes,
+        [this, session, sequence, to = std::weak_ptr(link)] {
+          {
+            const std::lock_guard lock(mutex_);
+            auto& durable = sessions_.at(session).keyframes;
+            durable = std::max(durable, sequence);
+          }
+          news_.keyframes_durable(session, sequence);
+          if (const auto robot = to.lock()) robot->keyframes_durable(sequence);
+        });
+}
+
+void SessionHub::handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link,
+                        std::size_t bytes) {
+  const KeyframeRef cloud{session, event.sequence};
+  write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, [this, cloud, to = std::weak_ptr(link)] {
+    {
+      const std::lock_guard lock(mutex_);
+      sessions_.at(cloud.session).clouds.insert(cloud.sequence);
+    }
+    news_.cloud_durable(cloud);
+    if (const auto robot = to.lock()) robot->cloud_durable(cloud.sequence);
+  });
+}
+
+void SessionHub::handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link) {
+  if (!event.complete) return;
+  write(CompleteSession{session}, link, 0, [this, session] {
+    {
+      const std::lock_guard lock(mutex_);
+      sessions_.at(session).record.complete = true;
+    }
+    news_.trigger(session, Trigger::goodbye);
+  });
+}
+
+/// Not under the lock: a full queue answers at once.
+void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied) {
+  ++unsettled_;
+  store_.write(std::move(write),
+               [this, bytes, applied = std::move(applied), to = std::weak_ptr(link)](const Result<void>& result) {
+                 if (result) applied();
+                 --unsettled_;
+                 if (!result) spdlog::error("store: {}", result.error().message);
+                 if (const auto robot = to.lock()) robot->settled(bytes, result);
+               });
+}
+
+void SessionHub::received(SessionId session, std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  sessions_.at(session).bytes_received += bytes;
+}
+
+void SessionHub::left(SessionId session, const RobotLink* link) {
+  const std::lock_guard lock(mutex_);
+  Session& known = sessions_.at(session);
+  if (known.link.lock().get() != link) return;  // replaced before
+  known.link.reset();
+  news_.robot_left(session);
+  spdlog::info("robot {} left", name_of(known.record.key));
+}
+
+std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = sessions_.find(session);
+  return it == sessions_.end() ? nullptr : it->second.link.lock();
+}
+
+void SessionHub::request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) {
+  if (const auto robot = link_of(session))
+    robot->request_submap(sequences);
+  else
+    news_.clouds_unavailable(session, sequences);  // it left between the question and this call
+}
+
+/// Under the lock. Null when it does not fit a frame.
+std::shared_ptr<const std::string> SessionHub::update_of(const Component& component) const {
+  v1::ServerMessage message;
+  auto& update = *message.mutable_transform_update();
+  update.set_revision(atlas_.revision);
+  update.set_component(static_cast<std::uint64_t>(component.id));
+  *update.mutable_anchor() = to_proto(sessions_.at(component.id).record.key);
+  for (const Placement& placement : component.placements) {
+    auto& transform = *update.add_sessions();
+    *transform.mutable_session() = to_proto(sessions_.at(placement.session).record.key);
+    *transform.mutable_t_component_session() = to_proto(placement.T_component_session);
+  }
+  auto payload = std::make_shared<const std::string>(message.SerializeAsString());
+  if (payload->size() <= limits::frame_bytes) return payload;
+  spdlog::error("component {} has {} sessions: its transform update does not fit a frame and is not sent", component.id,
+                component.placements.size());
+  return nullptr;
+}
+
+void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& changed) {
+  std::vector<std::pair<std::shared_ptr<RobotLink>, std::shared_ptr<const std::string>>> updates;
+  {
+    const std::lock_guard lock(mutex_);
+    atlas_ = atlas;
+    for (const Component& component : changed) {
+      const auto payload = update_of(component);
+      for (const Placement& placement : component.placements) {
+        told_.insert(placement.session);
+        if (auto robot = sessions_.at(placement.session).link.lock(); robot && payload)
+          updates.emplace_back(std::move(robot), payload);
+      }
+    }
+  }
+  for (const auto& [robot, payload] : updates) robot->update_transform(payload);
+}
+
+std::vector<SessionRow> SessionHub::sessions() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<SessionRow> rows;
+  for (const auto& [id, s] : sessions_)
+    rows.push_back({id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(), s.record.complete,
+                    s.keyframes, s.clouds.size(), s.bytes_received});
+  return rows;
+}
+
+std::map<SessionId, SessionKey> SessionHub::keys() const {
+  const std::lock_guard lock(mutex_);
+  std::map<SessionId, SessionKey> keys;
+  for (const auto& [id, session] : sessions_) keys[id] = session.record.key;
+  return keys;
+}
+
+}  // namespace headframe

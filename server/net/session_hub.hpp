@@ -1,0 +1,90 @@
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+
+#include "server/merge_worker/merge_news.hpp"
+#include "server/net/robot_events.hpp"
+#include "server/operator/station.hpp"
+#include "server/store/store.hpp"
+
+namespace headframe {
+
+/// One robot's connection, as the hub sees it. Thread safe, never blocks.
+class RobotLink {
+ public:
+  virtual ~RobotLink() = default;
+  /// Received bytes have become durable, or with a failure will not: the connection then ends and the robot repeats.
+  virtual void settled(std::size_t bytes, const Result<void>& result) = 0;
+  virtual void keyframes_durable(std::uint64_t sequence) = 0;
+  virtual void cloud_durable(std::uint64_t sequence) = 0;
+  virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
+  virtual void update_transform(std::shared_ptr<const std::string> payload) = 0;
+  virtual void close(v1::ErrorKind kind, const std::string& message, bool permanent) = 0;
+};
+
+/// Every session there is and who is connected: where the robots' events meet the store and the merge worker. Thread
+/// safe; never blocks on the disk but in restore().
+class SessionHub : public Robots {
+ public:
+  SessionHub(Store& store, MergeNews& news) : store_(store), news_(news) {}
+
+  Result<void> restore();
+
+  struct Admitted {
+    SessionId session = 0;
+    Durable durable;
+    std::shared_ptr<const std::string> transform;  // null: the session has never been merged
+  };
+  /// refused: the session belongs to another spool or has another family. A living connection of the same spool is
+  /// replaced. From here on the hub writes to the link.
+  Result<Admitted> admit(const Hello& hello, const std::shared_ptr<RobotLink>& link);
+  /// Takes any event but the hello.
+  void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
+  void received(SessionId session, std::size_t bytes);
+  void left(SessionId session, const RobotLink* link);
+
+  void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override;
+  void publish(const Atlas& atlas, const std::vector<Component>& changed) override;
+
+  /// distance_m and trigger_to_transform_ms are not the hub's to fill.
+  std::vector<SessionRow> sessions() const;
+  std::map<SessionId, SessionKey> keys() const;
+  /// Writes that were received and are not settled. Falls only after the worker was told.
+  std::size_t unsettled() const { return unsettled_; }
+
+  /// What an event counts in settled(): 0 when nothing of it is stored.
+  static std::size_t stored_bytes(const RobotEvent& event);
+
+ private:
+  struct Session {
+    SessionRecord record;
+    std::uint64_t keyframes = 0;  // durable
+    std::set<std::uint64_t> clouds;
+    std::uint64_t bytes_received = 0;
+    std::weak_ptr<RobotLink> link;
+  };
+  using Applied = std::function<void()>;
+
+  Session& session_of(const Hello& hello);
+  void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied);
+  void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
+  void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
+  void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
+  std::shared_ptr<const std::string> update_of(const Component& component) const;
+  std::shared_ptr<RobotLink> link_of(SessionId session) const;
+
+  Store& store_;
+  MergeNews& news_;
+  mutable std::mutex mutex_;
+  std::map<SessionId, Session> sessions_;
+  std::map<SessionKey, SessionId> ids_;
+  Atlas atlas_;               // published last
+  std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
+  std::atomic<std::size_t> unsettled_ = 0;
+};
+
+}  // namespace headframe

@@ -1,0 +1,91 @@
+#include "server/station_view.hpp"
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "common/cloud/cloud_codec.hpp"
+
+namespace headframe {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr auto look_again = std::chrono::milliseconds(20);
+
+struct Wait : std::enable_shared_from_this<Wait> {
+  Wait(boost::asio::io_context& io, const Station& the_station) : timer(io), station(the_station) {}
+
+  void look() {
+    const Pending pending = station.pending();
+    if (pending.idle() || Clock::now() >= deadline) return callback(pending);
+    timer.expires_after(look_again);
+    timer.async_wait([self = shared_from_this()](boost::system::error_code error) {
+      if (!error) self->look();
+    });
+  }
+
+  boost::asio::steady_timer timer;
+  const Station& station;
+  Clock::time_point deadline;
+  std::function<void(Pending)> callback;
+};
+
+}  // namespace
+
+std::vector<SessionRow> StationView::sessions() const {
+  auto rows = hub_.sessions();
+  const auto view = worker_.view();
+  for (SessionRow& row : rows) {
+    const auto it = view->sessions.find(row.id);
+    if (it == view->sessions.end()) continue;
+    row.distance_m = it->second.distance_m;
+    row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;
+  }
+  return rows;
+}
+
+AtlasView StationView::atlas() const {
+  const auto view = worker_.view();  // before the keys: every session in it has one
+  const auto keys = hub_.keys();
+  AtlasView atlas{view->atlas, {}};
+  for (const Alignment& alignment : view->alignments)
+    atlas.alignments.push_back({alignment, keys.at(alignment.a), keys.at(alignment.b)});
+  return atlas;
+}
+
+Pending StationView::pending() const {
+  const std::size_t unsettled = hub_.unsettled();  // before the worker's: what settles in between is counted there
+  Pending pending = worker_.pending();
+  pending.keyframes += unsettled;
+  return pending;
+}
+
+void StationView::when_idle(double timeout_s, std::function<void(Pending)> callback) {
+  auto wait = std::make_shared<Wait>(io_, *this);
+  wait->deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
+  wait->callback = std::move(callback);
+  wait->look();
+}
+
+void StationView::merge_all() {
+  for (const auto& [session, key] : hub_.keys()) worker_.trigger(session, Trigger::command);
+}
+
+Result<std::vector<Keyframe>> StationView::trajectory(SessionId session) const {
+  std::vector<Keyframe> keyframes;
+  const auto read = store_.each_keyframe(session, 1, [&](const Keyframe& keyframe) {
+    Keyframe& kept = keyframes.emplace_back();
+    kept.sequence = keyframe.sequence;
+    kept.stamp_s = keyframe.stamp_s;
+    kept.T_local_sensor = keyframe.T_local_sensor;
+    kept.point_count = keyframe.point_count;
+  });
+  if (!read) return tl::unexpected(read.error());
+  return keyframes;
+}
+
+Result<KeyframeCloud> StationView::cloud(SessionId session, std::uint64_t sequence) const {
+  const auto encoded = store_.cloud({session, sequence});
+  if (!encoded) return tl::unexpected(encoded.error());
+  return decode_cloud(*encoded);
+}
+
+}  // namespace headframe

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+
+#include "server/merge_worker/merge_worker.hpp"
+#include "server/net/session_hub.hpp"
+#include "server/operator/station.hpp"
+
+namespace headframe {
+
+/// The operator's view of hub, worker and store. All of them must outlive it, and `io` its waits.
+class StationView : public Station {
+ public:
+  StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store)
+      : io_(io), hub_(hub), worker_(worker), store_(store) {}
+
+  std::vector<SessionRow> sessions() const override;
+  AtlasView atlas() const override;
+  Pending pending() const override;
+  void when_idle(double timeout_s, std::function<void(Pending)> callback) override;
+  void merge_all() override;
+  Result<std::vector<Keyframe>> trajectory(SessionId session) const override;
+  Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
+
+ private:
+  boost::asio::io_context& io_;
+  SessionHub& hub_;
+  MergeWorker& worker_;
+  Store& store_;
+};
+
+}  // namespace headframe

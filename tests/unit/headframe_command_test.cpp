@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/operator_server.hpp"
+
+namespace headframe {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// Runs the command as an operator does: a process, against a server on the loopback.
+class HeadframeCommand : public testing::Test {
+ protected:
+  HeadframeCommand() {
+    std::string name = testing::TempDir() + "headframe-XXXXXX";
+    folder = mkdtemp(name.data());
+  }
+  ~HeadframeCommand() override { fs::remove_all(folder); }
+
+  Outcome run(const std::string& arguments) const { return run_at(server.where(), arguments); }
+  Outcome run_at(const std::string& where, const std::string& arguments) const {
+    const std::string line = std::string(HEADFRAME_COMMAND) + " --http " + where + " " + arguments + " >" +
+                             path("out") + " 2>" + path("err") + " </dev/null";
+    const int status = std::system(line.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(path("out")), contents(path("err"))};
+  }
+  std::string path(const std::string& file) const { return (folder / file).string(); }
+  std::set<std::string> files() const {
+    std::set<std::string> out;
+    for (const auto& entry : fs::directory_iterator(folder)) out.insert(entry.path().filename().string());
+    out.erase("out");
+    out.erase("err");
+    return out;
+  }
+  static void expect_fault(const Outcome& outcome, int code, const std::string& says) {
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err.rfind("headframe: ", 0), 0U) << outcome.err;
+    EXPECT_NE(outcome.err.find(says), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << "one line: " << outcome.err;
+  }
+
+  OperatorServer server;
+  fs::path folder;
+};
+
+TEST_F(HeadframeCommand, ShowsStatusSessionsAndAtlas) {
+  const Outcome status = run("status");
+  EXPECT_EQ(status.code, 0) << status.err;
+  EXPECT_NE(status.out.find("revision 7, 2 components of 3 sessions\n"), std::string::npos) << status.out;
+  EXPECT_NE(status.out.find("pending     nothing\n"), std::string::npos) << status.out;
+
+  server.station.rows[0].key.robot = "\x1b[31mred";
+  const Outcome sessions = run("sessions");
+  EXPECT_EQ(sessions.code, 0) << sessions.err;
+  EXPECT_EQ(std::count(sessions.out.begin(), sessions.out.end(), '\n'), 4);
+  EXPECT_NE(sessions.out.find("?[31mred/run/1"), std::string::npos) << "names do not reach the terminal raw";
+  EXPECT_NE(sessions.out.find("live"), std::string::npos);
+  EXPECT_NE(sessions.out.find("1.0 kB"), std::string::npos);
+
+  const Outcome atlas = run("atlas");
+  EXPECT_EQ(atlas.code, 0) << atlas.err;
+  EXPECT_NE(atlas.out.find("revision 7: 2 components of 3 sessions\n"), std::string::npos) << atlas.out;
+  EXPECT_NE(atlas.out.find("90.00"), std::string::npos) << atlas.out;
+  EXPECT_NE(atlas.out.find("published"), std::string::npos) << atlas.out;
+  EXPECT_NE(atlas.out.find("0.970"), std::string::npos) << atlas.out;
+}
+
+TEST_F(HeadframeCommand, JsonIsTheApisOwn) {
+  EXPECT_EQ(Json::parse(run("status --json").out)["revision"], 7);
+  EXPECT_EQ(Json::parse(run("--json sessions").out)["sessions"].size(), 3U);
+  EXPECT_EQ(Json::parse(run("atlas --json").out)["components"].size(), 2U);
+  EXPECT_EQ(Json::parse(run("merge --json").out)["waited_out"], false);
+  const Json exported = Json::parse(run("export --json --component 1 " + path("a.ply")).out);
+  EXPECT_EQ(exported["bytes"], fs::file_size(path("a.ply")));
+  EXPECT_EQ(Json::parse(run("trajectory --json alpha " + path("a.txt")).out)["session"], "run/1");
+}
+
+TEST_F(HeadframeCommand, WaitReturnsWhenNothingIsPending) {
+  server.station.set_pending({1, 0, 0});
+  std::jthread settle([&] {
+    while (server.station.waits == 0) std::this_thread::yield();
+    server.station.set_pending({});
+  });
+  const Outcome atlas = run("atlas --json --wait 600");
+  EXPECT_EQ(atlas.code, 0) << atlas.err;
+  EXPECT_EQ(Json::parse(atlas.out)["waited_out"], false);
+  EXPECT_EQ(atlas.err, "");
+}
+
+TEST_F(HeadframeCommand, WaitThatRunsOutPrintsTheAtlasAndWhatIsPending) {
+  server.station.set_pending({1, 0, 2});
+  for (const char* arguments : {"atlas --wait 0", "atlas --wait 0.05", "merge --wait 0.05"}) {
+    const Outcome atlas = run(arguments);
+    EXPECT_EQ(atlas.code, 3) << arguments;
+    EXPECT_NE(atlas.out.find("revision 7"), std::string::npos) << arguments;
+    EXPECT_NE(atlas.err.find("still pending: 1 attempt, 2 awaited submaps\n"), std::string::npos) << atlas.err;
+  }
+}
+
+TEST_F(HeadframeCommand, MergeTriggersAndShowsProgressUntilItIsSettled) {
+  server.station.merge_makes_work = true;
+  std::jthread settle([&] {
+    while (server.station.waits < 2) std::this_thread::yield();  // one slice of the wait ran out
+    server.station.set_pending({});
+  });
+  const Outcome merge = run("merge");
+  EXPECT_EQ(merge.code, 0) << merge.err;
+  EXPECT_EQ(server.station.merges, 1);
+  EXPECT_EQ(merge.err, "pending: 3 attempts\nsettled\n");
+  EXPECT_NE(merge.out.find("revision 7"), std::string::npos);
+}
+
+TEST_F(HeadframeCommand, ExportsAndTrajectoriesBecomeFiles) {
+  EXPECT_EQ(run("export --component 1 " + path("map.ply")).code, 0);
+  EXPECT_EQ(run("export --component 1 --voxel 0 " + path("map.pcd")).code, 0);
+  EXPECT_EQ(contents(path("map.ply")).substr(0, 4), "ply\n");
+  EXPECT_NE(contents(path("map.pcd")).find("POINTS 40\n"), std::string::npos);
+  EXPECT_EQ(run("trajectory beta " + path("by_robot.txt")).code, 0);
+  EXPECT_EQ(run("trajectory beta/run/1 " + path("by_session.txt")).code, 0);
+  EXPECT_EQ(contents(path("by_robot.txt")), contents(path("by_session.txt")));
+  EXPECT_EQ(run("trajectory 'gamma \"3\"' " + path("odd.txt")).code, 0) << "a name with spaces and quotes";
+  EXPECT_EQ(files(), (std::set<std::string>{"map.ply", "map.pcd", "by_robot.txt", "by_session.txt", "odd.txt"}));
+}
+
+TEST_F(HeadframeCommand, WrongUseIsStatus2) {
+  expect_fault(run(""), 2, "say what to do");
+  expect_fault(run("atlsa"), 2, "atlsa");
+  expect_fault(run("atlas --wait soon"), 2, "soon");
+  expect_fault(run("atlas --wait -1"), 2, "-1");
+  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply nor .pcd");
+  expect_fault(run("export " + path("map.ply")), 2, "--component");
+  expect_fault(run_at("nowhere", "status"), 2, "HOST:PORT");
+  expect_fault(run_at("127.0.0.1:0", "status"), 2, "HOST:PORT");
+  expect_fault(run_at("127.0.0.1:65536", "status"), 2, "HOST:PORT");
+  EXPECT_EQ(run("--help").code, 0);
+}
+
+TEST_F(HeadframeCommand, FaultsAreOneLineAndLeaveNothingBehind) {
+  expect_fault(run("export --component 2 " + path("map.ply")), 1, "no component 2; there are 1, 3");
+  expect_fault(run("export --component 1 " + path("no/map.ply")), 1, "No such file or directory");
+  fs::create_directory(path("folder.ply"));
+  expect_fault(run("export --component 1 " + path("folder.ply")), 1, "it is a directory");
+  fs::remove(path("folder.ply"));
+  expect_fault(run("trajectory delta " + path("t.txt")), 1, "there are alpha/run/1, beta/run/1, gamma \"3\"/run/1");
+  server.station.rows[1].key = {"alpha", "run/2"};
+  expect_fault(run("trajectory alpha " + path("t.txt")), 1, "several sessions");
+  expect_fault(run_at("127.0.0.1:1", "status"), 1, "no headframe-server answers at 127.0.0.1:1");
+  EXPECT_EQ(files(), std::set<std::string>{});
+}
+
+TEST_F(HeadframeCommand, AnExportThatBreaksOffKeepsTheOldFile) {
+  std::ofstream(path("map.ply")) << "old";
+  server.station.cloud_that_breaks = 5;  // after the first points went out
+  expect_fault(run("export --component 3 " + path("map.ply")), 1, "broke off");
+  EXPECT_EQ(contents(path("map.ply")), "old");
+  EXPECT_EQ(files(), std::set<std::string>{"map.ply"});
+}
+
+TEST_F(HeadframeCommand, AFullDiskIsSaid) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  fs::create_symlink("/dev/full", path("map.ply.part"));
+  expect_fault(run("export --component 1 " + path("map.ply")), 1, "No space left on device");
+  EXPECT_EQ(files(), std::set<std::string>{});
+}
+
+TEST_F(HeadframeCommand, AnInterruptedExportLeavesNothing) {
+  server.station.cloud_gate.lock();  // the export stops at its first cloud
+  std::jthread interrupt([&] {
+    while (server.station.clouds_read == 0) std::this_thread::yield();
+    EXPECT_TRUE(fs::exists(path("map.ply.part")));
+    std::ignore = std::system(("kill -INT $(cat " + path("pid") + ")").c_str());
+  });
+  const std::string line = "echo $$ >" + path("pid") + "; exec " + HEADFRAME_COMMAND + " --http " + server.where() +
+                           " export --component 1 " + path("map.ply");
+  const int status = std::system(("sh -c '" + line + "'").c_str());
+  interrupt.join();
+  server.station.cloud_gate.unlock();
+  EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 128 + SIGINT) << status;
+  EXPECT_EQ(files(), std::set<std::string>{"pid"});
+}
+
+}  // namespace
+}  // namespace headframe

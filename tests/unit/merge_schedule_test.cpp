@@ -1,0 +1,117 @@
+#include "server/merge_worker/merge_schedule.hpp"
+
+#include <gtest/gtest.h>
+
+namespace headframe {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Schedule : public testing::Test {
+ protected:
+  using Refs = std::vector<KeyframeRef>;
+  MergeSchedule schedule{{.travelled_m = 10, .submap_s = 30}};
+  MergeSchedule::Time now{};
+
+  bool idle() const { return schedule.queued() + schedule.awaited() == 0; }
+  /// Session 1 waits for these clouds.
+  Refs wait_for(const Refs& wanted) {
+    schedule.trigger(1, Trigger::goodbye, now);
+    return schedule.wait_for(*schedule.next(), wanted, now);
+  }
+};
+
+TEST_F(Schedule, TriggersOfOneSessionJoinAndOrderIsKept) {
+  schedule.trigger(2, Trigger::link, now);
+  schedule.trigger(1, Trigger::request, now);
+  schedule.trigger(2, Trigger::goodbye, now + milliseconds(5));
+  EXPECT_EQ(schedule.queued(), 2U);
+  const auto first = schedule.next();
+  EXPECT_EQ(first->session, 2);
+  EXPECT_EQ(first->trigger, Trigger::link);
+  EXPECT_EQ(first->triggered, now) << "time counts from the first trigger";
+  EXPECT_EQ(schedule.next()->session, 1);
+  EXPECT_FALSE(schedule.next());
+  EXPECT_TRUE(idle());
+}
+
+TEST_F(Schedule, DistanceCountsSinceTheLastTry) {
+  schedule.travelled(1, 9.9, now);
+  EXPECT_TRUE(idle());
+  schedule.travelled(1, 0.1, now);
+  EXPECT_EQ(schedule.next()->trigger, Trigger::travelled);
+  schedule.travelled(1, 9.9, now);
+  EXPECT_TRUE(idle());
+  schedule.trigger(1, Trigger::command, now);
+  (void)schedule.next();
+  schedule.travelled(1, 9.9, now);
+  EXPECT_TRUE(idle()) << "any try counts";
+}
+
+TEST_F(Schedule, CloudsAreAskedForOnceAndTheAttemptComesBackWhenAllAreHere) {
+  EXPECT_EQ(wait_for({{2, 7}, {3, 1}}), (Refs{{2, 7}, {3, 1}}));
+  EXPECT_EQ(wait_for({{2, 7}, {2, 8}}), (Refs{{2, 8}})) << "7 is on its way";
+  EXPECT_EQ(schedule.awaited(), 3U);
+  schedule.cloud_came({2, 7}, now);
+  schedule.cloud_came({3, 1}, now);
+  EXPECT_EQ(schedule.queued(), 0U);
+  schedule.cloud_came({2, 8}, now);
+  EXPECT_EQ(schedule.awaited(), 0U);
+  const auto attempt = schedule.next();
+  ASSERT_TRUE(attempt);
+  EXPECT_EQ(attempt->trigger, Trigger::goodbye);
+  EXPECT_EQ(attempt->round, 1);
+  EXPECT_TRUE(idle());
+}
+
+TEST_F(Schedule, CloudsThatWillNotComeAreNotAwaitedUntilTheRobotIsBack) {
+  wait_for({{2, 7}, {2, 8}});
+  schedule.cloud_will_not_come({2, 7});
+  EXPECT_EQ(schedule.queued(), 0U);
+  schedule.robot_left(2);
+  EXPECT_EQ(schedule.queued(), 1U);
+  EXPECT_TRUE(schedule.in_vain({2, 7}));
+  EXPECT_TRUE(schedule.in_vain({2, 8}));
+  schedule.robot_came(2);
+  EXPECT_FALSE(schedule.in_vain({2, 7}));
+  schedule.robot_left(3);
+  EXPECT_EQ(schedule.queued(), 1U) << "nothing was asked of it";
+}
+
+TEST_F(Schedule, ARobotThatStillSendsIsWaitedFor) {
+  wait_for({{2, 7}, {2, 8}});
+  EXPECT_EQ(schedule.next_deadline(), now + milliseconds(30000));
+  schedule.cloud_came({2, 7}, now + milliseconds(20000));
+  schedule.tick(now + milliseconds(49999));
+  EXPECT_EQ(schedule.awaited(), 1U);
+  schedule.tick(now + milliseconds(50000));
+  EXPECT_EQ(schedule.awaited(), 0U);
+  EXPECT_EQ(schedule.queued(), 1U);
+  EXPECT_TRUE(schedule.in_vain({2, 8}));
+  EXPECT_FALSE(schedule.next_deadline());
+  schedule.cloud_came({2, 8}, now);
+  EXPECT_FALSE(schedule.in_vain({2, 8})) << "late is better than never";
+}
+
+TEST_F(Schedule, WantingWhatCameInVainComesBackAtOnceButNotForEver) {
+  wait_for({{2, 7}});
+  schedule.cloud_will_not_come({2, 7});
+  int rounds = 0;
+  while (const auto attempt = schedule.next()) {
+    EXPECT_TRUE(schedule.wait_for(*attempt, {{2, 7}}, now).empty());
+    ASSERT_LE(++rounds, MergeSchedule::most_rounds);
+  }
+  EXPECT_EQ(rounds, MergeSchedule::most_rounds);
+  EXPECT_TRUE(idle());
+}
+
+TEST_F(Schedule, UnfinishedGoesBehindOthers) {
+  schedule.trigger(1, Trigger::command, now);
+  schedule.trigger(2, Trigger::command, now);
+  schedule.again(*schedule.next());
+  EXPECT_EQ(schedule.next()->session, 2);
+  EXPECT_EQ(schedule.next()->session, 1);
+}
+
+}  // namespace
+}  // namespace headframe

@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "server/cli/http_client.hpp"
+#include "tests/support/operator_server.hpp"
+
+namespace headframe {
+namespace {
+
+struct Vertex {
+  float x, y, z;
+  std::uint32_t colour;  // 0x00RRGGBB
+};
+
+struct CloudFile {
+  std::string header;
+  std::size_t declared = 0;
+  std::vector<Vertex> vertices;
+};
+
+/// Reads what map_export writes, by the header's own count; the body must end where the last point does.
+CloudFile read_cloud(const std::string& file, const std::string& end_of_header, const std::string& count_key,
+                     std::size_t stride) {
+  CloudFile out;
+  const std::size_t body = file.find(end_of_header) + end_of_header.size();
+  out.header = file.substr(0, body);
+  out.declared = std::stoul(out.header.substr(out.header.find(count_key) + count_key.size()));
+  EXPECT_EQ(file.size() - body, out.declared * stride);
+  for (std::size_t at = body; at + stride <= file.size(); at += stride) {
+    Vertex v{};
+    std::memcpy(&v, file.data() + at, stride);
+    if (stride == 15) v.colour = (v.colour & 0xff) << 16 | (v.colour & 0xff00) | (v.colour >> 16 & 0xff);
+    out.vertices.push_back(v);
+  }
+  return out;
+}
+
+CloudFile read_ply(const std::string& file) { return read_cloud(file, "end_header\n", "element vertex ", 15); }
+CloudFile read_pcd(const std::string& file) { return read_cloud(file, "DATA binary\n", "\nPOINTS ", 16); }
+
+class OperatorExportTest : public testing::Test {
+ protected:
+  std::string get(const std::string& query) {
+    const auto response = client.get("/api/v1/export?" + query);
+    EXPECT_TRUE(response) << response.error().message;
+    EXPECT_EQ(response ? response->status : 0, 200) << response->body;
+    return response ? response->body : "";
+  }
+  OperatorServer server;
+  HttpClient client{*parse_http_endpoint(server.where())};
+};
+
+TEST_F(OperatorExportTest, PlyHasAllPointsOfTheComponentInItsFrame) {
+  const CloudFile ply = read_ply(get("component=1"));
+  EXPECT_EQ(ply.header.substr(0, 36), "ply\nformat binary_little_endian 1.0\n");
+  EXPECT_NE(ply.header.find("comment robot beta colour 31 120 180\n"), std::string::npos);
+  // 2 sessions x 2 keyframes with a cloud x 10 points; the NaN of each cloud and the keyframe without one are left out.
+  ASSERT_EQ(ply.declared, 40U);
+  ASSERT_EQ(ply.vertices.size(), 40U);
+  // Session 2, keyframe 2 stands at x = 1 of its session, which T_1_2 turns by 90 deg and moves by (10, 20, 30).
+  const Vertex& v = ply.vertices[30 + 0];
+  EXPECT_NEAR(v.x, 10, 1e-5);
+  EXPECT_NEAR(v.y, 21, 1e-5);
+  EXPECT_NEAR(v.z, 32, 1e-5);
+  EXPECT_EQ(v.colour, 31U << 16 | 120U << 8 | 180U);
+  EXPECT_NE(ply.vertices[0].colour, v.colour) << "another robot";
+}
+
+TEST_F(OperatorExportTest, PcdHasTheSamePoints) {
+  const CloudFile pcd = read_pcd(get("component=1&format=pcd"));
+  const CloudFile ply = read_ply(get("component=1&format=ply"));
+  ASSERT_EQ(pcd.declared, 40U);
+  EXPECT_NE(pcd.header.find("\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 40\nHEIGHT 1\n"),
+            std::string::npos);
+  ASSERT_EQ(pcd.vertices.size(), ply.vertices.size());
+  for (std::size_t i = 0; i < pcd.vertices.size(); ++i) {
+    EXPECT_EQ(pcd.vertices[i].y, ply.vertices[i].y);
+    EXPECT_EQ(pcd.vertices[i].colour, ply.vertices[i].colour);
+  }
+}
+
+TEST_F(OperatorExportTest, VoxelThinsWithinAKeyframe) {
+  EXPECT_EQ(read_ply(get("component=3&voxel=0.99")).declared, 20U) << "points are 1 m apart";
+  EXPECT_EQ(read_ply(get("component=3&voxel=5")).declared, 4U) << "10 m in cubes of 5 m, two keyframes";
+  EXPECT_EQ(read_ply(get("component=3&voxel=0")).declared, 20U);
+}
+
+TEST_F(OperatorExportTest, AComponentWithoutCloudsIsAnEmptyCloud) {
+  server.station.points = 0;
+  EXPECT_EQ(read_ply(get("component=1")).declared, 0U);
+  EXPECT_EQ(read_pcd(get("component=1&format=pcd")).declared, 0U);
+}
+
+TEST_F(OperatorExportTest, ManyPointsComeInPieces) {
+  server.station.points = 200000;
+  std::size_t bytes = 0, pieces = 0;
+  const auto response = client.get("/api/v1/export?component=3&voxel=0", [&](std::string_view piece) -> Result<void> {
+    bytes += piece.size();
+    ++pieces;
+    return {};
+  });
+  ASSERT_TRUE(response);
+  EXPECT_GT(bytes, 2U * 200000 * 15);
+  EXPECT_GT(pieces, 10U);
+  EXPECT_EQ(server.station.clouds_read, 3 + 2) << "counted: three keyframes; written: the two with a cloud";
+}
+
+TEST_F(OperatorExportTest, AFaultBeforeTheFirstPointIsAnError) {
+  server.station.cloud_that_breaks = 2;  // while counting
+  const auto response = client.get("/api/v1/export?component=1");
+  ASSERT_TRUE(response);
+  EXPECT_EQ(response->status, 500);
+  EXPECT_NE(response->body.find("a damaged cloud"), std::string::npos);
+}
+
+TEST_F(OperatorExportTest, AFaultInTheMiddleBreaksTheAnswerOff) {
+  server.station.cloud_that_breaks = 5;  // component 3: 1 to 3 are counted, 4 and 5 written
+  const auto response = client.get("/api/v1/export?component=3");
+  ASSERT_FALSE(response) << "half a map must not look whole";
+  EXPECT_EQ(response.error().code, ErrorCode::unavailable);
+  EXPECT_NE(response.error().message.find("broke off"), std::string::npos);
+}
+
+TEST_F(OperatorExportTest, ASinkThatRefusesEndsTheRequest) {
+  const auto response = client.get("/api/v1/export?component=1", [](std::string_view) -> Result<void> {
+    return failure(ErrorCode::unavailable, "disk full");
+  });
+  ASSERT_FALSE(response);
+  EXPECT_EQ(response.error().message, "disk full");
+}
+
+}  // namespace
+}  // namespace headframe
