@@ -77,7 +77,7 @@ class RobotClient {
 
   /// Called when transforms change, on the link's thread, and at once when some are known. It must not throw, block or
   /// call close(). The last one set counts.
-  void on_transform(std::function<void(const Transforms&)> callback);
+  void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
 
   /// Asks the server to merge now.

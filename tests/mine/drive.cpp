@@ -27,40 +27,53 @@ double room_m(const RayCaster& caster, const Eigen::Vector3d& p, const Eigen::Ve
   return hit ? hit->range_m : 20.0;
 }
 
-/// A value that wanders around 0 with the given sigma, correlated over some 5 steps.
+/// A value that wanders around 0 with the given sigma; steps that lie correlation_m apart have little in common.
 class Wander {
  public:
-  explicit Wander(double sigma) : sigma_(sigma) {}
-  double step(Rng& rng) { return value_ = 0.8 * value_ + 0.6 * sigma_ * rng.normal(); }
+  Wander(double sigma, double correlation_m, double step_m)
+      : keep_(std::exp(-step_m / correlation_m)), renew_(sigma * std::sqrt(1 - keep_ * keep_)) {}
+  double step(Rng& rng) { return value_ = keep_ * value_ + renew_ * rng.normal(); }
 
  private:
-  double sigma_;
+  double keep_;
+  double renew_;
   double value_ = 0;
 };
+
+/// Where a sensor wished to stand `wish_m` left of the middle stands, 0.8 m from both walls; half-way where there is
+/// less.
+double side_within(double wish_m, double to_left_m, double to_right_m) {
+  const double low_m = 0.8 - to_right_m, high_m = to_left_m - 0.8;
+  return low_m < high_m ? std::clamp(wish_m, low_m, high_m) : 0.5 * (low_m + high_m);
+}
+
+/// The sensor over a place of the floor: below the roof, off the walls.
+Eigen::Vector3d sensor_place(const Eigen::Vector3d& floor, const Eigen::Vector3d& left, double height_m, double side_m,
+                             const RayCaster& caster) {
+  Eigen::Vector3d p = floor;
+  const double roof_m = 0.5 + room_m(caster, p + Eigen::Vector3d(0, 0, 0.5), Eigen::Vector3d::UnitZ());
+  p.z() += std::min(height_m, std::max(0.3, roof_m - 0.7));
+  return p + side_within(side_m, room_m(caster, p, left), room_m(caster, p, -left)) * left;
+}
 
 std::vector<Pose> true_poses(const Route& route, const DriveStyle& style, const RayCaster& caster, Rng rng) {
   const Route way = smoothed(route);
   const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(style.scan_spacing_m / route_step_m)));
-  Wander roll(style.tilt_sigma_rad), pitch(style.tilt_sigma_rad), side(0.5), heading(0.05);
+  const double step_m = route_step_m * static_cast<double>(stride);
+  Wander roll(style.tilt_sigma_rad, 2, step_m), pitch(style.tilt_sigma_rad, 2, step_m);
+  Wander side(0.5, 12, step_m), heading(0.05, 6, step_m);
+  const auto tilt_rad = [&](Wander& w) { return std::clamp(w.step(rng), -max_tilt_rad * 0.7, max_tilt_rad * 0.7); };
   std::vector<Pose> poses;
   for (std::size_t i = 0; i + 1 < way.size(); i += stride) {
     const Eigen::Vector3d along = way[std::min(i + 2, way.size() - 1)] - way[i < 2 ? 0 : i - 2];
     const double yaw = std::atan2(along.y(), along.x());
     const Eigen::Vector3d left(-std::sin(yaw), std::cos(yaw), 0);
-    Eigen::Vector3d p = way[i];
-    const double above_m = room_m(caster, p + Eigen::Vector3d(0, 0, 0.5), Eigen::Vector3d::UnitZ()) + 0.5;
-    p.z() += std::min(style.sensor_height_m, std::max(0.3, above_m - 0.7));
-    const double to_left_m = room_m(caster, p, left), to_right_m = room_m(caster, p, -left);
-    const double free_m = std::max(0.0, 0.5 * (to_left_m + to_right_m) - 1.3);
-    p += left * std::clamp(side.step(rng), std::max(-free_m, 0.8 - to_right_m),
-                           std::max(std::min(free_m, to_left_m - 0.8), std::max(-free_m, 0.8 - to_right_m)));
+    const double turn = heading.step(rng), nod = tilt_rad(pitch), lean = tilt_rad(roll);
     Pose T = Pose::Identity();
-    T.translation() = p;
-    const auto tilt = [&](Wander& w) { return std::clamp(w.step(rng), -max_tilt_rad * 0.7, max_tilt_rad * 0.7); };
-    T.linear() = (Eigen::AngleAxisd(yaw + heading.step(rng), Eigen::Vector3d::UnitZ()) *
-                  Eigen::AngleAxisd(tilt(pitch), Eigen::Vector3d::UnitY()) *
-                  Eigen::AngleAxisd(tilt(roll), Eigen::Vector3d::UnitX()))
-                     .toRotationMatrix();
+    T.translation() = sensor_place(way[i], left, style.sensor_height_m, side.step(rng), caster);
+    T.rotate(Eigen::AngleAxisd(yaw + turn, Eigen::Vector3d::UnitZ()));
+    T.rotate(Eigen::AngleAxisd(nod, Eigen::Vector3d::UnitY()));
+    T.rotate(Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX()));
     poses.push_back(T);
   }
   return poses;

@@ -109,7 +109,7 @@ Plan ramp_plan(Rng rng) {
     const std::size_t station = plan.nodes.size();
     append(plan,
            moved(lattice_plan(style, rng.fork(10 + static_cast<std::uint64_t>(level))), {32, -40, rise_m * level}));
-    add_drift(plan, static_cast<std::size_t>(level * turn_steps), station + 4, 0, width_m, 4);
+    add_drift(plan, static_cast<std::size_t>(level) * turn_steps, station + 4, 0, width_m, 4);
   }
   return plan;
 }

@@ -57,7 +57,8 @@ struct TilePlace {
 TilePlace tile_place(const Tiling& tiling, const Eigen::Vector3d& p) {
   const Eigen::Vector3d q = (p - tiling.origin) / tiling.tile_m;
   const double i = std::round(q.x()), j = std::round(q.y());
-  const auto rows = static_cast<double>(tiling.open.size() / tiling.columns);
+  const std::size_t row_count = tiling.open.size() / tiling.columns;
+  const auto rows = static_cast<double>(row_count);
   if (i < 0 || j < 0 || i >= static_cast<double>(tiling.columns) || j >= rows) return {p, 0, 0};
   const unsigned open = tiling.open[static_cast<std::size_t>(j) * tiling.columns + static_cast<std::size_t>(i)];
   unsigned best = open, turns = 0;

@@ -45,6 +45,7 @@ struct Choice {
 Choice choose_route(const World& world, const std::vector<Route>& routes, const std::vector<Route>& earlier,
                     double wish_pct) {
   std::vector<SeenVoxels> known;
+  known.reserve(earlier.size());
   for (const Route& route : earlier) known.push_back(glance(world, route));
   const double planned = wish_pct > 0 ? std::max(0.02, wish_pct / 100 - 0.15) : 0;
   std::vector<std::pair<double, std::size_t>> order;

@@ -27,7 +27,8 @@ struct Block {
   Mesh mesh = {};
 
   static std::size_t index(const Eigen::Vector3i& c) {
-    return static_cast<std::size_t>(((c.z() + 1) * samples + c.y() + 1) * samples + c.x() + 1);
+    const Eigen::Matrix<std::size_t, 3, 1> k = (c.array() + 1).matrix().cast<std::size_t>();
+    return (k.z() * samples + k.y()) * samples + k.x();
   }
   Eigen::Vector3d place(const Eigen::Vector3i& c) const { return corner + cell_m * c.cast<double>(); }
 };

@@ -68,8 +68,9 @@ Eigen::Vector2d centre_of(const Canvas& canvas, int channel) {
 
 Points patch(float x, float y) {
   Points points;
-  for (int i = 0; i < 400; ++i)
-    points.emplace_back(x + 0.05F * static_cast<float>(i % 20), y + 0.05F * static_cast<float>(i / 20), 0.0F);
+  for (int row = 0; row < 20; ++row)
+    for (int column = 0; column < 20; ++column)
+      points.emplace_back(x + 0.05F * static_cast<float>(column), y + 0.05F * static_cast<float>(row), 0.0F);
   return points;
 }
 

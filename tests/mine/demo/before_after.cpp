@@ -23,14 +23,17 @@ Result<picture::Layer> layer_of(const std::filesystem::path& session, const pict
 }
 
 std::string subtitle_of(const std::vector<RobotOutcome>& robots) {
+  const std::size_t together = count_together(robots);
+  if (together < 2) return "seen from above; no two maps merged";
   double error_m = 0, error_deg = 0;
   for (const RobotOutcome& robot : robots) {
     error_m = std::max(error_m, robot.error_m);
     error_deg = std::max(error_deg, robot.error_deg);
   }
-  char text[128];
-  std::snprintf(text, sizeof text, "seen from above; largest error where maps overlap: %.2f m, %.2f deg", error_m,
-                error_deg);
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "seen from above; %zu of %zu maps merged; largest error where maps overlap: %.2f m, %.2f deg", together,
+                robots.size(), error_m, error_deg);
   return text;
 }
 
@@ -38,19 +41,20 @@ std::string subtitle_of(const std::vector<RobotOutcome>& robots) {
 
 Result<void> draw_before_after(const std::filesystem::path& recordings, const std::vector<RobotOutcome>& robots,
                                const std::filesystem::path& png) {
-  picture::TopView view{.title = std::to_string(robots.size()) + " robots, one mine",
+  picture::TopView view{.title = std::to_string(robots.size()) + " robots in one mine",
                         .subtitle = subtitle_of(robots),
                         .panels = {},
                         .legend = {}};
   picture::Panel before{"before: every robot in its own frame", {}},
       after{"after: in one frame, as headframe merged them", {}};
+  const auto shown = largest_component(robots);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const RobotOutcome& robot = robots[i];
     auto layer = layer_of(recordings / robot.name, picture::colour_of(i));
     if (!layer) return tl::unexpected(layer.error());
     before.layers.push_back(*layer);
     layer->T_view_cloud = robot.T_component_session;
-    if (robot.component && robot.component == robots.front().component) after.layers.push_back(std::move(*layer));
+    if (robot.component && robot.component == shown) after.layers.push_back(std::move(*layer));
     view.legend.push_back({robot.name + " (" + robot.sensor + ")", picture::colour_of(i)});
   }
   view.panels = {std::move(before), std::move(after)};

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t seed = 1;
 constexpr double drive_m = 165;
-const std::string version = "demo mine 1\n";  // to be counted up whenever the recordings change
+const std::string version = "demo mine 2\n";  // to be counted up whenever the recordings change
 
 /// Two rows of parallel drifts 14 to 17 m apart, joined into loops.
 mine::Plan demo_plan() {
@@ -39,6 +39,7 @@ mine::Robot robot_of(const DemoRobot& robot, const mine::Plan& plan, double heig
   out.style.scan_spacing_m = 1;
   out.style.sensor_height_m = height_m;
   out.style.frame_yaw_rad = robot.frame_yaw_deg * std::numbers::pi / 180;
+  out.style.drift = 0.8;
   out.dust = 0.001;
   out.route = mine::route_through(plan, robot.way, 4, drive_m);
   return out;

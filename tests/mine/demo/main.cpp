@@ -53,16 +53,13 @@ std::string progress_text(double elapsed_s, const std::vector<RobotOutcome>& rob
   char text[64];
   std::snprintf(text, sizeof text, "%5.1f s ", elapsed_s);
   std::string line = text;
-  std::size_t merged = 0;
   for (const RobotOutcome& robot : robots) {
-    std::size_t together = 0;
-    for (const RobotOutcome& other : robots) together += robot.component && robot.component == other.component ? 1 : 0;
-    merged = std::max(merged, together);
     std::snprintf(text, sizeof text, " | %s %llu keyframes, %.1f MB", robot.name.c_str(),
                   static_cast<unsigned long long>(robot.keyframes), static_cast<double>(robot.bytes_sent) / 1e6);
     line += text;
   }
-  return line + " | " + std::to_string(merged) + " of " + std::to_string(robots.size()) + " maps in one frame";
+  return line + " | " + std::to_string(count_together(robots)) + " of " + std::to_string(robots.size()) +
+         " maps in one frame";
 }
 
 std::vector<RobotOutcome> ask(const std::string& http) {
@@ -130,9 +127,8 @@ Result<bool> run(const fs::path& dir) {
   if (!atlas) return tl::unexpected(atlas.error());
   const auto robots = outcome_of(*sessions, *atlas, recordings);
   std::printf("\n%s\n", table_of(robots).c_str());
-  if (robots.front().component) {
-    const auto exported =
-        station->command({"export", "--component", std::to_string(*robots.front().component), map.string()});
+  if (const auto component = largest_component(robots)) {
+    const auto exported = station->command({"export", "--component", std::to_string(*component), map.string()});
     if (!exported || exported->status != 0)
       return failure(ErrorCode::unavailable,
                      "export failed: " + (exported ? exported->output : exported.error().message));

@@ -72,6 +72,11 @@ void add_errors(std::vector<RobotOutcome>& robots, const std::filesystem::path& 
   }
 }
 
+std::size_t members(const std::vector<RobotOutcome>& robots, std::uint64_t component) {
+  return static_cast<std::size_t>(std::count_if(
+      robots.begin(), robots.end(), [&](const RobotOutcome& robot) { return robot.component == component; }));
+}
+
 }  // namespace
 
 std::vector<RobotOutcome> outcome_of(const Json& sessions, const Json& atlas, const std::filesystem::path& recordings) {
@@ -86,6 +91,19 @@ std::vector<RobotOutcome> outcome_of(const Json& sessions, const Json& atlas, co
   return robots;
 }
 
+std::optional<std::uint64_t> largest_component(const std::vector<RobotOutcome>& robots) {
+  std::optional<std::uint64_t> best;
+  for (const RobotOutcome& robot : robots)
+    if (robot.component && (!best || members(robots, *robot.component) > members(robots, *best)))
+      best = robot.component;
+  return best;
+}
+
+std::size_t count_together(const std::vector<RobotOutcome>& robots) {
+  const auto component = largest_component(robots);
+  return component ? members(robots, *component) : 0;
+}
+
 bool merged_rightly(const std::vector<RobotOutcome>& robots) {
   return !robots.empty() && std::all_of(robots.begin(), robots.end(), [&](const RobotOutcome& robot) {
     return robot.component && robot.component == robots.front().component && robot.error_m >= 0 &&
@@ -95,20 +113,23 @@ bool merged_rightly(const std::vector<RobotOutcome>& robots) {
 
 std::string table_of(const std::vector<RobotOutcome>& robots) {
   std::string table =
-      "  robot    sensor       keyframes   x m      y m      z m     yaw deg   error m  error deg  transform after  "
-      "sent\n";
+      "  robot    sensor       keyframes      x m      y m      z m    yaw deg   error m  error deg"
+      "  transform after  sent\n";
   for (const RobotOutcome& robot : robots) {
     char line[256];
     const Eigen::Vector3d t = robot.T_component_session.translation();
     const double yaw_deg = yaw_rad(robot.T_component_session) * 180 / std::numbers::pi;
+    char place[64] = "       -        -        -          -";  // alone in its frame
+    if (robot.component && members(robots, *robot.component) > 1)
+      std::snprintf(place, sizeof place, "%8.2f %8.2f %8.2f %10.2f", t.x(), t.y(), t.z(), yaw_deg);
     char after[32] = "-";
     if (robot.trigger_to_transform_ms)
       std::snprintf(after, sizeof after, "%.2f s", *robot.trigger_to_transform_ms / 1000);
     char error[48] = "       -          -";
     if (robot.error_m >= 0) std::snprintf(error, sizeof error, "%8.3f   %8.2f", robot.error_m, robot.error_deg);
-    std::snprintf(line, sizeof line, "  %-8s %-12s %9llu %8.2f %8.2f %8.2f %10.2f  %s  %15s  %.1f MB\n",
-                  robot.name.c_str(), robot.sensor.c_str(), static_cast<unsigned long long>(robot.keyframes), t.x(),
-                  t.y(), t.z(), yaw_deg, error, after, static_cast<double>(robot.bytes_sent) / 1e6);
+    std::snprintf(line, sizeof line, "  %-8s %-12s %9llu %s  %s  %15s  %.1f MB\n", robot.name.c_str(),
+                  robot.sensor.c_str(), static_cast<unsigned long long>(robot.keyframes), place, error, after,
+                  static_cast<double>(robot.bytes_sent) / 1e6);
     table += line;
   }
   return table;

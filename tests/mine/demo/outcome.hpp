@@ -29,6 +29,10 @@ struct RobotOutcome {
 std::vector<RobotOutcome> outcome_of(const nlohmann::json& sessions, const nlohmann::json& atlas,
                                      const std::filesystem::path& recordings);
 
+/// The component that holds the most robots (the first of equals), and how many it holds; none and 0 without answers.
+std::optional<std::uint64_t> largest_component(const std::vector<RobotOutcome>& robots);
+std::size_t count_together(const std::vector<RobotOutcome>& robots);
+
 /// All robots in one component, each within 0.3 m and 1 deg of the truth where it overlaps others.
 bool merged_rightly(const std::vector<RobotOutcome>& robots);
 
