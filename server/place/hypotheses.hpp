@@ -40,7 +40,7 @@ class HypothesisFinder {
  public:
   struct Config {
     double piece_m = 120;
-    float cell_m = 1;
+    float cell_m = 0.5F;
     std::size_t most = 8;           // handed on
     std::size_t correlations = 16;  // new piece pairs in one call; those with most descriptor matches first
     int threads = 1;

@@ -24,14 +24,15 @@ class Canvas {
     if (range_m < wall_reach_m) ++at(origin + range_m * direction).wall;
   }
 
+  /// Free cells beside a wall are left out: turned onto another map by half a cell they would stand on its walls.
   WallMap map() const {
     WallMap map;
     map.cell_m = cell_m_;
     for (const Cell& cell : cells_) {
       const Eigen::Vector2f centre = (cell.index.cast<float>().array() + 0.5F) * cell_m_;
-      if (cell.wall > 0 && 2 * cell.wall >= cell.free)
+      if (is_wall(cell))
         map.walls.push_back(centre);
-      else if (cell.free > 1)
+      else if (cell.free > 1 && !beside_wall(cell))
         map.free.push_back(centre);
     }
     return map;
@@ -43,10 +44,24 @@ class Canvas {
     int wall = 0, free = 0;
   };
 
+  static bool is_wall(const Cell& cell) { return cell.wall > 0 && 2 * cell.wall >= cell.free; }
+
+  bool beside_wall(const Cell& cell) const {
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        if (const auto it = where_.find(key(cell.index + Eigen::Vector2i(dx, dy)));
+            it != where_.end() && is_wall(cells_[it->second]))
+          return true;
+    return false;
+  }
+
+  static std::uint64_t key(const Eigen::Vector2i& c) {
+    return std::uint64_t{static_cast<std::uint32_t>(c.x())} << 32 | static_cast<std::uint32_t>(c.y());
+  }
+
   Cell& at(const Eigen::Vector2f& p) {
     const Eigen::Vector2i c = (p / cell_m_).array().floor().cast<int>();
-    const auto key = std::uint64_t{static_cast<std::uint32_t>(c.x())} << 32 | static_cast<std::uint32_t>(c.y());
-    const auto [it, fresh] = where_.try_emplace(key, cells_.size());
+    const auto [it, fresh] = where_.try_emplace(key(c), cells_.size());
     if (fresh) cells_.push_back({c});
     return cells_[it->second];
   }

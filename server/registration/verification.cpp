@@ -141,6 +141,8 @@ void gather(Judgement& out, const Registration& r, std::span<const PlacedCloud> 
   e.rmse_m = r.rmse_m;
   e.weakest_hold = r.direction_hold[0];
   e.tilt_deg = tilt_rad(r.T_target_source) * 180 / std::numbers::pi;
+  e.freespace_violation = 1;  // until it is looked at
+  if (e.inlier_fraction < config.hopeless_inliers) return;
   const Meeting meeting(all_a, all_b, r.T_target_source, config.look_m);
   const Points points_a = merged(meeting.a, config.evidence_leaf_m),
                points_b = merged(meeting.b, config.evidence_leaf_m);

@@ -72,6 +72,13 @@ TEST(MergePipeline, ThreeDrivesBecomeOneComponentWhicheverIsTriedFirst) {
   }
 }
 
+TEST(MergePipeline, TheOrderOfTheSessionsDoesNotMatter) {
+  Base base({b(), a()});
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
 TEST(MergePipeline, LookAlikeDriftsDoNotMerge) {
   // Two mines of equal drifts and equal crossings; the second goes on where the first ends, so they can not be one.
   const BoxMine one({BoxMine::drift(0, 0, 90, 0), BoxMine::drift(45, 0, 45, 40)});
@@ -108,13 +115,13 @@ TEST(MergePipeline, AsksForTheCloudsItNeedsAndThenMerges) {
 
 TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
   const auto path_m = [](const Drive& d) { return 3.0 * static_cast<double>(d.keyframes.size() - 1); };
-  Drive shortened = b();
+  Drive shortened = a();
   while (path_m(shortened) >= MergeConfig{}.least_path_m) shortened.keyframes.pop_back();
-  Base base({a(), shortened});
+  Base base({shortened, b()});
   base.pipeline.attempt(1, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
   EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::candidate);
-  base.pipeline.complete_session(2);
+  base.pipeline.complete_session(1);
   base.pipeline.attempt(1, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
 }
