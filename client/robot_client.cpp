@@ -113,7 +113,7 @@ Result<bool> RobotClient::State::judge(double stamp_s, const Pose& T_local_senso
 Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor) {
   State& s = *state_;
   if (!s.family) return failure(ErrorCode::invalid_argument, "add_scan with own descriptors: use add_keyframe");
-  const auto fresh = s.judge(stamp_s, T_local_sensor);
+  auto fresh = s.judge(stamp_s, T_local_sensor);
   if (!fresh || !*fresh) return fresh;
   const Points points = finite_points(points_sensor, s.config.min_range_m);
   if (points.empty()) return failure(ErrorCode::bad_input, "a scan without a usable point");
@@ -140,7 +140,7 @@ Result<bool> RobotClient::add_keyframe(double stamp_s, const Pose& T_local_senso
   const auto& own = s.config.own_descriptors;
   if (!own || descriptor.q.size() != own->q_size || descriptor.w.size() != own->w_size)
     return failure(ErrorCode::invalid_argument, "add_keyframe: q and w must have the sizes stated in own_descriptors");
-  const auto fresh = s.judge(stamp_s, T_local_sensor);
+  auto fresh = s.judge(stamp_s, T_local_sensor);
   if (!fresh || !*fresh) return fresh;
   const Points points = finite_points(points_sensor, s.config.min_range_m);
   Keyframe keyframe;
@@ -174,13 +174,16 @@ Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Points&
 Result<void> RobotClient::finish(std::chrono::milliseconds patience,
                                  const std::function<void(const Progress&)>& each_step) {
   using Clock = std::chrono::steady_clock;
-  if (!state_->finished.exchange(true)) trigger("session finished");
+  state_->finished = true;
   auto last = progress();
   auto moved = Clock::now();
   while (true) {
     const Progress now = progress();
     if (each_step) each_step(now);
-    if (state_->link.all_acknowledged()) return {};
+    if (state_->link.all_acknowledged()) {
+      trigger("session finished");
+      return {};
+    }
     if (now.refused) return failure(ErrorCode::refused, now.link_error);
     if ((now.connected && now.bytes_sent != last.bytes_sent) ||
         now.keyframes_acknowledged != last.keyframes_acknowledged || now.clouds_waiting != last.clouds_waiting)
@@ -193,8 +196,8 @@ Result<void> RobotClient::finish(std::chrono::milliseconds patience,
   }
 }
 
-void RobotClient::on_transform(std::function<void(const Transforms&)> callback) {
-  state_->link.on_transform(std::move(callback));
+void RobotClient::on_transform(const std::function<void(const Transforms&)>& callback) {
+  state_->link.on_transform(callback);
 }
 std::optional<Transforms> RobotClient::transforms() const { return state_->link.transforms(); }
 void RobotClient::trigger(const std::string& reason) { state_->uplink->trigger(reason); }

@@ -77,7 +77,7 @@ class RobotClient {
 
   /// Called when transforms change, on the link's thread, and at once when some are known. It must not throw, block or
   /// call close(). The last one set counts.
-  void on_transform(std::function<void(const Transforms&)> callback);
+  void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
 
   /// Asks the server to merge now.
@@ -87,8 +87,8 @@ class RobotClient {
   const std::vector<std::string>& warnings() const;  // what opening the spool found and cured
   Progress progress() const;
 
-  /// The session has ended: asks the server to merge, then waits until every keyframe (and with the policy `all` every
-  /// cloud) is acknowledged. Fails with the link's last error after `patience` without progress, or at once when
+  /// The session has ended: waits until every keyframe (and with the policy `all` every cloud) is acknowledged, then
+  /// asks the server to merge. Fails with the link's last error after `patience` without progress, or at once when
   /// refused. Nothing is lost then: open the same spool again. `each_step` is called about five times a second.
   Result<void> finish(std::chrono::milliseconds patience, const std::function<void(const Progress&)>& each_step = {});
 

@@ -73,14 +73,14 @@ void SpooledLink::take(const Transforms& transforms) {
   if (callback) callback(transforms);
 }
 
-void SpooledLink::on_transform(std::function<void(const Transforms&)> callback) {
+void SpooledLink::on_transform(const std::function<void(const Transforms&)>& callback) {
   std::optional<Transforms> known;
   {
     const Lock lock(mutex_);
+    if (callback) known = transforms_;
     on_transform_ = callback;
-    known = transforms_;
   }
-  if (known && callback) callback(*known);
+  if (known) callback(*known);
 }
 
 std::optional<Transforms> SpooledLink::transforms() const {

@@ -31,7 +31,7 @@ class SpooledLink final : public UplinkSource {
   const Hello& identity() const { return spool_.identity(); }  // does not change
   const std::vector<std::string>& warnings() const { return spool_.warnings(); }
 
-  void on_transform(std::function<void(const Transforms&)> callback);
+  void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
 
   Progress progress() const;  // without bytes_sent and connected

@@ -7,7 +7,7 @@ namespace headframe {
 /// Everything an operator may set about merging ([merge] in the configuration file); defaults live only here.
 struct MergeConfig {
   int threads = 2;                     // of correlation and registration; results do not depend on it
-  double accept_probability = 0.95;    // a merge is published at or above this ...
+  double accept_probability = 0.9;     // a merge is published at or above this ...
   double runner_up_probability = 0.5;  // ... when its best different hypothesis stays below this
   double candidate_probability = 0.2;  // shown as a candidate at or above this
   double least_path_m = 50;            // a session that still grows is not merged before it has come so far

@@ -76,25 +76,22 @@ void linger(double linger_s, std::size_t scans, const RobotClient& robot, Replay
   }
 }
 
-Result<void> run(const Options& options, const RobotConfig& config, const SessionFolder& session) {
+Result<void> run(const Options& options, const SessionFolder& session, RobotClient& robot) {
   ReplayReport report(session.size());
   for (const auto& warning : session.warnings()) report.warning(warning);
-  const auto robot = RobotClient::open(config);
-  if (!robot) return tl::unexpected(robot.error());
-  for (const auto& warning : (*robot)->warnings()) report.warning(warning);
-  const SessionKey mine = (*robot)->session();
-  const auto before = (*robot)->progress().keyframes;
+  for (const auto& warning : robot.warnings()) report.warning(warning);
+  const SessionKey mine = robot.session();
+  const auto before = robot.progress().keyframes;
   report.line((before > 0 ? "resumes session " : "session ") + mine.robot + "/" + mine.session +
               (before > 0 ? " after keyframe " + std::to_string(before) : ""));
-  (*robot)->on_transform([&](const Transforms& t) { report.transforms(mine, t); });
+  robot.on_transform([&](const Transforms& t) { report.transforms(mine, t); });
 
-  auto done = play(session, options, **robot, report);
+  auto done = play(session, options, robot, report);
   if (done)
-    done =
-        (*robot)->finish(milliseconds(options.patience_s), [&](const Progress& p) { report.step(session.size(), p); });
-  if (done) linger(options.linger_s, session.size(), **robot, report);
-  (*robot)->close();
-  report.end((*robot)->progress());
+    done = robot.finish(milliseconds(options.patience_s), [&](const Progress& p) { report.step(session.size(), p); });
+  if (done) linger(options.linger_s, session.size(), robot, report);
+  robot.close();
+  report.end(robot.progress());
   return done;
 }
 
@@ -121,11 +118,12 @@ int replay(Options options) {
     config.spool = name;
   }
 
-  const auto done = run(options, config, *session);
+  const auto robot = RobotClient::open(config);
+  const auto done = robot ? run(options, *session, **robot) : tl::unexpected(robot.error());
   std::error_code ignored;
-  const bool empty = !done && !std::filesystem::exists(config.spool / "session.log", ignored);
-  if (options.spool.empty() && (done || empty)) std::filesystem::remove_all(config.spool, ignored);
+  if (options.spool.empty() && (done || !robot)) std::filesystem::remove_all(config.spool, ignored);
   if (done) return 0;
+  if (!robot) return failed(robot.error().message);
   return failed(done.error().message + "; what is spooled is safe: go on with --spool " + config.spool.string());
 }
 

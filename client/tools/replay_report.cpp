@@ -68,7 +68,8 @@ void ReplayReport::step(std::size_t scans_done, const Progress& progress) {
   const std::string status = std::to_string(scans_done) + "/" + std::to_string(scans_) + " scans, " +
                              describe(progress) + (progress.connected ? "" : ", not connected");
   if (!terminal_) {
-    if (!first) std::printf("%s\n", status.c_str());
+    if (!first && status != status_) std::printf("%s\n", status.c_str());
+    status_ = status;
     return;
   }
   constexpr std::size_t width = 20;

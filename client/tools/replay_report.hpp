@@ -27,7 +27,8 @@ class ReplayReport {
   std::mutex mutex_;
   const std::size_t scans_;
   const bool terminal_;
-  std::string bar_;  // as it stands on the terminal
+  std::string bar_;     // as it stands on the terminal
+  std::string status_;  // the last plain line
   std::chrono::steady_clock::time_point drawn_;
 };
 

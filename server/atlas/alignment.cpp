@@ -7,9 +7,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
 
-constexpr std::array<EvidenceField, 14> fields{{
+constexpr std::array<EvidenceField, 16> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
+    {"places", &Evidence::places},
+    {"places_agreeing", &Evidence::places_agreeing},
     {"inlier_fraction", &Evidence::inlier_fraction},
     {"rmse_m", &Evidence::rmse_m},
     {"overlap_a", &Evidence::overlap_a},

@@ -23,6 +23,8 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name);
 struct Evidence {
   double probability = 0;      // calibrated, that T_a_b is right
   double pairs = 0;            // keyframes of b that lie within 10 m of one of a's
+  double places = 0;           // spread over the overlap, each registered by itself
+  double places_agreeing = 0;  // ... that stayed within the drift of T_a_b
   double inlier_fraction = 0;  // of b's points where they meet, with a partner in a
   double rmse_m = 0;           // of the inliers, along the normals
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round

@@ -66,7 +66,7 @@ Result<CloudFormat> cloud_format(const Query& query) {
 Result<double> voxel(const Query& query) {
   const auto text = query.find("voxel");
   if (text == query.end()) return ExportRequest().voxel_m;
-  const auto voxel_m = parse_number("voxel", text->second, 0, 100);
+  auto voxel_m = parse_number("voxel", text->second, 0, 100);
   if (voxel_m && *voxel_m > 0 && *voxel_m < 0.01)
     return failure(ErrorCode::invalid_argument, "parameter \"voxel\" is below 0.01; give more, or 0 for every point");
   return voxel_m;

@@ -54,7 +54,8 @@ Sight RangeImage::look(const Eigen::Vector3f& point, float reach_m) const {
       const Bin& bin = bins_[index_of(row, d.column + step)];
       if (bin.near_cm == 0) continue;
       const float near_m = 0.01F * bin.near_cm, far_m = 0.01F * bin.far_cm;
-      if (near_m - tolerance < range && range < far_m + tolerance) return Sight::hit;
+      // Between the nearest and the farthest of a bin lies a slanted wall, or a dust return and the wall behind it.
+      if (std::abs(range - near_m) < tolerance || std::abs(range - far_m) < tolerance) return Sight::hit;
       nearest = std::min(nearest, near_m);
     }
   return range < nearest - tolerance ? Sight::through : Sight::unknown;

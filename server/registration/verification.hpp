@@ -17,6 +17,12 @@ struct JudgeConfig {
   float local_leaf_m = 0.3F;
   float overlap_leaf_m = 0.4F;
   float evidence_leaf_m = 0.5F;
+  double hopeless_violation = 0.06;  // more over the whole overlap: not looked at any closer
+  std::size_t places = 5;            // where the overlap is registered once more by itself ...
+  double place_reach_m = 15;         // ... around keyframes of b that lie this near to one of a's
+  double place_radius_m = 18;
+  double place_drift_m = 1.5;  // how far a place may move by itself: the drift of both sessions
+  double place_drift_rad = 0.07;
   int threads = 1;
 };
 

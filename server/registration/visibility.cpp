@@ -1,8 +1,41 @@
 #include "server/registration/visibility.hpp"
 
+#include "server/registration/kd_tree.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
+namespace {
+
+constexpr std::size_t companions = 3;
+constexpr float companion_reach_m = 0.9F;
+
+Visibility count(const Points& points, const std::vector<Sight>& sights) {
+  Visibility total;
+  Points violated;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    total.seen += sights[i] == Sight::hit;
+    total.unknown += sights[i] == Sight::unknown;
+    if (sights[i] == Sight::through) violated.push_back(points[i]);
+  }
+  const KdTree tree(violated);
+  std::vector<Neighbour> around;
+  for (const auto& p : violated) {
+    tree.nearest_k(p, companions + 1, around);  // itself among them
+    const bool patch = around.size() > companions && around.back().squared_m < companion_reach_m * companion_reach_m;
+    (patch ? total.violated : total.lone) += 1;
+  }
+  return total;
+}
+
+}  // namespace
+
+Visibility& Visibility::operator+=(const Visibility& other) {
+  seen += other.seen;
+  violated += other.violated;
+  lone += other.lone;
+  unknown += other.unknown;
+  return *this;
+}
 
 Visibility look_from(std::span<const PlacedCloud> a, const Points& points_b, const Pose& T_a_b, float reach_m,
                      int threads) {
@@ -17,9 +50,8 @@ Visibility look_from(std::span<const PlacedCloud> a, const Points& points_b, con
       const Pose T_b_view = T_a_b.inverse() * c.T_local_sensor * Eigen::Translation3d(view.origin.cast<double>());
       views.push_back({T_b_view.inverse().cast<float>(), T_b_view.translation().cast<float>(), &view.image});
     }
-  constexpr std::size_t block_points = 512;
-  std::vector<Visibility> sums((points_b.size() + block_points - 1) / block_points);
-  for_blocks(points_b.size(), block_points, threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
+  std::vector<Sight> sights(points_b.size(), Sight::unknown);
+  for_blocks(points_b.size(), 512, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       int hits = 0, through = 0;
       for (const View& view : views) {
@@ -28,21 +60,10 @@ Visibility look_from(std::span<const PlacedCloud> a, const Points& points_b, con
         hits += sight == Sight::hit;
         through += sight == Sight::through;
       }
-      if (hits == 0 && through == 0)
-        sums[block].unknown += 1;
-      else if (through > hits)
-        sums[block].violated += 1;
-      else
-        sums[block].seen += 1;
+      if (hits > 0 || through > 0) sights[i] = through > hits ? Sight::through : Sight::hit;
     }
   });
-  Visibility total;
-  for (const Visibility& s : sums) {
-    total.seen += s.seen;
-    total.violated += s.violated;
-    total.unknown += s.unknown;
-  }
-  return total;
+  return count(points_b, sights);
 }
 
 }  // namespace headframe

@@ -90,7 +90,7 @@ class UplinkProtocolTest : public testing::Test {
     m.mutable_cloud_ack()->add_sequences(sequence);
     hear(m);
   }
-  void request(std::vector<std::uint64_t> sequences) {
+  void request(const std::vector<std::uint64_t>& sequences) {
     v1::ServerMessage m;
     for (auto s : sequences) m.mutable_submap_request()->add_sequences(s);
     hear(m);

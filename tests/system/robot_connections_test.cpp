@@ -1,0 +1,217 @@
+// The server's sockets, met by robots that are written byte by byte.
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+
+#include "server/map_merge_server.hpp"
+#include "tests/support/robot_bytes.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace headframe {
+namespace {
+
+/// Waits at most ten seconds for each message.
+class RawRobot {
+ public:
+  explicit RawRobot(const Endpoint& server) {
+    boost::asio::ip::tcp::resolver resolver(io_);
+    boost::asio::connect(socket_, resolver.resolve(server.host, std::to_string(server.port)));
+    const timeval patience{10, 0};
+    ::setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+
+  void send(const std::string& bytes) {
+    boost::system::error_code ignored;  // the server may have closed: read() tells
+    boost::asio::write(socket_, boost::asio::buffer(bytes), ignored);
+  }
+
+  /// nullopt: the server has closed the connection, or is silent.
+  std::optional<v1::ServerMessage> read() {
+    while (true) {
+      const auto payload = reader_.next();
+      if (payload && *payload) {
+        v1::ServerMessage message;
+        EXPECT_TRUE(message.ParseFromString(**payload));
+        return message;
+      }
+      char bytes[4096];
+      const auto n = ::recv(socket_.native_handle(), bytes, sizeof bytes, 0);
+      if (n <= 0) return std::nullopt;
+      reader_.feed({bytes, static_cast<std::size_t>(n)});
+    }
+  }
+
+  /// The next message for which it holds.
+  template <class Condition>
+  std::optional<v1::ServerMessage> read_until(Condition condition) {
+    while (auto message = read())
+      if (condition(*message)) return message;
+    return std::nullopt;
+  }
+
+  v1::Welcome greet(const Hello& hello) {
+    send(hello_frame(hello));
+    const auto message = read_until([](const auto& m) { return m.has_welcome() || m.has_error(); });
+    EXPECT_TRUE(message && message->has_welcome()) << (message ? message->error().message() : "silence");
+    return message ? message->welcome() : v1::Welcome();
+  }
+
+  v1::ErrorReport error() {
+    const auto message = read_until([](const auto& m) { return m.has_error(); });
+    EXPECT_TRUE(message);
+    EXPECT_FALSE(read()) << "the connection ends with its error";
+    return message ? message->error() : v1::ErrorReport();
+  }
+
+  bool acknowledged(std::uint64_t keyframe) {
+    return read_until(
+               [=](const auto& m) { return m.has_keyframe_ack() && m.keyframe_ack().durable_keyframes() >= keyframe; })
+        .has_value();
+  }
+
+ private:
+  boost::asio::io_context io_;
+  boost::asio::ip::tcp::socket socket_{io_};
+  FrameReader reader_;
+};
+
+class Connections : public testing::Test {
+ protected:
+  void serve(const ServerConfig& config = {}) {
+    server.reset();
+    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config});
+    ASSERT_TRUE(started) << started.error().message;
+    server = std::move(*started);
+  }
+
+  TempDir dir;
+  std::unique_ptr<MapMergeServer> server;
+};
+
+TEST_F(Connections, WhatIsAcknowledgedOutlivesTheServer) {
+  serve();
+  {
+    RawRobot robot(server->robots());
+    EXPECT_EQ(robot.greet(robot_hello()).durable_keyframes(), 0U);
+    for (std::uint64_t i = 1; i <= 20; ++i) robot.send(keyframe_frame(line_keyframe(i)));
+    const std::string cloud = small_cloud();
+    robot.send(chunk_frame(3, cloud.size(), 0, cloud));
+    EXPECT_TRUE(robot.acknowledged(20));
+    EXPECT_TRUE(robot.read_until([](const auto& m) { return m.has_cloud_ack() && m.cloud_ack().sequences(0) == 3; }));
+  }
+  serve();
+  RawRobot robot(server->robots());
+  const auto welcome = robot.greet(robot_hello());
+  EXPECT_EQ(welcome.durable_keyframes(), 20U);
+  ASSERT_EQ(welcome.durable_clouds_size(), 1);
+  EXPECT_EQ(welcome.durable_clouds(0).first(), 3U);
+}
+
+TEST_F(Connections, AnotherSpoolIsRefusedAndTheSameReplaces) {
+  serve();
+  RawRobot first(server->robots());
+  first.greet(robot_hello());
+  Hello stranger = robot_hello();
+  stranger.spool_id = 78;
+  RawRobot other(server->robots());
+  other.send(hello_frame(stranger));
+  const auto refused = other.error();
+  EXPECT_EQ(refused.kind(), v1::ERROR_KIND_REFUSED);
+  EXPECT_TRUE(refused.permanent());
+
+  first.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(first.acknowledged(1)) << "the stranger did not disturb it";
+  RawRobot second(server->robots());
+  EXPECT_EQ(second.greet(robot_hello()).durable_keyframes(), 1U);
+  EXPECT_FALSE(first.error().permanent());
+  second.send(keyframe_frame(line_keyframe(2)));
+  EXPECT_TRUE(second.acknowledged(2));
+}
+
+TEST_F(Connections, AnotherFamilyIsRefused) {
+  serve();
+  RawRobot(server->robots()).greet(robot_hello());
+  Hello changed = robot_hello();
+  changed.family.q_size = 4;
+  RawRobot robot(server->robots());
+  robot.send(hello_frame(changed));
+  EXPECT_EQ(robot.error().kind(), v1::ERROR_KIND_REFUSED);
+}
+
+TEST_F(Connections, TooManyRobotsAreToldSo) {
+  ServerConfig config;
+  config.limits.robots = 1;
+  serve(config);
+  RawRobot first(server->robots());
+  first.greet(robot_hello());
+  RawRobot second(server->robots());
+  const auto report = second.error();
+  EXPECT_EQ(report.kind(), v1::ERROR_KIND_OVERLOADED);
+  EXPECT_FALSE(report.permanent());
+  first.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(first.acknowledged(1));
+}
+
+TEST_F(Connections, AFullDiskIsToldAndWhatWasAcknowledgedStays) {
+  ServerConfig config;
+  config.database_mib = 1;
+  serve(config);
+  RawRobot robot(server->robots());
+  robot.greet(robot_hello());
+  std::uint64_t acknowledged = 0, sent = 0;
+  v1::ErrorReport error;
+  for (; error.kind() == 0 && sent < 5000;) {
+    for (int i = 0; i < 50; ++i) robot.send(keyframe_frame(line_keyframe(++sent)));
+    const auto message =
+        robot.read_until([&](const auto& m) { return m.has_error() || m.keyframe_ack().durable_keyframes() == sent; });
+    ASSERT_TRUE(message);
+    if (message->has_error())
+      error = message->error();
+    else
+      acknowledged = sent;
+  }
+  EXPECT_EQ(error.kind(), v1::ERROR_KIND_OVERLOADED);
+  EXPECT_FALSE(error.permanent());
+  EXPECT_NE(error.message().find("disk is full"), std::string::npos) << error.message();
+  RawRobot again(server->robots());
+  const auto durable = again.greet(robot_hello()).durable_keyframes();
+  EXPECT_GE(durable, acknowledged);
+  serve();  // room was made
+  RawRobot later(server->robots());
+  EXPECT_GE(later.greet(robot_hello()).durable_keyframes(), acknowledged);
+  later.send(keyframe_frame(line_keyframe(durable + 1)));
+  EXPECT_TRUE(later.acknowledged(durable + 1));
+}
+
+TEST_F(Connections, ARobotThatOutrunsTheDiskIsHeldBackAndAllArrives) {
+  ServerConfig config;
+  config.limits.undurable_mib = 1;
+  serve(config);
+  RawRobot robot(server->robots());
+  robot.greet(robot_hello());
+  for (std::uint64_t i = 1; i <= 5000; ++i) robot.send(keyframe_frame(line_keyframe(i)));
+  EXPECT_TRUE(robot.acknowledged(5000));
+}
+
+TEST_F(Connections, APortInUseIsSaid) {
+  serve();
+  const TempDir elsewhere;
+  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::unavailable);
+  EXPECT_NE(second.error().message.find(to_string(server->robots())), std::string::npos);
+}
+
+TEST(Endpoint, IsReadAsItIsWritten) {
+  for (const std::string text : {"127.0.0.1:7447", "[::1]:0", "base.mine:65535"})
+    EXPECT_EQ(to_string(parse_endpoint(text).value()), text);
+  for (const std::string text : {"", ":1", "host", "host:", "host:65536", "host:-1", "host:1x", "::1:80", "[]:1"})
+    EXPECT_FALSE(parse_endpoint(text)) << text;
+}
+
+}  // namespace
+}  // namespace headframe
