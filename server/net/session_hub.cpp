@@ -157,7 +157,7 @@ void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std:
                [this, bytes, applied = std::move(applied), to = std::weak_ptr(link)](const Result<void>& result) {
                  if (result) applied();
                  --unsettled_;
-                              if (const auto robot = to.lock()) robot->settled(bytes, result);
+                 if (const auto robot = to.lock()) robot->settled(bytes, result);
                });
 }
 

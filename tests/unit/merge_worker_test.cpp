@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <future>
 
 #include "server/store/sqlite_store.hpp"
@@ -289,8 +290,8 @@ TEST(ChangedComponents, AreThoseWithOtherPlacementsAndThoseThatFellApart) {
   const Atlas pair{1, {{1, {{1, I}, {2, T}}}, {3, {{3, I}}}}};
   const Atlas moved{2, {{1, {{1, I}, {2, I}}}, {3, {{3, I}}}}};
   const auto ids = [](const std::vector<Component>& components) {
-    std::vector<SessionId> all;
-    for (const Component& component : components) all.push_back(component.id);
+    std::vector<SessionId> all(components.size());
+    std::transform(components.begin(), components.end(), all.begin(), [](const Component& c) { return c.id; });
     return all;
   };
   EXPECT_TRUE(changed_components({}, singles).empty());
