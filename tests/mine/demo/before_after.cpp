@@ -48,12 +48,15 @@ Result<void> draw_before_after(const std::filesystem::path& recordings, const st
   picture::Panel before{"before: every robot in its own frame", {}},
       after{"after: in one frame, as headframe merged them", {}};
   const auto shown = largest_component(robots);
+  Pose T_first_component = Pose::Identity();  // the first robot's map lies the same way in both halves
+  if (!robots.empty() && robots.front().component == shown)
+    T_first_component = robots.front().T_component_session.inverse();
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const RobotOutcome& robot = robots[i];
     auto layer = layer_of(recordings / robot.name, picture::colour_of(i));
     if (!layer) return tl::unexpected(layer.error());
     before.layers.push_back(*layer);
-    layer->T_view_cloud = robot.T_component_session;
+    layer->T_view_cloud = T_first_component * robot.T_component_session;
     if (robot.component && robot.component == shown) after.layers.push_back(std::move(*layer));
     view.legend.push_back({robot.name + " (" + robot.sensor + ")", picture::colour_of(i)});
   }
