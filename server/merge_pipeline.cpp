@@ -16,8 +16,8 @@ namespace headframe {
 namespace {
 
 constexpr std::size_t neighbours = 5;          // of each keyframe, in the votes
-constexpr std::size_t exact_up_to = 20000;     // keyframes; FLANN beyond
-constexpr std::size_t hypotheses_awaited = 3;  // that may wait for clouds at a time
+constexpr std::size_t exact_up_to = 20000;     // keyframes of a family; FLANN beyond
+constexpr std::size_t hypotheses_awaited = 2;  // that may wait for clouds at a time
 constexpr double rival_share = 0.7;            // of the support: weaker rivals of an accepted one ask for no clouds
 constexpr double news_m = 0.05, news_rad = 0.2 * std::numbers::pi / 180;  // smaller changes of a transform are not told
 
@@ -87,6 +87,7 @@ struct MergePipeline::State {
   void record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report);
   void update_atlas(AttemptReport& report);
   Alignment* find(SessionId a, SessionId b);
+  void move_to_flann(const FamilyId& id, std::size_t q_size);
   /// A few metres of drift look like many others: a growing session waits until it has seen more.
   bool may_merge(SessionId id) { return sessions[id].complete || sessions[id].path_m >= config.least_path_m; }
 };
@@ -293,6 +294,15 @@ Alignment* MergePipeline::State::find(SessionId a, SessionId b) {
   return nullptr;
 }
 
+void MergePipeline::State::move_to_flann(const FamilyId& id, std::size_t q_size) {
+  auto index = make_flann_index(q_size);
+  for (const auto& [session_id, session] : sessions)
+    if (session.family == id)
+      for (const Keyframe& k : session.keyframes)
+        if (!k.descriptor.q.empty()) index->add({session_id, k.sequence}, k.descriptor.q);
+  families[id].index = std::move(index);
+}
+
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
 MergePipeline::~MergePipeline() = default;
 
@@ -309,6 +319,7 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   const auto& q = keyframe.descriptor.q;
   if (!q.empty()) {
     if (!family.index) family.index = make_exact_index(q.size());
+    if (family.index->size() == exact_up_to) state_->move_to_flann(session.family, q.size());
     family.index->add({id, keyframe.sequence}, q);
   }
   if (!session.keyframes.empty())

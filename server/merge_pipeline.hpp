@@ -58,7 +58,7 @@ class MergePipeline {
   void add_session(SessionId id, const FamilyId& family);
   void add_keyframe(SessionId id, Keyframe keyframe);
 
-  /// No keyframe follows: however short, it may merge now. Harmless when repeated.
+  /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
   void complete_session(SessionId id);
 
   /// After a restart, once all sessions and keyframes were added: alignments as they were stored, ordered by id, and

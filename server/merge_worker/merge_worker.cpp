@@ -29,6 +29,7 @@ Result<void> MergeWorker::restore() {
   for (const SessionRecord& session : *sessions) {
     pipeline_->add_session(session.id, session.family);
     feed(session.id, false);
+    if (session.complete) pipeline_->complete_session(session.id);
     auto clouds = store_.cloud_sequences(session.id);
     if (!clouds) return tl::unexpected(clouds.error());
     Known& known = known_[session.id];
@@ -108,6 +109,7 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
     known.answers = *news.came;
     schedule_.robot_came(session);
   }
+  if (news.may_merge) pipeline_->complete_session(session);
   if (news.trigger && known.keyframes > 0) schedule_.trigger(session, news.trigger->first, news.trigger->second);
 }
 

@@ -49,6 +49,7 @@ void MergeWorker::robot_left(SessionId session) {
 
 void MergeWorker::trigger(SessionId session, Trigger trigger) {
   tell(session, [&](SessionNews& news) {
+    news.may_merge |= trigger == Trigger::goodbye || trigger == Trigger::request;
     if (!news.trigger) news.trigger.emplace(trigger, std::chrono::steady_clock::now());
   });
 }

@@ -40,8 +40,9 @@ struct BadInput : testing::Test {
   std::filesystem::path at(const std::string& name) const { return scratch.path() / name; }
 
   Process::Ended serve(const std::vector<std::string>& options) const {
-    std::vector<std::string> argv{
-        program("headframe-server"), "--insecure", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"};
+    std::vector<std::string> argv{program("headframe-server"), "--insecure", "--http", "127.0.0.1:0"};
+    if (std::find(options.begin(), options.end(), "--listen") == options.end())
+      argv.insert(argv.end(), {"--listen", "127.0.0.1:0"});
     argv.insert(argv.end(), options.begin(), options.end());
     return run(argv);
   }

@@ -29,6 +29,7 @@ struct Script {
   std::mutex mutex;
   std::map<SessionId, std::vector<std::uint64_t>> keyframes;
   std::vector<SessionId> attempts;
+  std::set<SessionId> completed;
   std::uint64_t restored_revision = 0;
   std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
     return AttemptReport();
@@ -49,6 +50,10 @@ class ScriptedPipeline : public Pipeline {
   void add_keyframe(SessionId id, Keyframe keyframe) override {
     const std::lock_guard lock(script_.mutex);
     script_.keyframes[id].push_back(keyframe.sequence);
+  }
+  void complete_session(SessionId id) override {
+    const std::lock_guard lock(script_.mutex);
+    script_.completed.insert(id);
   }
   void restore(std::vector<Alignment> alignments, std::uint64_t revision) override {
     script_.alignments = std::move(alignments);
@@ -151,6 +156,17 @@ TEST_F(Worker, DistanceTriggersAndKeyframesComeInOrderOnce) {
   ASSERT_EQ(script.keyframes[1].size(), 15U);
   EXPECT_EQ(script.keyframes[1].back(), 15U);
   EXPECT_NEAR(worker->view()->sessions.at(1).distance_m, 14.0, 1e-9);
+}
+
+TEST_F(Worker, AGoodbyeOrARequestLetsAShortSessionMerge) {
+  start();
+  worker->trigger(1, Trigger::link);
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_TRUE(script.completed.empty());
+  worker->trigger(1, Trigger::goodbye);
+  worker->trigger(2, Trigger::request);
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.completed, (std::set<SessionId>{1, 2}));
 }
 
 TEST_F(Worker, IsNotIdleFromTheTriggerToTheEndOfItsAttempt) {
