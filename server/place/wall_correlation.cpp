@@ -208,8 +208,8 @@ class Correlator {
     int y = static_cast<int>(i / static_cast<std::size_t>(a_.columns()));
     if (x > a_.columns() - span_b_) x -= a_.columns();
     if (y > a_.rows() - span_b_) y -= a_.rows();
-    const Eigen::Vector2f cell(static_cast<float>(x + span_b_ / 2), static_cast<float>(y + span_b_ / 2));
-    const Eigen::Vector2d middle_at = (a_.low() + cell * b_.cell_m).cast<double>();
+    const Eigen::Vector2i cell = Eigen::Vector2i(x, y).array() + span_b_ / 2;
+    const Eigen::Vector2d middle_at = (a_.low() + cell.cast<float>() * b_.cell_m).cast<double>();
     return {wrap_rad(yaw), middle_at - Eigen::Rotation2Dd(yaw) * middle(), score / static_cast<double>(a_.size())};
   }
 

@@ -23,7 +23,7 @@ Direction direction(const Eigen::Vector3f& p, float range) {
 
 std::size_t index_of(int row, int column) {
   constexpr int n = RangeImage::columns;
-  return static_cast<std::size_t>(row * n + (column + n) % n);
+  return static_cast<std::size_t>(row) * n + static_cast<std::size_t>((column + n) % n);
 }
 
 }  // namespace

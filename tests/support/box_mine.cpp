@@ -76,8 +76,8 @@ Drive drive(const BoxMine& mine, const std::vector<Eigen::Vector2d>& corners, do
   for (std::size_t i = 1; i < corners.size(); ++i) {
     const Eigen::Vector2d leg = corners[i] - corners[i - 1];
     const double heading = std::atan2(leg.y(), leg.x());
-    for (double at = 0; at < leg.norm(); at += spacing_m) {
-      const Eigen::Vector2d p = corners[i - 1] + at * leg.normalized();
+    for (int k = 0; k * spacing_m < leg.norm(); ++k) {
+      const Eigen::Vector2d p = corners[i - 1] + k * spacing_m * leg.normalized();
       poses.push_back(pose_from_yaw(heading, {p.x(), p.y(), 1.2}));
     }
   }

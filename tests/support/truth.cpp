@@ -25,9 +25,8 @@ std::vector<Pose> read_tum(const std::filesystem::path& file) {
 
 Pose from_rows(const nlohmann::json& numbers) {
   Pose T = Pose::Identity();
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
-      T.matrix()(row, column) = numbers.at(static_cast<std::size_t>(4 * row + column));
+  for (std::size_t i = 0; i < 12; ++i)
+    T.matrix()(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = numbers.at(i);
   return T;
 }
 

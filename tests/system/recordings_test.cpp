@@ -46,6 +46,7 @@ class Recordings : public testing::Test {
       return {};
     }
     std::vector<Process> replays;
+    replays.reserve(robots.size());
     for (const auto& robot : robots) replays.push_back(station->replay(robot, recordings() / name / robot).value());
     for (auto& replay : replays) {
       const auto ended = replay.wait(300s);
