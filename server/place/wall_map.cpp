@@ -19,8 +19,8 @@ class Canvas {
   explicit Canvas(float cell_m) : cell_m_(cell_m) {}
 
   void ray(const Eigen::Vector2f& origin, const Eigen::Vector2f& direction, float range_m) {
-    const auto cells = static_cast<int>((std::min(range_m - cell_m_, free_reach_m)) / cell_m_ + 0.5F);
-    for (int i = 0; i < cells; ++i) ++at(origin + (static_cast<float>(i) + 0.5F) * cell_m_ * direction).free;
+    const auto cells = std::lround(std::min(range_m - cell_m_, free_reach_m) / cell_m_);
+    for (long i = 0; i < cells; ++i) ++at(origin + (static_cast<float>(i) + 0.5F) * cell_m_ * direction).free;
     if (range_m < wall_reach_m) ++at(origin + range_m * direction).wall;
   }
 

@@ -17,7 +17,10 @@ using test::BoxMine;
 constexpr double degree = std::numbers::pi / 180;
 
 TEST(WallProfile, CodesKeepRangesWithinTwoPercent) {
-  for (float r = 0.3F; r < 120; r *= 1.07F) EXPECT_NEAR(decode_wall_range_m(encode_wall_range(r)), r, 0.013 * r);
+  for (int i = 0; i < 88; ++i) {
+    const float r = 0.3F * std::pow(1.07F, static_cast<float>(i));
+    EXPECT_NEAR(decode_wall_range_m(encode_wall_range(r)), r, 0.013 * r);
+  }
   EXPECT_EQ(encode_wall_range(0.29F), 0);
   EXPECT_EQ(encode_wall_range(std::nanf("")), 0);
   EXPECT_EQ(encode_wall_range(1e9F), encode_wall_range(120));
