@@ -207,7 +207,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap || status == RegistrationStatus::not_converged) return 0;
   if (e.tilt_deg > 3) return 0;
   // How much more the sessions contradict each other than each does itself. README, "How sure", has the pairs that the
-  // weights were fitted on: right placements had at most 0.0023 of violations, wrong ones 0.003 to 0.12.
+  // weights were fitted on: right placements had at most 0.0023 of violations, most wrong ones 0.003 to 0.12.
   constexpr double floor = 1e-3, free = 0.1;
   const double excess = std::max(0.0, std::log10((e.freespace_violation + floor) / (e.own_violation + floor)) - free);
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
