@@ -115,7 +115,7 @@ Result<bool> run(const fs::path& dir) {
   fs::remove_all(dir / "data", ignored);
   auto station = test::BaseStation::start(dir / "data");
   if (!station) return tl::unexpected(station.error());
-  std::printf("headframe-server takes robots on %s, its page is http://%s/\n", station->robots().c_str(),
+  std::printf("headframe-server takes robots on %s, operator API on http://%s/\n", station->robots().c_str(),
               station->http().c_str());
   auto replays = start_robots(*station, dir);
   if (!replays) return tl::unexpected(replays.error());
@@ -146,7 +146,11 @@ Result<bool> run(const fs::path& dir) {
 }  // namespace
 }  // namespace headframe::demo
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1) {
+    std::fprintf(stderr, "headframe-demo: it takes no options, but was given '%s'\n", argv[1]);
+    return 2;
+  }
   try {
     const auto right = headframe::demo::run("build/demo");
     if (!right) std::fprintf(stderr, "\nheadframe-demo: %s\n", right.error().message.c_str());
