@@ -6,9 +6,9 @@
 namespace headframe {
 
 /// Calls call(work, block) for blocks 0 .. blocks - 1, each once, on the caller and at most threads - 1 helpers of a
-/// pool that lives as long as the program. The caller takes part and never waits for a helper to come free, so calls may
-/// be nested and come from many threads at once. The first exception thrown by a block is thrown again, once all have
-/// left.
+/// pool that lives as long as the program. The caller takes part and never waits for a helper to come free, so calls
+/// may be nested and come from many threads at once. The first exception thrown by a block is thrown again, once all
+/// have left.
 void share_blocks(std::size_t blocks, int threads, void* work, void (*call)(void* work, std::size_t block));
 
 /// Calls work(begin, end, block) for fixed blocks of `block_size` items, spread over threads. The blocks do not depend
