@@ -13,7 +13,7 @@ struct VgicpLevel {
 };
 
 struct VgicpConfig {
-  std::vector<VgicpLevel> levels{{2.0F, 1000}, {1.0F, 2000}, {0.5F, 8000}};  // coarse to fine
+  std::vector<VgicpLevel> levels{{2.0F, 1000}, {1.0F, 2000}, {0.5F, 6000}};  // coarse to fine
   int iterations = 15;                                                       // at most, in each level
   double least_inliers = 0.1;                                                // of the level's source points
   double degenerate_below = 0.012;

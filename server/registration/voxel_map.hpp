@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
@@ -12,12 +14,12 @@ namespace headframe {
 /// normals. A flat piece of wall has N = n n^T; the more it bends, the less N claims to know any direction.
 struct Voxel {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-  Symmetric3f N{};
   float count = 0;
+  Symmetric3f N{};
 };
 
-/// Surfels summed up by cubes of leaf_m, found by hashing. One pass to build, no neighbour search. The same surfels in
-/// the same order give the same map. Queries are thread safe.
+/// Surfels summed up by cubes of leaf_m. One pass to build, no neighbour search. The same surfels in the same order
+/// give the same map. Queries are thread safe.
 class VoxelMap {
  public:
   VoxelMap() = default;
@@ -31,19 +33,33 @@ class VoxelMap {
   const Voxel* nearest(const Eigen::Vector3f& p) const;
 
   float leaf_m() const { return leaf_m_; }
-  const std::vector<Voxel>& voxels() const { return voxels_; }  // in the order of their first points
+
+  /// In the order of their first points.
+  std::span<const Voxel> voxels() const { return std::span(voxels_).subspan(1); }
 
  private:
+  /// Voxels are kept by bricks of 4 x 4 x 4 and the next layer on the far sides, so that eight neighbours always lie in
+  /// one brick, and one look into the hash finds them.
+  static constexpr int own = 4, edge = own + 1;
+  struct Brick {
+    std::array<std::uint32_t, edge * edge * edge> voxels{};  // 0: empty
+  };
   struct Slot {
     std::uint64_t key = 0;
-    std::uint32_t voxel = empty;
+    std::uint32_t brick = none;
   };
-  static constexpr std::uint32_t empty = 0xFFFFFFFF;
+  static constexpr std::uint32_t none = 0xFFFFFFFF;
+
+  static std::size_t offset(const Eigen::Vector3i& local);  // of a cell within its brick
+  std::uint32_t& voxel_at(const Eigen::Vector3i& cell);
+  void share(const Eigen::Vector3i& cell, std::uint32_t voxel);
+  Brick& brick_at(const Eigen::Vector3i& brick);
   std::size_t slot_of(std::uint64_t key) const;
   void grow();
 
   float leaf_m_ = 1;
-  std::vector<Voxel> voxels_;
+  std::vector<Voxel> voxels_;  // the first stands for "empty", far away
+  std::vector<Brick> bricks_;
   std::vector<Slot> slots_;  // open addressing, a power of two, at most half full
 };
 
