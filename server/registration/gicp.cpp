@@ -8,10 +8,12 @@
 namespace headframe {
 namespace {
 
+/// `partners`: of every source point, the partner of the last pass: the search starts from there, and finds the same.
 NormalEquations linearise(const Surfels& target, const Surfels& source, const Pose& T, const Eigen::Vector3d& centre,
-                          double reach_m, int threads) {
+                          double reach_m, int threads, std::vector<std::uint32_t>& partners) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
+  const auto squared_reach = static_cast<float>(reach_m * reach_m);
   const float kernel = kernel_of_reach(reach_m);
   constexpr std::size_t size = FactorBlock::capacity;
   std::vector<NormalEquations> sums((source.size() + size - 1) / size);
@@ -19,8 +21,14 @@ NormalEquations linearise(const Surfels& target, const Surfels& source, const Po
     FactorBlock factors;
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3f p = R * source.points[i] + t;
-      Neighbour partner;
-      if (!target.tree.nearest(p, static_cast<float>(reach_m), partner)) continue;
+      Neighbour partner{KdTree::nobody, squared_reach};
+      if (partners[i] != KdTree::nobody) {
+        const float squared_m = (target.points[partners[i]] - p).squaredNorm();
+        if (squared_m < squared_reach) partner = {partners[i], squared_m};
+      }
+      target.tree.improve(p, partner);
+      partners[i] = partner.index;
+      if (partner.index == KdTree::nobody) continue;
       factors.add(p - c, p - target.points[partner.index], outer(target.normals[partner.index]), R * source.normals[i]);
     }
     sums[block] = factors.sum(kernel);
@@ -33,13 +41,14 @@ NormalEquations linearise(const Surfels& target, const Surfels& source, const Po
 }  // namespace
 
 Registration align(const Surfels& target, const Surfels& source, const Pose& T_0, const GicpConfig& config) {
+  std::vector<std::uint32_t> partners(source.size(), KdTree::nobody);
   std::vector<Stage> stages;
   stages.reserve(static_cast<std::size_t>(std::max(0, config.stages)));
   for (int i = 0; i < config.stages; ++i) {
     const double share = config.stages > 1 ? static_cast<double>(i) / (config.stages - 1) : 1;
     const double reach = config.coarse_reach_m * std::pow(config.fine_reach_m / config.coarse_reach_m, share);
     stages.push_back({[&, reach](const Pose& T, const Eigen::Vector3d& centre) {
-                        return linearise(target, source, T, centre, reach, config.threads);
+                        return linearise(target, source, T, centre, reach, config.threads, partners);
                       },
                       static_cast<double>(source.size())});
   }

@@ -21,10 +21,6 @@ Float4 squared_distances(const KdTree::Leaf& leaf, std::size_t group, const Eige
 
 }  // namespace
 
-float squared_gap(const Box& a, const Box& b) {
-  return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0.0F).squaredNorm();
-}
-
 KdTree::KdTree(const Points& points, int threads) {
   std::vector<Entry> entries;
   entries.reserve(points.size());
@@ -36,17 +32,23 @@ KdTree::KdTree(const Points& points, int threads) {
   build(0, 0, leaves_.size(), entries, threads);
 }
 
+Box KdTree::box_of(const Entry* begin, const Entry* end) {
+  const auto lanes = [](const Entry& e) { return Float4{e.p.x(), e.p.y(), e.p.z(), 0}; };
+  Box box{lanes(*begin), lanes(*begin)};
+  for (const Entry* e = begin; e != end; ++e) {
+    box.low = -larger(-box.low, -lanes(*e));
+    box.high = larger(box.high, lanes(*e));
+  }
+  return box;
+}
+
 /// A subtree over consecutive leaves, all full but the cloud's last: so where its nodes lie is known beforehand, and
 /// both halves may be built at once.
 void KdTree::build(std::uint32_t node, std::size_t first_leaf, std::size_t leaf_count, std::vector<Entry>& entries,
                    int threads) {
   Entry* begin = entries.data() + first_leaf * leaf_points;
   Entry* end = entries.data() + std::min(entries.size(), (first_leaf + leaf_count) * leaf_points);
-  Box box{begin->p, begin->p};
-  for (const Entry* e = begin; e != end; ++e) {
-    box.low = box.low.cwiseMin(e->p);
-    box.high = box.high.cwiseMax(e->p);
-  }
+  const Box box = box_of(begin, end);
   nodes_[node].box = box;
   if (leaf_count == 1) {
     nodes_[node].axis_or_leaf = static_cast<std::uint32_t>(first_leaf);
@@ -54,8 +56,8 @@ void KdTree::build(std::uint32_t node, std::size_t first_leaf, std::size_t leaf_
     fill(leaves_[first_leaf], begin, end);
     return;
   }
-  Eigen::Index axis = 0;
-  (box.high - box.low).maxCoeff(&axis);
+  const Float4 size = box.high - box.low;
+  const Eigen::Index axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
   const std::size_t left = leaf_count - leaf_count / 2;
   std::nth_element(begin, begin + left * leaf_points, end, [axis](const Entry& a, const Entry& b) {
     return a.p[axis] < b.p[axis] || (a.p[axis] == b.p[axis] && a.index < b.index);
@@ -115,14 +117,15 @@ void KdTree::search(const Eigen::Vector3f& query, const float& reach_squared, Vi
   }
 }
 
-bool KdTree::nearest(const Eigen::Vector3f& query, float reach_m, Neighbour& out) const {
-  float reach_squared = reach_m * reach_m;
-  Neighbour best{nobody, reach_squared};
-  search(query, reach_squared, [&](const Neighbour& n) {
-    if (!nearer(n, best)) return;
-    best = n;
-    reach_squared = n.squared_m;
+void KdTree::improve(const Eigen::Vector3f& query, Neighbour& best) const {
+  search(query, best.squared_m, [&](const Neighbour& n) {
+    if (nearer(n, best)) best = n;
   });
+}
+
+bool KdTree::nearest(const Eigen::Vector3f& query, float reach_m, Neighbour& out) const {
+  Neighbour best{nobody, reach_m * reach_m};
+  improve(query, best);
   if (best.index == nobody || best.squared_m >= reach_m * reach_m) return false;
   out = best;
   return true;

@@ -15,12 +15,16 @@ struct Neighbour {
   float squared_m = 0;
 };
 
+/// x, y, z, and a lane that is 0.
 struct Box {
-  Eigen::Vector3f low, high;
+  Float4 low, high;
 };
 
 /// Squared distance between the nearest points of two boxes; 0 where they meet.
-float squared_gap(const Box& a, const Box& b);
+inline float squared_gap(const Box& a, const Box& b) {
+  const Float4 d = larger(larger(a.low - b.high, b.low - a.high), Float4{});
+  return sum_of_lanes(d * d);
+}
 
 /// Nearest neighbours in a fixed cloud. Keeps a copy of the points, sixteen to a leaf. Ties go to the lower index, so
 /// results do not depend on how the tree was cut. Points that are not finite are never found. Queries are thread safe.
@@ -42,6 +46,9 @@ class KdTree {
 
   /// The nearest point strictly nearer than reach_m; false when there is none.
   bool nearest(const Eigen::Vector3f& query, float reach_m, Neighbour& out) const;
+
+  /// Puts the nearest point into `best` if it is nearer, or as near and of a lower index.
+  void improve(const Eigen::Vector3f& query, Neighbour& best) const;
 
   /// The k nearest, nearest first (fewer when the cloud has fewer).
   void nearest_k(const Eigen::Vector3f& query, std::size_t k, std::vector<Neighbour>& out) const;
@@ -69,7 +76,8 @@ class KdTree {
   };
   void build(std::uint32_t node, std::size_t first_leaf, std::size_t leaf_count, std::vector<Entry>& entries,
              int threads);
-  void fill(Leaf& leaf, const Entry* begin, const Entry* end);
+  static Box box_of(const Entry* begin, const Entry* end);
+  static void fill(Leaf& leaf, const Entry* begin, const Entry* end);
   template <class Visit>
   void search(const Eigen::Vector3f& query, const float& reach_squared, Visit&& visit) const;
 

@@ -29,12 +29,14 @@ class NeighbourhoodFinder {
   };
   float first_bound(std::size_t leaf, const Eigen::Vector3f& query);
   void gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound);
-  float kth_squared(float bound) const;
+  float kth_squared(float bound, int slack = 0) const;
   Neighbourhood moments(float bound) const;
 
   const KdTree& tree_;
   int k_;
-  std::vector<Group> groups_;
+  static constexpr std::size_t most_groups = 256;  // more only when very many points lie as far as the k-th
+  std::array<Group, most_groups> groups_;
+  std::size_t group_count_ = 0;
   std::vector<std::uint32_t> near_;
 };
 
