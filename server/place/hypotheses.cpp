@@ -81,7 +81,7 @@ void add_from_descriptors(std::span<const Keyframe> a, std::span<const Keyframe>
   for (const Pose& T : initial_transforms(a[argmin->a], b[argmin->b], family, 1)) found.push_back(T);
   const WallMap map_a = draw_wall_map(a, cell_m), map_b = draw_wall_map(b, cell_m);
   for (const Pose& T : found) {
-    const WallMatch m = refine(map_a, map_b, {yaw_rad(T), T.translation().head<2>(), 0});
+    const WallMatch m = refine_old(map_a, map_b, {yaw_rad(T), T.translation().head<2>(), 0});
     out.push_back({pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), T.translation().z()}), m.score});
   }
 }

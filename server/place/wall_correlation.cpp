@@ -5,13 +5,13 @@
 #include <numbers>
 
 #include "common/geometry/se3.hpp"
-#include "server/place/fft2.hpp"
+#include "server/place/kiss_fft2.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
 namespace {
 
-using Complex = Fft2::Complex;
+using Complex = KissFft2::Complex;
 constexpr float penalty = 3;  // of a wall where the other map is free, against a wall on a wall
 constexpr std::size_t turns = 180;
 constexpr std::size_t cells_looked_at = 400, peaks_per_turn = 20, peaks_refined = 100;
@@ -119,7 +119,7 @@ class Correlator {
       : b_(b), middle_b_(Box(b).middle()), span_b_(span_of(b, middle_b_)), a_(make_drawing(a, span_b_)) {
     std::vector<Complex> packed(a_.size()), spectrum(a_.size());
     for (std::size_t i = 0; i < packed.size(); ++i) packed[i] = {a_.for_wall[i], a_.for_free[i]};
-    Fft2(a_.rows(), a_.columns(), Fft2::Way::forward).run(packed, spectrum);
+    KissFft2(a_.rows(), a_.columns(), KissFft2::Way::forward).run(packed, spectrum);
     for_wall_.resize(a_.size());
     for_free_.resize(a_.size());
     for (std::size_t i = 0; i < a_.size(); ++i) take_apart(spectrum, i, for_wall_[i], for_free_[i]);
@@ -130,8 +130,8 @@ class Correlator {
 
   /// Appends the best peaks of the turns in [begin, end), in the order of the turns.
   void search(std::size_t begin, std::size_t end, std::vector<WallMatch>& found) const {
-    const Fft2 forward(a_.rows(), a_.columns(), Fft2::Way::forward),
-        inverse(a_.rows(), a_.columns(), Fft2::Way::inverse);
+    const KissFft2 forward(a_.rows(), a_.columns(), KissFft2::Way::forward),
+        inverse(a_.rows(), a_.columns(), KissFft2::Way::inverse);
     std::vector<Complex> grid(a_.size()), spectrum(a_.size()), scores(a_.size());
     for (std::size_t t = begin; t < end; ++t) {
       const double yaw = static_cast<double>(t) * 2 * std::numbers::pi / turns;
@@ -162,7 +162,7 @@ class Correlator {
   static Drawing make_drawing(const WallMap& a, int span_b) {
     const Box box(a);
     const auto cells = [&](int axis) {
-      return Fft2::quick_size(static_cast<int>(std::ceil((box.high[axis] - box.low[axis]) / a.cell_m)) + 3 + span_b);
+      return KissFft2::quick_size(static_cast<int>(std::ceil((box.high[axis] - box.low[axis]) / a.cell_m)) + 3 + span_b);
     };
     return {a, box.low.array() - a.cell_m, cells(0), cells(1)};
   }
@@ -237,7 +237,7 @@ std::vector<WallMatch> correlate(const WallMap& a, const WallMap& b, std::size_t
   return matches;
 }
 
-WallMatch refine(const WallMap& a, const WallMap& b, const WallMatch& guess) {
+WallMatch refine_old(const WallMap& a, const WallMap& b, const WallMatch& guess) {
   const Box box(a);
   const auto cells = [&](int axis) { return static_cast<int>((box.high[axis] - box.low[axis]) / a.cell_m) + 3; };
   if (a.walls.empty() || b.walls.empty()) return guess;

@@ -3,16 +3,11 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "server/place/wall_map.hpp"
+#include "server/place/wall_search.hpp"
 
 namespace headframe {
 
 /// Where b could lie on a: turn b by yaw, then shift it.
-struct WallMatch {
-  double yaw_rad = 0;
-  Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();
-  double score = 0;  // cells of wall on wall (3x3 smear), less 3 for each wall on free, both ways
-};
 
 /// The best `most` distinct placements (5 m or 20 deg apart), best first, over all shifts and 2 deg turns, by FFT; the
 /// best hundred are refined to half a cell and 1 deg. Both maps must have the same cell_m. Independent of the thread
@@ -20,6 +15,6 @@ struct WallMatch {
 std::vector<WallMatch> correlate(const WallMap& a, const WallMap& b, std::size_t most, int threads);
 
 /// The best placement within two cells and 4 deg of a guess that came from elsewhere, with its score.
-WallMatch refine(const WallMap& a, const WallMap& b, const WallMatch& guess);
+WallMatch refine_old(const WallMap& a, const WallMap& b, const WallMatch& guess);
 
 }  // namespace headframe
