@@ -1,9 +1,11 @@
 #include "server/place/wall_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "common/geometry/se3.hpp"
 #include "server/place/fft2.hpp"
@@ -301,31 +303,34 @@ double WallField::score(const WallMap& b, const WallMatch& m) const {
   return score(b, Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix(), m.shift_m.cast<float>(), 1);
 }
 
-WallMatch WallField::refine(const WallMap& b, const WallMatch& guess) const {
+WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step) const {
   const Eigen::Vector2d middle = Box(b).middle().cast<double>();  // turns are about it, so that they do not shift b
-  WallMatch best = guess;
-  struct Level {
+  struct Window {
     int shifts, turns;
     double step_m, turn_deg;
     std::size_t every;
   };
-  for (const Level& level : {Level{3, 2, 1.0, 2.0, 3}, Level{2, 1, 2.0 * cell_m_ / 2, 1.0, 1}, Level{1, 1, cell_m_ / 2, 1.0, 1}}) {
+  static constexpr std::array coarse{Window{3, 2, 1, 2, 3}};
+  static constexpr std::array fine{Window{2, 1, 0.5, 1, 1}, Window{1, 1, 0.25, 1, 1}};
+  WallMatch best = guess;
+  for (const Window& w : step == Step::coarse ? std::span<const Window>(coarse) : std::span<const Window>(fine)) {
     const WallMatch from = best;
     const Eigen::Vector2d at = middle_at(from, middle);
     int most = std::numeric_limits<int>::min();
-    for (int turn = -level.turns; turn <= level.turns; ++turn) {
-      const double yaw = from.yaw_rad + turn * level.turn_deg * std::numbers::pi / 180;
+    for (int turn = -w.turns; turn <= w.turns; ++turn) {
+      const double yaw = from.yaw_rad + turn * w.turn_deg * std::numbers::pi / 180;
       const Eigen::Matrix2d R = Eigen::Rotation2Dd(yaw).toRotationMatrix();
-      for (int y = -level.shifts; y <= level.shifts; ++y)
-        for (int x = -level.shifts; x <= level.shifts; ++x) {
-          const Eigen::Vector2d shift = at + level.step_m * Eigen::Vector2d(x, y) - R * middle;
-          const int s = score(b, R.cast<float>(), shift.cast<float>(), level.every);
+      for (int y = -w.shifts; y <= w.shifts; ++y)
+        for (int x = -w.shifts; x <= w.shifts; ++x) {
+          const Eigen::Vector2d shift = at + w.step_m * Eigen::Vector2d(x, y) - R * middle;
+          const int s = score(b, R.cast<float>(), shift.cast<float>(), w.every);
           if (s <= most) continue;
           most = s;
-          best = {wrap_rad(yaw), shift, static_cast<double>(s)};
+          best = {wrap_rad(yaw), shift, 0};
         }
     }
   }
+  best.score = score(b, best);
   return best;
 }
 

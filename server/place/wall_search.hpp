@@ -28,8 +28,10 @@ class WallField {
 
   double score(const WallMap& b, const WallMatch& placement) const;
 
-  /// The best placement within +-3 m and +-4 deg of the guess, to half a cell and 1 deg, with its score.
-  WallMatch refine(const WallMap& b, const WallMatch& guess) const;
+  /// coarse: the best within +-3 m and +-4 deg of the guess in steps of 1 m and 2 deg, by a third of the cells. fine: within
+  /// 1.25 m and 2 deg, to half a cell and 1 deg. Both give the score of all cells.
+  enum class Step { coarse, fine };
+  WallMatch refine(const WallMap& b, const WallMatch& guess, Step step) const;
 
  private:
   struct Cell {
