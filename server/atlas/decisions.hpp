@@ -47,8 +47,8 @@ class DecisionBook {
   /// As they were stored, ordered by id.
   void restore(std::vector<DecisionRecord> records) { records_ = std::move(records); }
 
-  /// The record to be stored, new or changed (undo); none when the decision stands already. refused: it does not fit the
-  /// alignment, with the reason and what to do instead.
+  /// The record to be stored, new or changed (undo); none when the decision stands already. refused: it does not fit
+  /// the alignment, with the reason and what to do instead.
   Result<std::optional<DecisionRecord>> decide(const Alignment& alignment, Decision decision);
 
   /// The standing word on the alignment as it is now placed.

@@ -38,7 +38,7 @@ Result<void> MergeWorker::restore() {
   }
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
-  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision);
+  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision, std::move(merge->decisions));
   atlas_ = pipeline_->atlas();
   update_view();
   rest();

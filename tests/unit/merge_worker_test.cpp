@@ -34,6 +34,9 @@ struct Script {
   std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
     return AttemptReport();
   };
+  std::function<Result<AttemptReport>(AlignmentId, Decision)> on_decision = [](AlignmentId, Decision) {
+    return AttemptReport();
+  };
   Atlas atlas;
   std::vector<Alignment> alignments;
 
@@ -55,7 +58,8 @@ class ScriptedPipeline : public Pipeline {
     const std::lock_guard lock(script_.mutex);
     script_.completed.insert(id);
   }
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision) override {
+  Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return script_.on_decision(id, decision); }
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord>) override {
     script_.alignments = std::move(alignments);
     script_.restored_revision = revision;
   }
@@ -115,7 +119,7 @@ class Worker : public testing::Test {
   /// As after a restart, with every session attempted already or not.
   void start(bool attempted = true) {
     if (attempted)
-      for (const SessionId id : {1, 2}) keep(PutMerge{id, 5, {}, std::nullopt});
+      for (const SessionId id : {1, 2}) keep(PutMerge{id, 5, {}, std::nullopt, {}});
     worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, ScheduleConfig{});
     ASSERT_TRUE(worker->restore());
     worker->start(robots);
@@ -131,7 +135,7 @@ class Worker : public testing::Test {
 };
 
 TEST_F(Worker, ARestartFeedsAllAndTriesOnlyWhatNoAttemptHasSeen) {
-  keep(PutMerge{2, 5, {}, Atlas{7, {}}});
+  keep(PutMerge{2, 5, {}, Atlas{7, {}}, {}});
   start(false);
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(script.attempts, std::vector<SessionId>{1});
@@ -273,7 +277,7 @@ TEST_F(Worker, ATransformIsPublishedAfterItIsDurable) {
     const Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
     script.alignments = {alignment};
     script.atlas = {3, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
-    return AttemptReport{{}, false, {alignment}, true, {}};
+    return AttemptReport{{}, false, {alignment}, true, {}, {}};
   };
   std::uint64_t on_disk = 0;
   robots.on_publish = [&] { on_disk = store->merge()->atlas.revision; };
@@ -291,7 +295,7 @@ TEST_F(Worker, UnfinishedAttemptsGoOnAndExceptionsEndOne) {
   int left = 3;
   script.on_attempt = [&](SessionId id, CloudSource&) {
     if (id == 2) throw std::runtime_error("out of memory, say");
-    return AttemptReport{{}, --left > 0, {}, false, {}};
+    return AttemptReport{{}, --left > 0, {}, false, {}, {}};
   };
   start();
   worker->trigger(1, Trigger::command);
