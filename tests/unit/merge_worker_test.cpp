@@ -291,6 +291,65 @@ TEST_F(Worker, ATransformIsPublishedAfterItIsDurable) {
   EXPECT_GE(worker->view()->sessions.at(2).trigger_to_transform_ms, 0);
 }
 
+/// Waits for the outcome of a decision.
+Result<void> decided(MergeWorker& worker, AlignmentId alignment, Decision decision) {
+  std::promise<Result<void>> outcome;
+  worker.decide(alignment, decision, [&](const Result<void>& result) { outcome.set_value(result); });
+  return outcome.get_future().get();
+}
+
+TEST_F(Worker, ADecisionIsDurableAndToldBeforeItIsAnswered) {
+  script.on_decision = [&](AlignmentId id, Decision decision) {
+    AttemptReport report;
+    const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+    report.changed = {{id, 1, 2, AlignmentState::published, T, {}}};
+    report.decided = {{1, id, decision, T, 10, false}};
+    report.atlas_changed = true;
+    script.alignments = report.changed;
+    script.atlas = {script.atlas.revision + 3, {{1, {{1, Pose::Identity()}, {2, T}}}}};
+    return report;
+  };
+  start();
+  ASSERT_TRUE(decided(*worker, 7, Decision::confirm));
+  EXPECT_EQ(robots.changed.size(), 1U);
+  EXPECT_EQ(worker->view()->atlas.revision, 3U);
+  const auto stored = store->merge();
+  EXPECT_EQ(stored->atlas.revision, 3U);
+  ASSERT_EQ(stored->decisions.size(), 1U);
+  EXPECT_EQ(stored->decisions[0].alignment, 7);
+  EXPECT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.attempted(), 0U);
+  ASSERT_TRUE(decided(*worker, 7, Decision::undo));
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "an undo looks again";
+}
+
+TEST_F(Worker, DecisionsThatFailSaySoAndTooManyAreTurnedAway) {
+  std::promise<void> entered, leave;
+  script.on_attempt = [&](SessionId, CloudSource&) {
+    entered.set_value();
+    leave.get_future().wait();
+    return AttemptReport();
+  };
+  script.on_decision = [](AlignmentId, Decision) -> Result<AttemptReport> {
+    return failure(ErrorCode::not_found, "there is no alignment 7");
+  };
+  start();
+  worker->trigger(1, Trigger::command);
+  entered.get_future().wait();
+  std::atomic<int> not_found = 0, turned_away = 0;
+  for (int i = 0; i < 70; ++i)
+    worker->decide(7, Decision::confirm, [&](const Result<void>& result) {
+      ASSERT_FALSE(result);
+      (result.error().code == ErrorCode::not_found ? not_found : turned_away) += 1;
+    });
+  EXPECT_EQ(turned_away, 6) << "while the worker is busy, 64 wait";
+  leave.set_value();
+  ASSERT_TRUE(eventually([&] { return not_found == 64; }));
+  worker->stop();
+  EXPECT_EQ(decided(*worker, 7, Decision::confirm).error().code, ErrorCode::unavailable);
+}
+
 TEST_F(Worker, UnfinishedAttemptsGoOnAndExceptionsEndOne) {
   int left = 3;
   script.on_attempt = [&](SessionId id, CloudSource&) {
