@@ -19,6 +19,7 @@ class StationView : public Station {
   Pending pending() const override;
   void when_idle(double timeout_s, std::function<void(Pending)> callback) override;
   void merge_all() override;
+  void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) override;
   Result<std::vector<Keyframe>> trajectory(SessionId session) const override;
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
 
