@@ -126,6 +126,13 @@ Result<int> Commands::decide(const std::string& decision, const std::string& ali
   return exit_ok;
 }
 
+Result<int> Commands::explain(const std::string& a, const std::string& b) {
+  const auto body = fetched("/api/v1/explain?a=" + percent_encoded(a) + "&b=" + percent_encoded(b));
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : explanation_view(Json::parse(*body)));
+  return exit_ok;
+}
+
 Result<int> Commands::merge(std::optional<double> wait_s) {
   const auto queued = HttpClient(endpoint_).post("/api/v1/merge");
   if (!queued) return tl::unexpected(queued.error());

@@ -16,7 +16,7 @@ struct Options {
   std::string http = "127.0.0.1:7448";
   bool json = false;
   std::optional<double> wait_s, voxel_m;
-  std::string component, session, file, alignment;
+  std::string component, session, file, alignment, a, b;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -45,6 +45,10 @@ void add_commands(CLI::App& app, Options& options) {
   decision("refuse", "Do not propose this placement again on much the same evidence");
   decision("retract", "Take a published alignment out; the robots are told");
   decision("undo", "Take back the latest decision on an alignment");
+  CLI::App* why = add("explain", "Why two sessions are or are not merged",
+                      [&](Commands& c) { return c.explain(options.a, options.b); });
+  why->add_option("A", options.a, "robot/session, or robot when it has just one")->required();
+  why->add_option("B", options.b, "The other")->required();
   wait(add("merge", "Try to merge every session now, and wait for the outcome",
            [&](Commands& c) { return c.merge(options.wait_s); }),
        "Wait no longer than this; exit status 3 when work is still pending");

@@ -82,6 +82,20 @@ std::string decision_view(const Json& decided) {
          state_of(row) + "; revision " + decided.at("revision").dump() + "\n";
 }
 
+std::string explanation_view(const Json& explanation) {
+  const auto line = [](const Json& words) { return printable(words.get<std::string>()) + "\n"; };
+  std::string out = line(explanation.at("outcome"));
+  if (!explanation.at("decision").get<std::string>().empty()) out += line(explanation.at("decision"));
+  if (!explanation.at("findings").empty()) out += "evidence\n";
+  for (const Json& finding : explanation.at("findings")) {
+    const auto speaks = finding.at("speaks").get<std::string>();
+    out += (speaks == "for" ? "  + " : speaks == "against" ? "  - " : "    ") + line(finding.at("text"));
+  }
+  if (!explanation.at("missing").empty()) out += "missing\n";
+  for (const Json& what : explanation.at("missing")) out += "    " + line(what);
+  return out;
+}
+
 std::string pending_view(const Json& pending) {
   std::string out;
   const auto add = [&](const char* field, const char* one) {

@@ -117,6 +117,23 @@ std::string alignment_json(const AtlasView& view, AlignmentId id) {
   return error_json({ErrorCode::not_found, "there is no alignment " + std::to_string(id)});
 }
 
+std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
+                             const Explanation& explanation) {
+  Json findings = Json::array();
+  for (const Finding& finding : explanation.findings)
+    findings.push_back({{"evidence", finding.evidence},
+                        {"value", number(finding.value)},
+                        {"speaks", to_string(finding.speaks)},
+                        {"text", finding.text}});
+  return text({{"a", session(a)},
+               {"b", session(b)},
+               {"outcome", explanation.outcome},
+               {"decision", explanation.decision},
+               {"findings", std::move(findings)},
+               {"missing", explanation.missing},
+               {"alignment", alignment ? alignment_object(*alignment) : Json(nullptr)}});
+}
+
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait) {
   std::map<SessionId, SessionKey> names;
   for (const SessionRow& row : sessions) names[row.id] = row.key;

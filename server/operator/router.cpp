@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "server/operator/api_json.hpp"
+#include "server/operator/explain_request.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/trajectory_export.hpp"
@@ -85,6 +86,13 @@ Result<std::string> required(const Query& query, const std::string& name) {
   return found->second;
 }
 
+Result<Reply> explain_pair(const Query& query, const Context& context) {
+  const auto a = required(query, "a"), b = required(query, "b");
+  if (!a) return tl::unexpected(a.error());
+  if (!b) return tl::unexpected(b.error());
+  return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
+}
+
 Result<CloudFormat> cloud_format(const Query& query) {
   const auto format = query.find("format");
   if (format == query.end() || format->second == "ply") return CloudFormat::ply;
@@ -135,15 +143,16 @@ struct Route {
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 9> routes{{{"GET", "/healthz", {}, healthz},
-                                       {"GET", "/api/v1/status", {}, status},
-                                       {"GET", "/api/v1/sessions", {}, sessions},
-                                       {"GET", "/api/v1/atlas", {"wait"}, atlas},
-                                       {"GET", "/api/v1/alignments", {}, alignments},
-                                       {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
-                                       {"POST", "/api/v1/merge", {}, merge},
-                                       {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
-                                       {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};
+constexpr std::array<Route, 10> routes{{{"GET", "/healthz", {}, healthz},
+                                        {"GET", "/api/v1/status", {}, status},
+                                        {"GET", "/api/v1/sessions", {}, sessions},
+                                        {"GET", "/api/v1/atlas", {"wait"}, atlas},
+                                        {"GET", "/api/v1/alignments", {}, alignments},
+                                        {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
+                                        {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
+                                        {"POST", "/api/v1/merge", {}, merge},
+                                        {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
+                                        {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};
 
 /// "{name}" in the pattern takes one piece of the path, however it is spelt.
 bool matches(std::string_view pattern, std::string_view path, Query& captured) {

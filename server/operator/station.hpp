@@ -11,6 +11,7 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/merge_config.hpp"
 
 namespace headframe {
 
@@ -53,6 +54,7 @@ class Station {
   virtual std::vector<SessionRow> sessions() const = 0;
   virtual AtlasView atlas() const = 0;
   virtual Pending pending() const = 0;
+  virtual MergeConfig merge_config() const = 0;
   /// Calls back once, from any thread, as soon as nothing is pending (at once if so), or when timeout_s is over; with
   /// what is left.
   virtual void when_idle(double timeout_s, std::function<void(Pending)> callback) = 0;

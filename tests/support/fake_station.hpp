@@ -47,6 +47,7 @@ class FakeStation : public Station {
 
   std::vector<SessionRow> sessions() const override { return rows; }
   AtlasView atlas() const override { return view; }
+  MergeConfig merge_config() const override { return {}; }
   Pending pending() const override {
     const std::lock_guard lock(mutex_);
     return pending_;

@@ -151,6 +151,17 @@ TEST_F(HeadframeCommand, DecisionsAreOneLine) {
   expect_fault(run("confirm"), 2, "ALIGNMENT");
 }
 
+TEST_F(HeadframeCommand, ExplainsInWords) {
+  server.station.view.alignments[0].alignment.evidence.inlier_fraction = 0.9;
+  const Outcome why = run("explain alpha beta");
+  EXPECT_EQ(why.code, 0) << why.err;
+  EXPECT_EQ(why.out.rfind("alpha/run/1 and beta/run/1 are merged: at x 10.0", 0), 0U) << why.out;
+  EXPECT_NE(why.out.find("  + 90 % of the points"), std::string::npos) << why.out;
+  EXPECT_NE(run("explain alpha 'gamma \"3\"'").out.find("missing\n    they do not meet"), std::string::npos);
+  expect_fault(run("explain alpha delta"), 1, "no session \"delta\"");
+  expect_fault(run("explain alpha"), 2, "B is required");
+}
+
 TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run(""), 2, "say what to do");
   expect_fault(run("atlsa"), 2, "atlsa");

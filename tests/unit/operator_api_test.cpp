@@ -165,6 +165,20 @@ TEST_F(OperatorApiTest, DecisionsReachTheStationAndAnswerWithTheAlignment) {
   expect_error(get("/api/v1/alignments/1/confirm"), 405, "refused", "POST");
 }
 
+TEST_F(OperatorApiTest, ExplainsPairsOfSessions) {
+  server.station.view.alignments[0].alignment.evidence.inlier_fraction = 0.9;
+  const Json merged = Json::parse(get("/api/v1/explain?a=beta&b=alpha%2Frun%2F1").body);
+  EXPECT_EQ(merged["a"]["robot"], "alpha") << "in the order of the sessions";
+  EXPECT_NE(merged["outcome"].get<std::string>().find("are merged: at x 10.0"), std::string::npos);
+  EXPECT_EQ(merged["alignment"]["id"], 1);
+  EXPECT_FALSE(merged["findings"].empty());
+  const Json untried = Json::parse(get("/api/v1/explain?a=beta&b=gamma+%223%22").body);
+  EXPECT_TRUE(untried["alignment"].is_null());
+  expect_error(get("/api/v1/explain?a=beta"), 400, "invalid_argument", "\"b\" is missing");
+  expect_error(get("/api/v1/explain?a=beta&b=beta"), 400, "invalid_argument", "name two");
+  expect_error(get("/api/v1/explain?a=beta&b=delta"), 404, "not_found", "there are alpha/run/1, beta/run/1");
+}
+
 TEST_F(OperatorApiTest, TrajectoryIsInTheComponentsFrame) {
   const HttpResponse response = get("/api/v1/trajectory?robot=beta&session=run%2F1");
   EXPECT_EQ(response.status, 200);
