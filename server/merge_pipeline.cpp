@@ -65,6 +65,7 @@ struct MergePipeline::State {
   std::map<SessionId, Session> sessions;
   std::map<FamilyId, Family> families;
   std::vector<Alignment> alignments;
+  DecisionBook decisions;
   Atlas atlas;
   HypothesisFinder finder;
   PreparedClouds prepared;
@@ -107,7 +108,8 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
 
 void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clouds, AttemptReport& report) {
   Alignment* known = find(a, b);
-  if (known && known->state == AlignmentState::published && still_holds(*known, clouds, report)) return;
+  const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
+  if (in_force && still_holds(*known, clouds, report)) return;
 
   // 5, 6: where could b lie on a? Not one nearest pair, but all that the descriptors and the wall maps propose.
   std::vector<Hypothesis> hypotheses;
@@ -139,6 +141,8 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     }
     Judgement judgement = judge_once(a, b, h.T_a_b, clouds_a, clouds_b, report).result;
     judgement.evidence.support = h.score;
+    if (known && decisions.proposal(known->id, judgement.T_a_b, judgement.evidence.seen_points) == Proposal::suppressed)
+      continue;
     rivals.emplace_back(judgement.T_a_b, judgement.evidence.probability);
     if (rivals.size() == 1 || judgement.evidence.probability > best.evidence.probability) best = judgement;
   }
@@ -148,7 +152,8 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     record(a, b, best, report);
 }
 
-/// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more.
+/// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
+/// one that the operator confirmed always does.
 bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report) {
   std::vector<KeyframeRef> missing;  // not asked for: the merge stands, more clouds may come in the background
   const auto clouds_a = clouds_near(published.a, published.b, published.T_a_b, clouds, missing);
@@ -161,7 +166,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   const Stopwatch watch(report.times.verification_ms);
   const JudgeConfig judge_config{.threads = config.threads};
   const Judgement again = judge_again(clouds_a, clouds_b, published.T_a_b, judge_config);
-  if (again.evidence.probability < config.candidate_probability) return false;
+  if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   if (again.evidence.probability >= config.accept_probability &&
       differ(again.T_a_b, published.T_a_b, news_m, news_rad)) {
     const double support = published.evidence.support, runner_up = published.evidence.runner_up;
@@ -184,16 +189,22 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
     now = AlignmentState::candidate;
   Alignment* known = find(a, b);
   if (!known) {
-    alignments.push_back({static_cast<AlignmentId>(alignments.size()) + 1, a, b, now, best.T_a_b, e});
+    alignments.push_back({static_cast<AlignmentId>(alignments.size()) + 1, a, b, now, best.T_a_b, e, now});
     report.changed.push_back(alignments.back());
     return;
   }
+  // What the operator ruled on stays in sight until something better than nothing turns up.
+  if (known->ruling != Ruling::none && now == AlignmentState::rejected) return;
+  const bool refused_once = decisions.proposal(known->id, best.T_a_b, e.seen_points) == Proposal::as_candidate;
+  if (refused_once && now == AlignmentState::verified) now = AlignmentState::candidate;
+  known->verdict = now;
   if (known->state == AlignmentState::published && now != AlignmentState::verified) now = AlignmentState::retracted;
   if (known->state == AlignmentState::retracted && now == AlignmentState::rejected) now = AlignmentState::retracted;
   const bool news = known->state != now || differ(known->T_a_b, best.T_a_b, 1e-6, 1e-6);
   known->state = now;
   known->T_a_b = best.T_a_b;
   known->evidence = e;
+  known->ruling = decisions.ruling(*known);
   if (news) report.changed.push_back(*known);
 }
 
@@ -330,8 +341,32 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
 
 void MergePipeline::complete_session(SessionId id) { state_->sessions[id].complete = true; }
 
-void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision) {
+Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
+  auto& alignments = state_->alignments;
+  const auto found = std::find_if(alignments.begin(), alignments.end(), [&](const auto& k) { return k.id == id; });
+  if (found == alignments.end())
+    return failure(ErrorCode::not_found,
+                   "there is no alignment " + std::to_string(id) + "; the atlas lists those there are");
+  Alignment& alignment = *found;
+  const auto record = state_->decisions.decide(alignment, decision);
+  if (!record) return tl::unexpected(record.error());
+  AttemptReport report;
+  if (!*record) return report;
+  report.decided.push_back(**record);
+  if (const auto T_confirmed = state_->decisions.confirmed_at(id); T_confirmed && decision == Decision::undo)
+    alignment.T_a_b = *T_confirmed;
+  alignment.ruling = state_->decisions.ruling(alignment);
+  alignment.state = decided_state(alignment);
+  report.changed.push_back(alignment);
+  state_->update_atlas(report);
+  return report;
+}
+
+void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision,
+                            std::vector<DecisionRecord> decisions) {
   state_->alignments = std::move(alignments);
+  state_->decisions.restore(std::move(decisions));
+  for (Alignment& alignment : state_->alignments) alignment.ruling = state_->decisions.ruling(alignment);
   AttemptReport ignored;
   state_->update_atlas(ignored);
   state_->atlas.revision = revision;

@@ -7,6 +7,8 @@ namespace {
 
 constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
 
+constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
+
 constexpr std::array<EvidenceField, 18> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
@@ -37,6 +39,8 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
     if (state_names[i] == name) return static_cast<AlignmentState>(i);
   return std::nullopt;
 }
+
+std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
 
 std::span<const EvidenceField> evidence_fields() { return fields; }
 

@@ -47,6 +47,11 @@ struct EvidenceField {
 };
 std::span<const EvidenceField> evidence_fields();
 
+/// What the operator's latest standing decision says of the placement T_a_b (server/atlas/decisions.hpp).
+enum class Ruling { none, confirmed, refused, retracted };
+
+std::string_view to_string(Ruling ruling);
+
 /// There is at most one alignment for each pair of sessions; a < b.
 struct Alignment {
   AlignmentId id = 0;
@@ -55,6 +60,11 @@ struct Alignment {
   AlignmentState state = AlignmentState::candidate;
   Pose T_a_b = Pose::Identity();
   Evidence evidence;
+  AlignmentState verdict = AlignmentState::candidate;  // rejected, candidate or verified: what the evidence alone says
+  Ruling ruling = Ruling::none;
 };
+
+/// False: nothing could be registered, T_a_b means nothing.
+inline bool has_placement(const Alignment& alignment) { return alignment.evidence.inlier_fraction > 0; }
 
 }  // namespace headframe

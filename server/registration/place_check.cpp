@@ -9,7 +9,10 @@ namespace {
 /// Distance of p from the surface that a voxel knows, along its normals.
 float plane_distance(const Voxel& v, const Eigen::Vector3f& p) {
   const Eigen::Vector3f e = p - v.mean;
-  return std::sqrt(std::max(0.0F, e.dot(to_matrix(v.N) * e)));
+  const auto& [xx, xy, xz, yy, yz, zz] = v.N;
+  const float squared = xx * e.x() * e.x() + yy * e.y() * e.y() + zz * e.z() * e.z() +
+                        2 * (xy * e.x() * e.y() + xz * e.x() * e.z() + yz * e.y() * e.z());
+  return std::sqrt(std::max(0.0F, squared));
 }
 
 /// Share of the points that lie within 0.3 m of a surface of the map.
