@@ -37,6 +37,7 @@ NormalEquations linearise(const Surfels& target, const Surfels& source, const Po
   });
   NormalEquations total;
   for (const NormalEquations& s : sums) total += s;
+  if (!distances_m) return total;
   for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
   return total;
 }

@@ -62,8 +62,9 @@ ChunkedCloud cut_into_chunks(const Points& points, const Points& normals) {
 
 void SphereIndex::add(const Pose& T_local_cloud, std::shared_ptr<const ChunkedCloud> cloud) {
   const auto id = static_cast<std::uint32_t>(clouds_.size());
-  const Placed placed{T_local_cloud.linear().cast<float>(), T_local_cloud.translation().cast<float>(), cloud};
-  for (const Chunk& chunk : cloud->chunks) {
+  const Placed placed{T_local_cloud.linear().cast<float>(), T_local_cloud.translation().cast<float>(),
+                      std::move(cloud)};
+  for (const Chunk& chunk : placed.cloud->chunks) {
     const Eigen::Vector3f centre = placed.R * chunk.centre + placed.t;
     if (!(centre.cwiseAbs().maxCoeff() < farthest_m)) continue;
     cells_[key_of(cell_of(centre, cell_m))].push_back({id, chunk.begin, chunk.end, centre, chunk.radius_m});
