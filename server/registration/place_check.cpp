@@ -43,14 +43,14 @@ double median_residual_m(const VoxelMap& map, const Points& points, const Pose& 
 
 /// A session's rock around a place, and the sweeps it was seen from.
 struct Surroundings {
-  Points points;
+  Submap rock;
   std::vector<PlacedView> views;
 };
 
 Surroundings surroundings(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const PlaceConfig& config) {
   Surroundings out{{}, views_near(clouds, p, config.view_reach_m)};
-  out.points = without_transients(sphere(clouds, p, config.look_m, config.look_leaf_m).points, out.views,
-                                  static_cast<float>(config.view_reach_m));
+  out.rock = without_transients(sphere(clouds, p, config.look_m, config.look_leaf_m), out.views,
+                                static_cast<float>(config.view_reach_m));
   return out;
 }
 
@@ -59,7 +59,7 @@ Visibility own_visibility(const Surroundings& self, std::span<const PlacedCloud>
                           const PlaceConfig& config) {
   std::vector<PlacedCloud> odd;
   for (std::size_t i = 1; i < clouds.size(); i += 2) odd.push_back(clouds[i]);
-  return look_from(views_near(odd, p, config.view_reach_m), self.points, Pose::Identity(),
+  return look_from(views_near(odd, p, config.view_reach_m), self.rock, Pose::Identity(),
                    static_cast<float>(config.view_reach_m), config.look_leaf_m);
 }
 
@@ -92,8 +92,8 @@ void look_at_place(PlaceCheck& place, std::span<const PlacedCloud> a, std::span<
   const Eigen::Vector3d p_a = T_a_b * place.p_b;
   const auto reach = static_cast<float>(config.view_reach_m);
   const Surroundings of_a = surroundings(a, p_a, config), of_b = surroundings(b, place.p_b, config);
-  place.between = look_from(of_a.views, of_b.points, T_a_b, reach, config.look_leaf_m);
-  place.between += look_from(of_b.views, of_a.points, T_a_b.inverse(), reach, config.look_leaf_m);
+  place.between = look_from(of_a.views, of_b.rock, T_a_b, reach, config.look_leaf_m);
+  place.between += look_from(of_b.views, of_a.rock, T_a_b.inverse(), reach, config.look_leaf_m);
   place.own = own_visibility(of_a, a, p_a, config);
   place.own += own_visibility(of_b, b, place.p_b, config);
 }
