@@ -69,7 +69,7 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     before = judged_now;
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
-  std::vector<Verdict> verdicts = judge_cases(cases, report);
+  std::vector<Verdict> verdicts = judge_cases(cases, self_aliases(a, clouds) + self_aliases(b, clouds), report);
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {
       return decisions.proposal(known->id, v.judgement.T_a_b, v.judgement.evidence.seen_points) == Proposal::suppressed;
@@ -186,6 +186,10 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
     session.path_m +=
         (keyframe.T_local_sensor.translation() - session.keyframes.back().T_local_sensor.translation()).norm();
   session.keyframes.push_back(std::move(keyframe));
+}
+
+void MergePipeline::prepare_session(SessionId id, CloudSource& clouds) {
+  if (state_->sessions.contains(id)) state_->self_aliases(id, clouds);
 }
 
 void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {

@@ -12,6 +12,7 @@
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
 #include "tests/bench/measure.hpp"
+#include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/support/box_mine.hpp"
 
@@ -81,9 +82,21 @@ int main(int argc, char** argv) {
   });
   part("link", [] { return link_bytes(); });
   part("places", [] { return walls(); });
+  if (what == "merges")  // minutes: only when asked for
+    part("merges", [&] {
+      nlohmann::json figures;
+      const int mines = argc > 3 ? std::atoi(argv[3]) : 56;
+      figures["recordings"] = recordings_crossed(recordings);
+      figures["merges"] = campaign(mines, out / "merges");
+      figures["merge"] = merge_times();
+      return figures;
+    });
+  if (what == "recordings") part("recordings", [&] { return recordings_crossed(recordings); });
+  if (what == "merge-times") part("merge", merge_times);
   if (what == "basin") part("basin", [&] { return basin(out); });  // minutes: only when asked for
   if (!known)
-    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, basin, all\n",
+    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, all; minutes each: "
+                 "basin, merges, recordings, merge-times\n",
                  what.c_str());
   return known ? 0 : 2;
 }
