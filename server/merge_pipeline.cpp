@@ -46,7 +46,7 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   }
   // 7: the clouds around each; what is not here is asked for, the likeliest first.
   std::vector<Case> cases;
-  std::vector<std::size_t> judged_now{found->version};
+  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(may_merge(a) && may_merge(b))};
   std::size_t awaited = 0;
   const bool accepted = known && known->evidence.probability >= config.accept_probability;
   {
@@ -113,7 +113,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
 void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report) {
   const Evidence& e = best.evidence;
   AlignmentState now = AlignmentState::rejected;
-  if (e.probability >= config.accept_probability && e.runner_up < config.runner_up_probability)
+  if (e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share)
     now = may_merge(a) && may_merge(b) ? AlignmentState::verified : AlignmentState::candidate;
   else if (e.probability >= config.candidate_probability)
     now = AlignmentState::candidate;
@@ -214,6 +214,7 @@ Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
     alignment.T_a_b = *T_confirmed;
   alignment.ruling = state_->decisions.ruling(alignment);
   alignment.state = decided_state(alignment);
+  state_->judged_on.erase({alignment.a, alignment.b});
   report.changed.push_back(alignment);
   state_->update_atlas(report);
   return report;

@@ -1,5 +1,6 @@
 #include "server/atlas/alignment.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace headframe {
@@ -44,6 +45,12 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 }
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
+
+double runner_up_share(const Evidence& e) {
+  constexpr double certain = 1 - 1e-9;
+  const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
+  return e.probability > 0 ? odds(e.runner_up) / odds(e.probability) : 1;
+}
 
 std::span<const EvidenceField> evidence_fields() { return fields; }
 

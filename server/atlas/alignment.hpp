@@ -44,6 +44,9 @@ struct Evidence {
   double runner_up = 0;      // probability of the best different hypothesis
 };
 
+/// Odds of the best different hypothesis over the odds of this one: near 1 they can not be told apart.
+double runner_up_share(const Evidence& evidence);
+
 struct EvidenceField {
   std::string_view name;
   double Evidence::*member;

@@ -32,7 +32,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "submap_s", &c.schedule.submap_s, 0.1, 3600},
       {"merge", "threads", &c.merge.threads, 1, 256},
       {"merge", "accept_probability", &c.merge.accept_probability, 0, 1},
-      {"merge", "runner_up_probability", &c.merge.runner_up_probability, 0, 1},
+      {"merge", "runner_up_share", &c.merge.runner_up_share, 0, 1},
       {"merge", "candidate_probability", &c.merge.candidate_probability, 0, 1},
       {"merge", "least_path_m", &c.merge.least_path_m, 0, 1e5},
       {"merge", "hypotheses", &c.merge.hypotheses, 1, 1000},

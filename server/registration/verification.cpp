@@ -200,9 +200,9 @@ Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud>
 }
 
 bool fits_alone(const Glance& glance) {
-  return glance.hopeful && glance.place.registration.status == RegistrationStatus::converged &&
-         glance.place.residual_m < 0.045 &&
-         glance.place.between.violation() < 0.012;
+  const Registration& r = glance.place.registration;
+  return glance.hopeful && r.status == RegistrationStatus::converged && r.direction_hold[0] > 0.05 &&
+         r.inlier_fraction > 0.7 && glance.place.residual_m < 0.045 && glance.place.between.violation() < 0.004;
 }
 
 Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_0,
@@ -220,7 +220,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);          // 0: 3 cm
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
-  const double asked_m = 40 * e.aliases;
+  const double asked_m = 30 * e.aliases;
   const double short_overlap = asked_m > 0 ? std::min(0.0, e.overlap_m / asked_m - 1) : 0;
   const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
                    4 * few_pairs + 12 * short_overlap;

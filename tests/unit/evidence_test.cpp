@@ -172,9 +172,9 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
     e.*member = value;
     return p(e);
   };
-  EXPECT_LT(with(&Evidence::freespace_violation, 0.03), 0.5);
-  EXPECT_LT(with(&Evidence::residual_m, 0.1), 0.5);
-  EXPECT_LT(with(&Evidence::places_agreeing, 3), 0.5);
+  EXPECT_LT(with(&Evidence::worst_place_violation, 0.06), 0.5);
+  EXPECT_LT(with(&Evidence::residual_m, 0.12), 0.5);
+  EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.5);
   EXPECT_LT(with(&Evidence::aliases, 3), 0.5) << "36 m of a mine that repeats itself";
   EXPECT_EQ(with(&Evidence::tilt_deg, 3.1), 0);
   EXPECT_LT(with(&Evidence::pairs, 1), p(good));
