@@ -109,6 +109,7 @@ void Uplink::Thread::connected_to(const Link& l) {
   l->up = true;
   Code ignored;
   l->stream.set_option(tcp::no_delay(true), ignored);
+  expect_losses(l->stream.native_handle());
   read(l);
   pump(l);
   tick(l);

@@ -1,5 +1,6 @@
 #include "server/net/robot_connection.hpp"
 
+#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/buffer.hpp>
@@ -37,6 +38,8 @@ void RobotConnection::start() {
   on_strand([](RobotConnection& self) {
     error_code ignored;
     self.socket_.set_option(tcp::no_delay(true), ignored);
+    using ThinLinearTimeouts = boost::asio::detail::socket_option::boolean<IPPROTO_TCP, TCP_THIN_LINEAR_TIMEOUTS>;
+    self.socket_.set_option(ThinLinearTimeouts(true), ignored);  // lossy links: acks are few and must come through
     self.read();
     self.tick();
   });
@@ -122,6 +125,10 @@ void RobotConnection::after_last_word() {
 void RobotConnection::tick() {
   const auto now = Clock::now();
   protocol_.tick(now, reading_);
+  if (const LinkPolicy policy = hub_.policy(); protocol_.welcomed() && policy != told_) {
+    told_ = policy;
+    protocol_.tell_policy(policy);
+  }
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();
   flush();

@@ -126,6 +126,14 @@ Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::pa
   return outcome;
 }
 
+void FaultOutcome::add(const FaultOutcome& other) {
+  faults.add(other.faults);
+  lag_s.insert(lag_s.end(), other.lag_s.begin(), other.lag_s.end());
+  recovery_s.insert(recovery_s.end(), other.recovery_s.begin(), other.recovery_s.end());
+  clouds += other.clouds;
+  bytes += other.bytes;
+}
+
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());

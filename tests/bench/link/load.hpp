@@ -17,10 +17,10 @@ struct LoadPlan {
 struct LoadOutcome {
   int robots = 0;
   double ack_p50_ms = 0, ack_p99_ms = 0, ack_max_ms = 0;  // keyframe added to its ack seen, at most 5 ms late
-  std::uint64_t keyframes = 0;       // added
-  std::uint64_t unacknowledged = 0;  // two seconds after the last
-  std::uint64_t broken_links = 0;    // connections that ended: a full queue, a refusal, a deadline
-  std::string broken_why;            // the first
+  std::uint64_t keyframes = 0;                            // added
+  std::uint64_t unacknowledged = 0;                       // two seconds after the last
+  std::uint64_t broken_links = 0;                         // connections that ended: a full queue, a refusal, a deadline
+  std::string broken_why;                                 // the first
   double rss_mb = 0,
          rss_growth_mb = 0;  // of the server: at the end, and over the time after its first minute (or tenth)
   double server_cores = 0, robots_cores = 0;  // busy on the average
