@@ -45,6 +45,7 @@ struct Pending {
   std::size_t attempts = 0;         // queued or running
   std::size_t keyframes = 0;        // durable, not yet given to the pipeline
   std::size_t awaited_submaps = 0;  // clouds asked of connected robots
+  std::string hold = {};            // why nothing is acknowledged now (a full disk); empty: all is well
   bool idle() const { return attempts + keyframes + awaited_submaps == 0; }
 };
 
