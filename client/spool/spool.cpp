@@ -116,6 +116,9 @@ Result<void> Spool::settle_identity(Hello robot) {
   identity_ = std::move(robot);
   if (auto at = log_.append(identity_record, message.SerializeAsString(), config_.sync); !at)
     return tl::unexpected(at.error());
+  if (config_.sync &&
+      !(sync_directory(config_.directory) && sync_directory(fs::absolute(config_.directory).parent_path())))
+    return failure(ErrorCode::unavailable, config_.directory.string() + ": can not be synced");
   return {};
 }
 
@@ -169,6 +172,8 @@ Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) 
   auto file = RecordLog::open(path, [](const Record&) {});
   if (!file) return tl::unexpected(file.error());
   if (auto at = file->append('p', bytes, config_.sync); !at) return tl::unexpected(at.error());
+  if (config_.sync && !sync_directory(path.parent_path()))
+    return failure(ErrorCode::unavailable, path.string() + ": its folder can not be synced");
   return {};
 }
 

@@ -120,6 +120,20 @@ TEST(Store, RepeatsChangeNothingAndHolesFail) {
   EXPECT_EQ(store->cloud({1, 2}).value(), "first");
 }
 
+TEST(Store, AnotherKeyframeOfTheSameNumberFails) {
+  const TempDir dir;
+  const auto store = open(dir);
+  ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+  ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
+  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
+  Keyframe other = line_keyframe(1);
+  other.stamp_s += 1e-6;
+  const auto refused = write_and_wait(*store, PutKeyframe{1, other});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("was copied"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(keyframes(*store, 1).at(0).stamp_s, line_keyframe(1).stamp_s);
+}
+
 TEST(Store, FullQueueRefusesAtOnce) {
   const TempDir dir;
   const auto store = open(dir, {.queue_bytes = 4096});
