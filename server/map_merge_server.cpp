@@ -20,7 +20,7 @@ struct MapMergeServer::Parts {
         worker(make_pipeline(o.config.merge), *store, o.config.schedule),
         hub(*store, worker),
         listener(io, hub, o.config.limits),
-        view(io, hub, worker, *store) {}
+        view(io, hub, worker, *store, o.config.merge) {}
   ~Parts() { stop(); }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;

@@ -153,16 +153,6 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
                    " keyframes of this session, the spool only " + std::to_string(source_.last_sequence()) +
                    ": it is an old copy; begin a new session",
                true);
-  if (message.has_durable_stamp_s() && message.durable_keyframes() > 0) {
-    const auto mine = source_.keyframe(message.durable_keyframes());
-    if (!mine || mine->stamp_s != message.durable_stamp_s())
-      return end(
-          events, ErrorCode::refused,
-          "keyframe " + std::to_string(message.durable_keyframes()) +
-              " on the server is not this spool's: the spool was copied, and the other copy went on; begin a new "
-              "session",
-          true);
-  }
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
   events.emplace_back(Welcomed{});

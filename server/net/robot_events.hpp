@@ -2,7 +2,6 @@
 // What a robot's bytes mean, once they were checked.
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -43,9 +42,8 @@ struct LinkPolicy {
 
 /// What is on disk of a session.
 struct Durable {
-  std::uint64_t keyframes = 0;         // all sequences up to here
-  std::vector<std::uint64_t> clouds;   // sorted
-  std::optional<double> stamp_s = {};  // of the last keyframe
+  std::uint64_t keyframes = 0;        // all sequences up to here
+  std::vector<std::uint64_t> clouds;  // sorted
 };
 
 }  // namespace headframe

@@ -34,7 +34,6 @@ void RobotOutbox::append_welcome(std::string& out) {
   auto& welcome = *message.mutable_welcome();
   welcome.set_protocol_version(protocol_version);
   welcome.set_durable_keyframes(welcome_->keyframes);
-  if (welcome_->stamp_s) welcome.set_durable_stamp_s(*welcome_->stamp_s);
   v1::SequenceRange* range = nullptr;
   for (const std::uint64_t sequence : welcome_->clouds) {
     if (!range || sequence != range->last() + 1) {

@@ -34,9 +34,6 @@ Result<void> SessionHub::restore() {
     session.record = record;
     session.keyframes = *keyframes;
     session.clouds = {clouds->begin(), clouds->end()};
-    const auto last = store_.each_keyframe(record.id, std::max<std::uint64_t>(1, *keyframes),
-                                           [&](const Keyframe& keyframe) { session.stamp_s = keyframe.stamp_s; });
-    if (!last) return last;
     ids_[record.key] = record.id;
   }
   atlas_ = std::move(merge->atlas);
@@ -83,8 +80,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     replaced = session.link.lock();
     session.link = link;
     session.heard = Clock::now();
-    admitted = {
-        record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}, session.stamp_s}, nullptr};
+    admitted = {record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, nullptr};
     for (const Component& component : atlas_.components)
       for (const Placement& placement : component.placements)
         if (placement.session == record.id && told_.contains(record.id)) admitted.transform = update_of(component);
@@ -123,14 +119,12 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
     const std::lock_guard lock(mutex_);
     sessions_.at(session).backlog = event.backlog;
   }
-  const double stamp_s = event.keyframe.stamp_s;
   write(PutKeyframe{session, std::move(event.keyframe)}, link, bytes,
-        [this, session, sequence, stamp_s, to = std::weak_ptr(link)] {
+        [this, session, sequence, to = std::weak_ptr(link)] {
           {
             const std::lock_guard lock(mutex_);
-            Session& known = sessions_.at(session);
-            if (sequence > known.keyframes) known.stamp_s = stamp_s;
-            known.keyframes = std::max(known.keyframes, sequence);
+            auto& durable = sessions_.at(session).keyframes;
+            durable = std::max(durable, sequence);
           }
           news_.keyframes_durable(session, sequence);
           if (const auto robot = to.lock()) robot->keyframes_durable(sequence);

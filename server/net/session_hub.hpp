@@ -72,8 +72,7 @@ class SessionHub : public Robots {
   using Clock = std::chrono::steady_clock;
   struct Session {
     SessionRecord record;
-    std::uint64_t keyframes = 0;    // durable
-    std::optional<double> stamp_s;  // of the last one
+    std::uint64_t keyframes = 0;  // durable
     std::set<std::uint64_t> clouds;
     std::uint64_t bytes_received = 0;
     std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last

@@ -61,7 +61,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void refuse(Code code);
   void perform(Reply reply);
   void send(Ready ready);
-  void wait_for_idle(const WaitForIdle& wait);
+  void answer_later(const Later& later);
   void pull();
   void on_piece(Piece piece);
   void write_piece(std::optional<std::string> piece);

@@ -2,6 +2,7 @@
 // From a request to what has to be done for it. No I/O: http_session does it.
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -28,22 +29,19 @@ struct Ready {
   std::string body;
   std::string allow;  // of a 405
 };
-/// The atlas, as soon as nothing is pending or timeout_s is over.
-struct WaitForIdle {
-  double timeout_s = 0;
+/// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
+struct Later {
+  std::function<void(std::function<void(Ready)> answer)> start;
 };
 struct Stream {
   std::string content_type;
   std::unique_ptr<BodySource> body;
 };
-using Reply = std::variant<Ready, WaitForIdle, Stream>;
+using Reply = std::variant<Ready, Later, Stream>;
 
-/// Calls only what is quick in Station, so that an I/O thread may call this.
+/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station.
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
             double uptime_s);
-
-/// The answer to a WaitForIdle that ended.
-Ready atlas_after_wait(const Station& station, const Pending& left);
 
 /// An error as JSON, with the HTTP status that fits its code, or with the one given.
 Ready error_reply(const Error& error);

@@ -35,6 +35,14 @@ CREATE TABLE merge_order (
   step INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT NULL,
   state TEXT NOT NULL);
 )sql",
+    R"sql(
+ALTER TABLE alignments ADD COLUMN verdict TEXT NOT NULL DEFAULT 'candidate';
+UPDATE alignments SET verdict = CASE state WHEN 'published' THEN 'verified' WHEN 'retracted' THEN 'candidate'
+  ELSE state END;
+CREATE TABLE decisions (
+  id INTEGER PRIMARY KEY, alignment INTEGER NOT NULL, decision TEXT NOT NULL, T_a_b BLOB NOT NULL,
+  seen_points REAL, time_s REAL NOT NULL, undone INTEGER NOT NULL DEFAULT 0);
+)sql",
 };
 
 }  // namespace

@@ -109,7 +109,6 @@ TEST_F(Connections, WhatIsAcknowledgedOutlivesTheServer) {
   RawRobot robot(server->robots());
   const auto welcome = robot.greet(robot_hello());
   EXPECT_EQ(welcome.durable_keyframes(), 20U);
-  EXPECT_EQ(welcome.durable_stamp_s(), line_keyframe(20).stamp_s);
   ASSERT_EQ(welcome.durable_clouds_size(), 1);
   EXPECT_EQ(welcome.durable_clouds(0).first(), 3U);
 }

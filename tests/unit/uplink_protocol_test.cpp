@@ -125,22 +125,6 @@ TEST_F(UplinkProtocolTest, ItGoesOnWhereTheServerIs) {
   EXPECT_EQ(sent(), Words{"k6"});
 }
 
-TEST_F(UplinkProtocolTest, ACopiedSpoolIsRefusedWhereItPartedFromTheOther) {
-  for (const double stamp_s : {0.0, 1.0}) {  // the table's keyframes have stamp 0
-    table_.keyframes = 5;
-    start();
-    sent();
-    v1::ServerMessage m;
-    m.mutable_welcome()->set_protocol_version(protocol_version);
-    m.mutable_welcome()->set_durable_keyframes(3);
-    m.mutable_welcome()->set_durable_stamp_s(stamp_s);
-    hear(m);
-    EXPECT_EQ(link_->welcomed(), stamp_s == 0);
-  }
-  EXPECT_TRUE(end()->permanent);
-  EXPECT_NE(end()->error.message.find("was copied"), std::string::npos);
-}
-
 TEST_F(UplinkProtocolTest, KeyframesWaitForAcksWhenTheWindowIsFull) {
   limits_.keyframes_in_flight = 2;
   table_.keyframes = 4;
