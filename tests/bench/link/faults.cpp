@@ -82,7 +82,7 @@ Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::pa
   auto link = BadLink::make(plan.seed);
   if (!link) return tl::unexpected(link.error());
   ServerConfig config;
-  config.merge.hypotheses = config.merge.correlations = 1;  // the link is measured, not the merging of noise
+  config.merge.hypotheses = 1;  // the link is measured, not the merging of noise
   config.merge.least_path_m = 1e5;
   Result<std::unique_ptr<MapMergeServer>> server;
   (*link)->as_server([&] {

@@ -26,10 +26,10 @@ bool clean(const nlohmann::json& figures) {
   return true;
 }
 
-}  // namespace
-
+/// Figures are printed and join those in `out`/link.json. Exit status: 1 when something was lost, duplicated or
+/// corrupted, or a program failed.
 int link_main(int argc, char** argv, const std::filesystem::path& out) {
-  CLI::App app("What the link costs and what it stands; without a part: all of them.", "headframe-bench link");
+  CLI::App app("What the link costs and what it stands; without a part: all of them.", "./run bench link");
   KillPlan kill_plan;
   auto* bytes_part = app.add_subcommand("bytes", "bytes of a keyframe and of a point");
   auto* kills_part = app.add_subcommand("kills", "kill -9 of server and robots under load, all compared");
@@ -70,4 +70,7 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   return good ? 0 : 1;
 }
 
+}  // namespace
 }  // namespace headframe::bench
+
+int main(int argc, char** argv) { return headframe::bench::link_main(argc, argv, "build/bench"); }
