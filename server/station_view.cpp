@@ -55,8 +55,13 @@ Pending StationView::pending() const {
   const std::size_t unsettled = hub_.unsettled();  // before the worker's: what settles in between is counted there
   Pending pending = worker_.pending();
   pending.keyframes += unsettled;
-  pending.hold = hub_.policy().hold;
   return pending;
+}
+
+LinkHealth StationView::link_health() const {
+  const LinkCounts& counts = hub_.counts();
+  return {hub_.policy().hold, store_.load().queued_bytes, counts.refused, counts.replaced, counts.failed, counts.stuck,
+          counts.held_back};
 }
 
 void StationView::when_idle(double timeout_s, std::function<void(Pending)> callback) {

@@ -123,6 +123,8 @@ std::string status_view(const Json& status) {
   out += "robots      " + std::to_string(count("connected")) + " connected\n";
   out += "received    " + counted(count("keyframes"), "keyframe") + ", " + counted(count("clouds"), "cloud") + ", " +
          bytes_text(static_cast<double>(count("bytes_received"))) + "\n";
+  if (const Json hold = status.value("links", Json::object()).value("hold", Json()); hold.is_string())
+    out += "ON HOLD     " + printable(hold.get<std::string>()) + "\n";
   out += "alignments  " + (alignments.empty() ? "none" : alignments) + "\n";
   return out + "pending     " + pending_view(status.at("pending")) + "\n";
 }

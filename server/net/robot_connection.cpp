@@ -62,7 +62,10 @@ bool RobotConnection::crowded() const {
 }
 
 void RobotConnection::read() {
-  if (reading_ || dropped_ || (crowded() && !protocol_.ended())) return;
+  if (reading_ || dropped_) return;
+  const bool was_held = std::exchange(held_back_, crowded() && !protocol_.ended());
+  if (held_back_ && !was_held) ++hub_.counts().held_back;
+  if (held_back_) return;
   reading_ = true;
   socket_.async_read_some(boost::asio::buffer(input_), [self = shared_from_this()](error_code error, std::size_t n) {
     self->reading_ = false;
@@ -89,6 +92,7 @@ void RobotConnection::on_bytes(std::size_t bytes) {
 
 void RobotConnection::greet(const Hello& hello) {
   const auto admitted = hub_.admit(hello, shared_from_this());
+  if (!admitted) ++hub_.counts().refused;
   if (!admitted) return protocol_.fail(v1::ERROR_KIND_REFUSED, admitted.error().message, true);
   session_ = admitted->session;
   protocol_.welcome(admitted->durable);
@@ -115,6 +119,7 @@ void RobotConnection::flush() {
 /// Closing with unread bytes would reset the connection, and the robot would never see why: let it close first.
 void RobotConnection::after_last_word() {
   finishing_ = true;
+  ++hub_.counts().failed;
   finish_began_ = Clock::now();
   error_code ignored;
   socket_.shutdown(tcp::socket::shutdown_send, ignored);
@@ -130,6 +135,7 @@ void RobotConnection::tick() {
     protocol_.tell_policy(policy);
   }
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
+  if (stuck) ++hub_.counts().stuck;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();
   flush();
   timer_.expires_after(tick_every);

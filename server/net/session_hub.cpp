@@ -89,6 +89,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     news_.robot_came(record.id, hello.clouds != CloudPolicy::never);
     news_.trigger(record.id, Trigger::link);
   }
+  if (replaced) ++counts_.replaced;
   if (replaced) replaced->close(v1::ERROR_KIND_REFUSED, "replaced by a newer connection of the same spool", false);
   write(PutSession{record}, link, 0, [] {});
   spdlog::info("robot {} connected ({}): {} keyframes and {} clouds are here", name_of(record.key), hello.software,

@@ -14,6 +14,11 @@
 
 namespace headframe {
 
+/// How connections went, for the operator. Thread safe.
+struct LinkCounts {
+  std::atomic<std::uint64_t> refused = 0, replaced = 0, failed = 0, stuck = 0, held_back = 0;  // as in LinkHealth
+};
+
 /// One robot's connection, as the hub sees it. Thread safe, never blocks.
 class RobotLink {
  public:
@@ -54,6 +59,8 @@ class SessionHub : public Robots {
   /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
   /// change while they are served.
   void set_uplink_budget(std::uint64_t bytes_per_s) { budget_bytes_per_s_ = bytes_per_s; }
+
+  LinkCounts& counts() { return counts_; }
 
   /// As it is now: every robot's share of the budget, and a hold while the store waits for room on the disk or has half
   /// of its queue full. Its changes are logged.
@@ -98,6 +105,7 @@ class SessionHub : public Robots {
   Atlas atlas_;               // published last
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;
+  LinkCounts counts_;
   std::atomic<std::uint64_t> budget_bytes_per_s_ = 0;
   std::mutex policy_mutex_;  // taken before mutex_
   LinkPolicy policy_;

@@ -50,7 +50,7 @@ std::string error_json(const Error& error) {
 }
 
 std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
-                        double uptime_s) {
+                        const LinkHealth& links, double uptime_s) {
   std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
   for (const SessionRow& row : sessions) {
     connected += row.connected ? 1 : 0;
@@ -74,7 +74,14 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                {"bytes_received", bytes},
                {"alignments", std::move(states)},
                {"pending", pending_object(pending)},
-               {"hold", pending.hold.empty() ? Json(nullptr) : Json(pending.hold)}});
+               {"links",
+                {{"hold", links.hold.empty() ? Json(nullptr) : Json(links.hold)},
+                 {"queued_bytes", links.queued_bytes},
+                 {"refused", links.refused},
+                 {"replaced", links.replaced},
+                 {"failed", links.failed},
+                 {"stuck", links.stuck},
+                 {"held_back", links.held_back}}}});
 }
 
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas) {
