@@ -31,7 +31,8 @@ void watch(Watched& robot, double now_s) {
 /// Adds a keyframe a second to each robot and notes when it is acknowledged.
 Result<void> drive(std::vector<Watched>& robots, double for_s) {
   const auto start = Clock::now();
-  for (double now_s = 0; now_s < for_s; now_s = since(start)) {
+  while (since(start) < for_s) {
+    const double now_s = since(start);
     for (std::size_t i = 0; i < robots.size(); ++i) {
       auto& robot = robots[i];
       const double phase_s = static_cast<double>(i) / static_cast<double>(robots.size());
@@ -137,7 +138,7 @@ void FaultOutcome::add(const FaultOutcome& other) {
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(std::lround(q * static_cast<double>(values.size() - 1)))];
 }
 
 }  // namespace headframe::bench
