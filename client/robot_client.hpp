@@ -41,6 +41,7 @@ struct RobotConfig {
   CloudPolicy clouds = CloudPolicy::all;
   double bytes_per_s = 0;                         // budget of what is sent; 0: no limit
   std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // of the spool; the oldest clouds go first
+  bool sync = true;                               // false: a power cut may take the last seconds
   float min_range_m = 0.1F;                       // nearer points are no returns
   KeyframeConfig keyframes;
   SweepConfig sweeps;
@@ -55,6 +56,7 @@ struct Progress {
   std::uint64_t bytes_sent = 0;      // since open()
   bool connected = false;
   bool refused = false;    // the server said no for good: nothing more is tried
+  std::string hold;        // why the server takes nothing for now (a full disk); empty: it does
   std::string link_error;  // why the last connection ended; empty: none did
 };
 

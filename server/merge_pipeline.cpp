@@ -70,11 +70,12 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
   std::vector<Verdict> verdicts = judge_cases(cases, self_aliases(a, clouds) + self_aliases(b, clouds), report);
+  if (verdicts.empty()) verdicts.emplace_back();
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {
       return decisions.proposal(known->id, v.judgement.T_a_b, v.judgement.evidence.seen_points) == Proposal::suppressed;
     });
-  if (verdicts.empty()) verdicts.emplace_back();
+  if (verdicts.empty()) return;  // the operator has ruled on all there is
   Judgement best = verdicts.front().judgement;
   for (const Verdict& v : verdicts)
     if (differ(v.judgement.T_a_b, best.T_a_b, v.p_b, rival_m, rival_rad))

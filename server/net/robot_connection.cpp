@@ -1,5 +1,6 @@
 #include "server/net/robot_connection.hpp"
 
+#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/buffer.hpp>
@@ -37,6 +38,8 @@ void RobotConnection::start() {
   on_strand([](RobotConnection& self) {
     error_code ignored;
     self.socket_.set_option(tcp::no_delay(true), ignored);
+    using ThinLinearTimeouts = boost::asio::detail::socket_option::boolean<IPPROTO_TCP, TCP_THIN_LINEAR_TIMEOUTS>;
+    self.socket_.set_option(ThinLinearTimeouts(true), ignored);  // lossy links: acks are few and must come through
     self.read();
     self.tick();
   });
@@ -59,7 +62,10 @@ bool RobotConnection::crowded() const {
 }
 
 void RobotConnection::read() {
-  if (reading_ || dropped_ || (crowded() && !protocol_.ended())) return;
+  if (reading_ || dropped_) return;
+  const bool was_held = std::exchange(held_back_, crowded() && !protocol_.ended());
+  if (held_back_ && !was_held) ++hub_.counts().held_back;
+  if (held_back_) return;
   reading_ = true;
   socket_.async_read_some(boost::asio::buffer(input_), [self = shared_from_this()](error_code error, std::size_t n) {
     self->reading_ = false;
@@ -86,6 +92,7 @@ void RobotConnection::on_bytes(std::size_t bytes) {
 
 void RobotConnection::greet(const Hello& hello) {
   const auto admitted = hub_.admit(hello, shared_from_this());
+  if (!admitted) ++hub_.counts().refused;
   if (!admitted) return protocol_.fail(v1::ERROR_KIND_REFUSED, admitted.error().message, true);
   session_ = admitted->session;
   protocol_.welcome(admitted->durable);
@@ -112,6 +119,7 @@ void RobotConnection::flush() {
 /// Closing with unread bytes would reset the connection, and the robot would never see why: let it close first.
 void RobotConnection::after_last_word() {
   finishing_ = true;
+  ++hub_.counts().failed;
   finish_began_ = Clock::now();
   error_code ignored;
   socket_.shutdown(tcp::socket::shutdown_send, ignored);
@@ -122,7 +130,12 @@ void RobotConnection::after_last_word() {
 void RobotConnection::tick() {
   const auto now = Clock::now();
   protocol_.tick(now, reading_);
+  if (const LinkPolicy policy = hub_.policy(); protocol_.welcomed() && policy != told_) {
+    told_ = policy;
+    protocol_.tell_policy(policy);
+  }
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
+  if (stuck) ++hub_.counts().stuck;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();
   flush();
   timer_.expires_after(tick_every);

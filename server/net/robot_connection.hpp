@@ -53,6 +53,8 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   RobotProtocol protocol_;
   SessionId session_ = 0;  // 0: not admitted
   std::size_t undurable_bytes_ = 0;
+  LinkPolicy told_;         // as the robot knows it
+  bool held_back_ = false;  // its socket is not read: crowded()
   bool reading_ = false, writing_ = false, finishing_ = false, dropped_ = false;
   Clock::time_point write_began_, finish_began_;
   std::string output_;

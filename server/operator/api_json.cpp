@@ -50,7 +50,7 @@ std::string error_json(const Error& error) {
 }
 
 std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
-                        double uptime_s) {
+                        const LinkHealth& links, double uptime_s) {
   std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
   for (const SessionRow& row : sessions) {
     connected += row.connected ? 1 : 0;
@@ -73,7 +73,15 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                {"clouds", clouds},
                {"bytes_received", bytes},
                {"alignments", std::move(states)},
-               {"pending", pending_object(pending)}});
+               {"pending", pending_object(pending)},
+               {"links",
+                {{"hold", links.hold.empty() ? Json(nullptr) : Json(links.hold)},
+                 {"queued_bytes", links.queued_bytes},
+                 {"refused", links.refused},
+                 {"replaced", links.replaced},
+                 {"failed", links.failed},
+                 {"stuck", links.stuck},
+                 {"held_back", links.held_back}}}});
 }
 
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas) {
@@ -98,6 +106,9 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
                     {"keyframes", row.keyframes},
                     {"clouds", row.clouds},
                     {"bytes_received", row.bytes_received},
+                    {"backlog", row.backlog},
+                    {"bytes_per_s", number(row.bytes_per_s)},
+                    {"link_age_s", row.link_age_s >= 0 ? number(row.link_age_s) : Json(nullptr)},
                     {"distance_m", number(row.distance_m)},
                     {"component", component == component_of.end() ? Json(nullptr) : Json(component->second)},
                     {"trigger_to_transform_ms", placed ? number(row.trigger_to_transform_ms) : Json(nullptr)}});

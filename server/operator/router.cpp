@@ -27,7 +27,7 @@ Result<Reply> healthz(const Query&, const Context&) { return json("{\"status\":\
 
 Result<Reply> status(const Query&, const Context& context) {
   const Station& station = context.station;
-  return json(status_json(station.sessions(), station.atlas(), station.pending(), context.uptime_s));
+  return json(status_json(station.sessions(), station.atlas(), station.pending(), station.link_health(), context.uptime_s));
 }
 
 Result<Reply> sessions(const Query&, const Context& context) {
