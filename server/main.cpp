@@ -60,7 +60,7 @@ int run(int argc, char** argv) {
   if (!operators) return fail("--http: " + operators.error().message, bad_usage);
   auto settings = config.empty() ? Result<ServerConfig>(ServerConfig()) : load_config(config);
   if (!settings) return fail(settings.error().message, bad_usage);
-  return serve({data, *robots, *operators, *settings});
+  return serve({data, *robots, *operators, *settings, insecure});
 }
 
 }  // namespace

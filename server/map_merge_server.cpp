@@ -7,6 +7,7 @@
 
 #include "server/net/robot_listener.hpp"
 #include "server/operator/operator_api.hpp"
+#include "server/security/operator_guard.hpp"
 #include "server/station_view.hpp"
 #include "server/store/sqlite_store.hpp"
 
@@ -47,7 +48,9 @@ Result<void> MapMergeServer::Parts::start() {
   auto listening = listener.listen(options.listen);
   if (!listening) return tl::unexpected(listening.error());
   robots = *listening;
-  api.emplace(io, view);
+  auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
+  if (!token) return tl::unexpected(token.error());
+  api.emplace(io, view, OperatorLimits{}, *token);
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};

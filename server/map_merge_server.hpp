@@ -14,6 +14,7 @@ struct ServerOptions {
   Endpoint listen;  // for robots
   Endpoint http;    // for operators
   ServerConfig config;
+  bool insecure = false;  // no tokens
 };
 
 /// Runs from start() to stop(); restored from its data directory when there is something in it.

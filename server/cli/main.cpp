@@ -6,6 +6,7 @@
 
 #include "server/cli/commands.hpp"
 #include "server/cli/table.hpp"
+#include "server/cli/token.hpp"
 
 namespace {
 
@@ -13,7 +14,7 @@ using headframe::Commands;
 using headframe::Result;
 
 struct Options {
-  std::string http = "127.0.0.1:7448";
+  std::string http = "127.0.0.1:7448", token_file;
   bool json = false;
   std::optional<double> wait_s, voxel_m;
   std::string component, session, file;
@@ -64,6 +65,10 @@ int run(int argc, char** argv) {
   app.add_option("--http", options.http, "Where headframe-server answers HTTP")
       ->capture_default_str()
       ->type_name("HOST:PORT");
+  app.add_option("--token-file", options.token_file,
+                 "The server's DATA/operator.token. Without it: $HEADFRAME_TOKEN, or headframe-data/operator.token")
+      ->envname("HEADFRAME_TOKEN_FILE")
+      ->type_name("FILE");
   app.add_flag("--json", options.json, "Print JSON");
   app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
@@ -79,8 +84,11 @@ int run(int argc, char** argv) {
     return fault({headframe::ErrorCode::invalid_argument,
                   "say what to do: status, sessions, atlas, "
                   "merge, export or trajectory; headframe --help lists what there is"});
-  const auto endpoint = headframe::parse_http_endpoint(options.http);
+  auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
+  auto token = headframe::find_token(options.token_file);
+  if (!token) return fault(token.error());
+  endpoint->token = *token;
   Commands commands(*endpoint, options.json);
   const auto code = options.command(commands);
   return code ? *code : fault(code.error());

@@ -18,7 +18,9 @@ namespace headframe {
 /// The station must outlive this object. `io` must outlive the callbacks that Station::when_idle still holds.
 class OperatorApi {
  public:
-  OperatorApi(boost::asio::io_context& io, Station& station, const OperatorLimits& limits = {});
+  /// `token`: what every request but the public ones has to show; empty: none.
+  OperatorApi(boost::asio::io_context& io, Station& station, const OperatorLimits& limits = {},
+              const std::string& token = "");
   ~OperatorApi();  // stops
   OperatorApi(const OperatorApi&) = delete;
   OperatorApi& operator=(const OperatorApi&) = delete;

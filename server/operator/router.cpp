@@ -147,6 +147,8 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
 
 }  // namespace
 
+bool is_public(std::string_view target) { return target.substr(0, target.find('?')) == "/healthz"; }
+
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
             double uptime_s) {
   auto reply = routed(method, target, {station, limits, uptime_s});

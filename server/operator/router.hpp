@@ -26,7 +26,8 @@ struct Ready {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string allow;  // of a 405
+  std::string allow;    // of a 405
+  bool bearer = false;  // of a 401: a token is wanted
 };
 /// The atlas, as soon as nothing is pending or timeout_s is over.
 struct WaitForIdle {
@@ -37,6 +38,9 @@ struct Stream {
   std::unique_ptr<BodySource> body;
 };
 using Reply = std::variant<Ready, WaitForIdle, Stream>;
+
+/// Whether a target is for everybody; all others want the operator's token.
+bool is_public(std::string_view target);
 
 /// Calls only what is quick in Station, so that an I/O thread may call this.
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,

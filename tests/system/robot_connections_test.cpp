@@ -83,7 +83,7 @@ class Connections : public testing::Test {
  protected:
   void serve(const ServerConfig& config = {}) {
     server.reset();
-    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config});
+    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config, true});
     ASSERT_TRUE(started) << started.error().message;
     server = std::move(*started);
   }
@@ -200,7 +200,7 @@ TEST_F(Connections, ARobotThatOutrunsTheDiskIsHeldBackAndAllArrives) {
 TEST_F(Connections, APortInUseIsSaid) {
   serve();
   const TempDir elsewhere;
-  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}});
+  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}, true});
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::unavailable);
   EXPECT_NE(second.error().message.find(to_string(server->robots())), std::string::npos);
