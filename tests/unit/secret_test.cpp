@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "common/security/enrolment.hpp"
 #include "common/security/private_file.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -31,6 +32,30 @@ TEST(Secret, OnlyEqualBytesAreTheSame) {
   EXPECT_FALSE(same_secret("abc", "abd"));
   EXPECT_FALSE(same_secret("abc", "ab"));
   EXPECT_FALSE(same_secret(std::string_view("a\0b", 3), std::string_view("a\0c", 3)));
+}
+
+TEST(Enrolment, IsReadAsItIsWritten) {
+  const Enrolment enrolment{sha256("certificate"), random_secret(code_bytes)};
+  const std::string text = to_string(enrolment);
+  const auto read = parse_enrolment(text);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->fingerprint, enrolment.fingerprint);
+  EXPECT_EQ(read->code, enrolment.code);
+  for (const std::string& bad : {std::string(), text.substr(1), text.substr(0, text.size() - 1), text + "0",
+                                 "hf2" + text.substr(3), text.substr(0, 68), std::string("hf1--")}) {
+    const auto refused = parse_enrolment(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().message.find(to_hex(enrolment.code).substr(0, 8)), std::string::npos);
+  }
+}
+
+TEST(Fingerprint, MayHaveColons) {
+  const std::string digits = to_hex(sha256("certificate"));
+  std::string with_colons;
+  for (std::size_t i = 0; i < digits.size(); i += 2) with_colons += (i == 0 ? "" : ":") + digits.substr(i, 2);
+  EXPECT_EQ(parse_fingerprint(digits).value(), sha256("certificate"));
+  EXPECT_EQ(parse_fingerprint(with_colons).value(), sha256("certificate"));
+  EXPECT_FALSE(parse_fingerprint(digits.substr(2)));
 }
 
 TEST(PrivateFile, IsOnlyItsOwners) {
