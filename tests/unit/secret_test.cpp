@@ -37,12 +37,14 @@ TEST(Secret, OnlyEqualBytesAreTheSame) {
 TEST(Enrolment, IsReadAsItIsWritten) {
   const Enrolment enrolment{sha256("certificate"), random_secret(code_bytes)};
   const std::string text = to_string(enrolment);
+  std::string version_2 = text;
+  version_2[2] = '2';
   const auto read = parse_enrolment(text);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->fingerprint, enrolment.fingerprint);
   EXPECT_EQ(read->code, enrolment.code);
-  for (const std::string& bad : {std::string(), text.substr(1), text.substr(0, text.size() - 1), text + "0",
-                                 "hf2" + text.substr(3), text.substr(0, 68), std::string("hf1--")}) {
+  for (const std::string& bad : {std::string(), text.substr(1), text.substr(0, text.size() - 1), text + "0", version_2,
+                                 text.substr(0, 68), std::string("hf1--")}) {
     const auto refused = parse_enrolment(bad);
     ASSERT_FALSE(refused) << bad;
     EXPECT_EQ(refused.error().message.find(to_hex(enrolment.code).substr(0, 8)), std::string::npos);
@@ -52,7 +54,7 @@ TEST(Enrolment, IsReadAsItIsWritten) {
 TEST(Fingerprint, MayHaveColons) {
   const std::string digits = to_hex(sha256("certificate"));
   std::string with_colons;
-  for (std::size_t i = 0; i < digits.size(); i += 2) with_colons += (i == 0 ? "" : ":") + digits.substr(i, 2);
+  for (std::size_t i = 0; i < digits.size(); i += 2) with_colons.append(i == 0 ? "" : ":").append(digits, i, 2);
   EXPECT_EQ(parse_fingerprint(digits).value(), sha256("certificate"));
   EXPECT_EQ(parse_fingerprint(with_colons).value(), sha256("certificate"));
   EXPECT_FALSE(parse_fingerprint(digits.substr(2)));
