@@ -35,6 +35,12 @@ CREATE TABLE merge_order (
   step INTEGER PRIMARY KEY AUTOINCREMENT, revision INTEGER NOT NULL, a INTEGER NOT NULL, b INTEGER NOT NULL,
   state TEXT NOT NULL);
 )sql",
+    R"sql(
+CREATE TABLE robots (
+  name TEXT PRIMARY KEY, token_digest BLOB NOT NULL, code_digest BLOB NOT NULL, code_expires_s REAL NOT NULL,
+  enrolled_s REAL NOT NULL, revoked INTEGER NOT NULL) WITHOUT ROWID;
+ALTER TABLE sessions ADD COLUMN spool_run INTEGER NOT NULL DEFAULT 0;
+)sql",
 };
 
 }  // namespace
