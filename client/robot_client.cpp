@@ -76,7 +76,7 @@ Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config
     family = std::move(*made);
   }
   const Hello hello = hello_of(config, family.get());
-  auto spool = Spool::open({config.spool, config.cloud_quota_bytes, true}, hello);
+  auto spool = Spool::open({config.spool, config.cloud_quota_bytes, config.sync}, hello);
   if (!spool) return tl::unexpected(spool.error());
 
   auto state = std::make_unique<State>(config, std::move(family), std::move(*spool));

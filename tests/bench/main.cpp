@@ -9,11 +9,10 @@
 #include <numbers>
 #include <random>
 
-#include "common/cloud/cloud_codec.hpp"
 #include "common/dataset/scan_file.hpp"
-#include "common/wire/convert.hpp"
 #include "server/place/wall_correlation.hpp"
 #include "server/registration/gicp.hpp"
+#include "tests/bench/link/link.hpp"
 #include "tests/bench/pcl_gicp.hpp"
 #include "tests/support/box_mine.hpp"
 
@@ -97,24 +96,6 @@ nlohmann::json registration(const std::filesystem::path& recordings) {
   return {{"vs_pcl_1t", pcl_ms / one}, {"vs_pcl_2t", pcl_ms / two}, {"alignment_vs_pcl", pcl_ms / kept}};
 }
 
-nlohmann::json link_bytes() {
-  const test::BoxMine mine({test::BoxMine::drift(0, 0, 80, 0), test::BoxMine::drift(30, 0, 30, 40)});
-  const auto drive = test::drive(mine, {{2, 0}, {30, 0}, {30, 38}}, 0, 1);
-  std::size_t keyframe_bytes = 0, cloud_bytes = 0, points = 0;
-  for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
-    v1::RobotMessage message;
-    *message.mutable_keyframe() = to_proto(drive.keyframes[i]).value();
-    keyframe_bytes += message.ByteSizeLong() + 4;
-    cloud_bytes += encode_cloud(drive.clouds[i]).value().size();
-    points += point_count(drive.clouds[i]);
-  }
-  const double per_keyframe = static_cast<double>(keyframe_bytes) / static_cast<double>(drive.keyframes.size());
-  const double per_point = static_cast<double>(cloud_bytes) / static_cast<double>(points);
-  std::printf("link\n  %.0f bytes a keyframe with its frame; clouds %.2f bytes a point at 1 cm\n", per_keyframe,
-              per_point);
-  return {{"bytes_per_keyframe", per_keyframe}, {"bytes_per_point", per_point}};
-}
-
 nlohmann::json walls() {
   const test::BoxMine mine(
       {test::BoxMine::drift(0, 0, 120, 0), test::BoxMine::drift(30, 0, 30, 60), test::BoxMine::drift(80, -40, 80, 0)});
@@ -131,6 +112,7 @@ nlohmann::json walls() {
 int main(int argc, char** argv) {
   using namespace headframe::bench;
   const std::string what = argc > 1 ? argv[1] : "all";
+  if (what == "link") return link_main(argc - 1, argv + 1, "build/bench");  // "all" measures its bytes only
   const std::filesystem::path recordings = argc > 2 ? argv[2] : "../shared/data", out = "build/bench";
   std::filesystem::create_directories(out);
   bool known = false;

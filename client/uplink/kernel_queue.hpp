@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+
+namespace headframe {
+
+/// How many bytes of clouds may follow what the kernel holds of this TCP socket, so that a keyframe waits half a second
+/// at most behind them on a thin link: none while it holds more than the link delivers in its round trip and half a
+/// second, else what the link delivers in 50 ms. `most` where the kernel does not say.
+std::size_t kernel_room(int socket, std::size_t most);
+
+}  // namespace headframe
