@@ -2,9 +2,12 @@
 
 #include <openssl/bio.h>
 #include <openssl/ec.h>
+#include <openssl/err.h>
 #include <openssl/pem.h>
+#include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include <boost/asio/ssl/error.hpp>
 #include <cstring>
 #include <memory>
 
@@ -89,6 +92,21 @@ Result<ssl::context> server_tls(const std::string& pem) {
   if (fault || SSL_CTX_check_private_key(context.native_handle()) != 1)
     return failure(ErrorCode::bad_input, "no private key with its certificate is in it");
   return context;
+}
+
+std::string tls_trouble(const boost::system::error_code& error) {
+  if (error.category() != boost::asio::error::get_ssl_category()) return error.message();
+  switch (ERR_GET_REASON(static_cast<unsigned long>(error.value()))) {
+    case SSL_R_UNSUPPORTED_PROTOCOL:
+    case SSL_R_TLSV1_ALERT_PROTOCOL_VERSION: return "the two sides have no version in common; ours is TLS 1.3";
+    case SSL_R_WRONG_VERSION_NUMBER:
+    case SSL_R_HTTP_REQUEST: return "the other side does not speak TLS";
+    case SSL_R_SSLV3_ALERT_CERTIFICATE_UNKNOWN:
+    case SSL_R_SSLV3_ALERT_BAD_CERTIFICATE:
+    case SSL_R_TLSV1_ALERT_UNKNOWN_CA:
+      return "the other side does not trust this certificate; it pins another fingerprint";
+    default: return error.message();
+  }
 }
 
 PinnedTls::PinnedTls(std::string fingerprint) : context_(ssl::context::tls_client), pinned_(std::move(fingerprint)) {

@@ -40,4 +40,7 @@ class PinnedTls {
   std::string other_;
 };
 
+/// Why a handshake or a read failed, in words for people.
+std::string tls_trouble(const boost::system::error_code& error);
+
 }  // namespace headframe

@@ -18,7 +18,7 @@ RobotGate::Seams filled(RobotGate::Seams seams) {
 }  // namespace
 
 RobotGate::RobotGate(Store& store, Seams seams, const AttemptLimits& limits)
-    : store_(store), seams_(filled(std::move(seams))), attempts_(limits) {}
+    : store_(store), seams_(filled(std::move(seams))), attempts_(limits), lines_(limits) {}
 
 Result<void> RobotGate::restore() {
   const auto robots = store_.robots();
@@ -47,6 +47,12 @@ void RobotGate::admit(const std::string& robot, const Credential& shown, const b
     }
     done(stored);
   });
+}
+
+bool RobotGate::worth_a_line(const boost::asio::ip::address& from, AttemptLimiter::Time now) {
+  const bool worth = lines_.allowed(from, now);
+  lines_.failed(from, now);
+  return worth;
 }
 
 void RobotGate::open(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) {

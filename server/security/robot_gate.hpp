@@ -27,6 +27,9 @@ class RobotGate {
   /// Whether the credential has not ended since.
   bool holds(const std::string& robot, const std::string& token) const { return registry_.holds(robot, token); }
 
+  /// A stranger failed before he could show anything. False: he did so too often for another line in the log.
+  bool worth_a_line(const boost::asio::ip::address& from, AttemptLimiter::Time now);
+
   /// Gives the code.
   void open(const std::string& robot, const std::function<void(const Result<std::string>&)>& done);
   /// The robot is cut off before this returns; `done` says that it is on the disk.
@@ -40,7 +43,7 @@ class RobotGate {
   const Seams seams_;
   std::mutex order_;  // changes reach the store in the order in which they were made
   RobotRegistry registry_;
-  AttemptLimiter attempts_;
+  AttemptLimiter attempts_, lines_;
 };
 
 }  // namespace headframe
