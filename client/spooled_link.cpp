@@ -44,6 +44,7 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     welcomed_ = true;
     durable_keyframes_ = 0;
     link_error_.clear();
+    written = spool_.run_welcomed();
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
     durable_keyframes_ = k->up_to;
     written = spool_.acknowledge_keyframes(k->up_to);

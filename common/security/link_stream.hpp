@@ -1,7 +1,7 @@
 #pragma once
 
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <optional>
@@ -20,6 +20,7 @@ class LinkStream {
   using executor_type = Socket::executor_type;
 
   explicit LinkStream(Socket socket) : socket_(std::move(socket)) {}
+  explicit LinkStream(boost::asio::io_context& io) : socket_(io) {}
   LinkStream(const LinkStream&) = delete;
   LinkStream& operator=(const LinkStream&) = delete;
 
