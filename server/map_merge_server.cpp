@@ -7,6 +7,7 @@
 
 #include "server/net/robot_listener.hpp"
 #include "server/operator/operator_api.hpp"
+#include "server/robot_desk.hpp"
 #include "server/security/operator_guard.hpp"
 #include "server/security/robot_gate.hpp"
 #include "server/security/server_identity.hpp"
@@ -42,6 +43,7 @@ struct MapMergeServer::Parts {
   std::optional<boost::asio::ssl::context> tls;  // none: --insecure
   RobotListener listener;
   StationView view;
+  std::optional<RobotDesk> desk;
   std::optional<OperatorApi> api;
   Endpoint robots, http;
   std::string fingerprint;  // 32 bytes; empty: --insecure
@@ -58,7 +60,8 @@ Result<void> MapMergeServer::Parts::start() {
   robots = *listening;
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
   if (!token) return tl::unexpected(token.error());
-  api.emplace(io, view, OperatorLimits{}, *token);
+  if (!options.insecure) desk.emplace(gate, fingerprint);
+  api.emplace(io, view, OperatorLimits{}, OperatorAccess{*token, desk ? &*desk : nullptr});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};

@@ -17,7 +17,7 @@ struct Options {
   std::string http = "127.0.0.1:7448", token_file;
   bool json = false;
   std::optional<double> wait_s, voxel_m;
-  std::string component, session, file;
+  std::string component, session, file, robot;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -54,6 +54,22 @@ void add_commands(CLI::App& app, Options& options) {
   path->add_option("FILE", options.file, "Where to write it")->required();
 }
 
+void add_robot_commands(CLI::App& app, Options& options) {
+  CLI::App* robots = app.add_subcommand("robot", "Which robots may come in");
+  robots->add_flag("--json", options.json, "Print JSON");
+  const auto add = [&](const char* name, const char* what, auto run) {
+    CLI::App* sub = robots->add_subcommand(name, what);
+    sub->add_flag("--json", options.json, "Print JSON");
+    sub->callback([&options, run] { options.command = run; });
+    return sub;
+  };
+  add("list", "All robots, and the server's fingerprint", [](Commands& c) { return c.list_robots(); });
+  const auto named = [&](CLI::App* sub) { sub->add_option("NAME", options.robot, "Of the robot")->required(); };
+  named(add("add", "Print what a robot needs to enrol, once", [&](Commands& c) { return c.add_robot(options.robot); }));
+  named(add("revoke", "Cut a robot off, now and until it enrols anew",
+            [&](Commands& c) { return c.revoke_robot(options.robot); }));
+}
+
 int fault(const headframe::Error& error) {
   std::cerr << "headframe: " << headframe::printable(error.message) << '\n';
   return error.code == headframe::ErrorCode::invalid_argument ? headframe::exit_usage : headframe::exit_failed;
@@ -73,6 +89,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
   add_commands(app, options);
+  add_robot_commands(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -83,7 +100,7 @@ int run(int argc, char** argv) {
   if (!options.command)
     return fault({headframe::ErrorCode::invalid_argument,
                   "say what to do: status, sessions, atlas, "
-                  "merge, export or trajectory; headframe --help lists what there is"});
+                  "merge, export, trajectory or robot add | list | revoke; headframe --help lists what there is"});
   auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
   auto token = headframe::find_token(options.token_file);

@@ -92,7 +92,7 @@ void HttpSession::on_read(Code code) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
     perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->limits,
-                  uptime.count()));
+                  uptime.count(), shared_->robots));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
@@ -137,6 +137,7 @@ void HttpSession::refuse(Code code) {
 void HttpSession::perform(Reply reply) {
   if (auto* ready = std::get_if<Ready>(&reply)) return send(std::move(*ready));
   if (const auto* wait = std::get_if<WaitForIdle>(&reply)) return wait_for_idle(*wait);
+  if (const auto* later = std::get_if<Later>(&reply)) return answer_later(*later);
   if (parser_->get().version() < 11)
     return send(error_reply(505, {ErrorCode::incompatible, "this resource is sent in chunks; ask with HTTP/1.1"}));
   body_ = std::make_unique<Stream>(std::move(std::get<Stream>(reply)));
@@ -175,6 +176,17 @@ void HttpSession::wait_for_idle(const WaitForIdle& wait) {
       Code ignored;
       self->stream_.socket().cancel(ignored);  // the wait for the client's end
       self->send(atlas_after_wait(self->shared_->station, left));
+    });
+  });
+}
+
+void HttpSession::answer_later(const Later& later) {
+  const std::weak_ptr<HttpSession> weak = weak_from_this();
+  later.start([weak](Ready ready) {
+    const auto self = weak.lock();
+    if (!self) return;
+    net::post(self->stream_.get_executor(), [self, ready = std::move(ready)]() mutable {
+      if (self->stream_.socket().is_open()) self->send(std::move(ready));
     });
   });
 }

@@ -15,6 +15,7 @@
 #include <set>
 #include <string>
 
+#include "server/operator/operator_api.hpp"
 #include "server/operator/router.hpp"
 #include "server/security/operator_guard.hpp"
 
@@ -25,12 +26,13 @@ class HttpSession;
 /// What all connections share. Thread safe.
 class HttpShared : public std::enable_shared_from_this<HttpShared> {
  public:
-  HttpShared(Station& the_station, const OperatorLimits& the_limits, const std::string& token)
-      : station(the_station), limits(the_limits), guard(token) {}
+  HttpShared(Station& the_station, const OperatorLimits& the_limits, const OperatorAccess& access)
+      : station(the_station), limits(the_limits), guard(access.token), robots(access.robots) {}
 
   Station& station;
   const OperatorLimits limits;
   OperatorGuard guard;
+  RobotAdmin* const robots;  // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
@@ -66,6 +68,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void perform(Reply reply);
   void send(Ready ready);
   void wait_for_idle(const WaitForIdle& wait);
+  void answer_later(const Later& later);
   void pull();
   void on_piece(Piece piece);
   void write_piece(std::optional<std::string> piece);

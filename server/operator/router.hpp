@@ -2,12 +2,14 @@
 // From a request to what has to be done for it. No I/O: http_session does it.
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
 
 #include "server/operator/body_source.hpp"
+#include "server/operator/robot_admin.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
@@ -37,14 +39,18 @@ struct Stream {
   std::string content_type;
   std::unique_ptr<BodySource> body;
 };
-using Reply = std::variant<Ready, WaitForIdle, Stream>;
+/// Starts something and answers when it calls back: once, from any thread.
+struct Later {
+  std::function<void(const std::function<void(Ready)>& answer)> start;
+};
+using Reply = std::variant<Ready, WaitForIdle, Stream, Later>;
 
 /// Whether a target is for everybody; all others want the operator's token.
 bool is_public(std::string_view target);
 
-/// Calls only what is quick in Station, so that an I/O thread may call this.
+/// Calls only what is quick in Station, so that an I/O thread may call this. robots: null where none has to enrol.
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s);
+            double uptime_s, RobotAdmin* robots = nullptr);
 
 /// The answer to a WaitForIdle that ended.
 Ready atlas_after_wait(const Station& station, const Pending& left);

@@ -35,6 +35,7 @@ class RobotGate {
   /// The robot is cut off before this returns; `done` says that it is on the disk.
   void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done);
   std::vector<RobotRecord> robots() const { return registry_.robots(); }
+  double now_s() const { return seams_.now_s(); }
 
  private:
   void keep(const RobotRegistry::Change& change, const std::function<void(const Result<void>&)>& done);

@@ -175,7 +175,7 @@ TEST_F(HeadframeCommand, AnExportThatBreaksOffKeepsTheOldFile) {
 }
 
 TEST_F(HeadframeCommand, ShowsTheTokenOfAFileThatIsItsOwners) {
-  const OperatorServer locked({}, "right");
+  const OperatorServer locked({}, {"right", nullptr});
   std::ofstream(path("token")) << "right\n";
   fs::permissions(path("token"), fs::perms::owner_read);
   EXPECT_EQ(run_at(locked.where(), "--token-file " + path("token") + " status").code, 0);

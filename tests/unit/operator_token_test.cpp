@@ -60,7 +60,7 @@ TEST_F(Guard, WhoShowsNothingHasTriedNothing) {
 }
 
 TEST(OperatorApiToken, EveryRequestButTheHealthCheckNeedsIt) {
-  OperatorServer server({}, "right");
+  OperatorServer server({}, {"right", nullptr});
   const auto ask = [&](const std::string& token, const std::string& target, bool post = false) {
     auto endpoint = *parse_http_endpoint(server.where());
     endpoint.token = token;
