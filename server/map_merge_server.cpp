@@ -26,7 +26,7 @@ struct MapMergeServer::Parts {
         gate(*store, {{}, [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); }}),
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
-        view(io, hub, worker, *store) {}
+        view(io, hub, worker, *store, o.config.merge) {}
   ~Parts() { stop(); }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;

@@ -10,6 +10,7 @@
 #include "common/result.hpp"
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
+#include "server/atlas/decisions.hpp"
 #include "server/merge_config.hpp"
 #include "server/place/descriptor_index.hpp"
 
@@ -38,12 +39,13 @@ struct StageTimes {
   double atlas_ms = 0;
 };
 
-/// What one attempt to merge a session did.
+/// What one attempt to merge a session did, or one decision of the operator.
 struct AttemptReport {
   std::vector<KeyframeRef> wanted;  // clouds to request; call attempt() again once they are here or will not come
   bool unfinished = false;          // there is more to try: call attempt() again soon, after other work
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
+  std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
   StageTimes times;
 };
 
@@ -58,12 +60,20 @@ class MergePipeline {
   void add_session(SessionId id, const FamilyId& family);
   void add_keyframe(SessionId id, Keyframe keyframe);
 
+  /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
+  void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds);
+
   /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
   void complete_session(SessionId id);
 
-  /// After a restart, once all sessions and keyframes were added: alignments as they were stored, ordered by id, and
-  /// the last revision.
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision);
+  /// After a restart, once all sessions and keyframes were added: alignments and decisions as they were stored, ordered
+  /// by id, and the last revision.
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {});
+
+  /// The operator's word on an alignment, put into the atlas at once. not_found: no such alignment; refused: the
+  /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
+  /// what had been suppressed.
+  Result<AttemptReport> decide(AlignmentId id, Decision decision);
 
   /// Tries to merge this session with every other session of its family.
   AttemptReport attempt(SessionId id, CloudSource& clouds);

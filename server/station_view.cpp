@@ -69,6 +69,10 @@ void StationView::merge_all() {
   for (const auto& [session, key] : hub_.keys()) worker_.trigger(session, Trigger::command);
 }
 
+void StationView::decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) {
+  worker_.decide(alignment, decision, std::move(callback));
+}
+
 Result<std::vector<Keyframe>> StationView::trajectory(SessionId session) const {
   std::vector<Keyframe> keyframes;
   const auto read = store_.each_keyframe(session, 1, [&](const Keyframe& keyframe) {

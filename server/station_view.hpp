@@ -11,14 +11,17 @@ namespace headframe {
 /// The operator's view of hub, worker and store. All of them must outlive it, and `io` its waits.
 class StationView : public Station {
  public:
-  StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store)
-      : io_(io), hub_(hub), worker_(worker), store_(store) {}
+  StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store,
+              const MergeConfig& config)
+      : io_(io), hub_(hub), worker_(worker), store_(store), config_(config) {}
 
   std::vector<SessionRow> sessions() const override;
   AtlasView atlas() const override;
   Pending pending() const override;
+  MergeConfig merge_config() const override { return config_; }
   void when_idle(double timeout_s, std::function<void(Pending)> callback) override;
   void merge_all() override;
+  void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) override;
   Result<std::vector<Keyframe>> trajectory(SessionId session) const override;
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
 
@@ -27,6 +30,7 @@ class StationView : public Station {
   SessionHub& hub_;
   MergeWorker& worker_;
   Store& store_;
+  const MergeConfig config_;
 };
 
 }  // namespace headframe

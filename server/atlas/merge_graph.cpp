@@ -46,7 +46,7 @@ bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
 
 bool stronger(const Alignment& x, const Alignment& y) {
   const auto rank = [](const Alignment& k) {
-    return std::tuple(-k.evidence.probability, -k.evidence.seen_points, k.a, k.b);
+    return std::tuple(k.ruling != Ruling::confirmed, -k.evidence.probability, -k.evidence.seen_points, k.a, k.b);
   };
   return rank(x) < rank(y);
 }
@@ -119,7 +119,9 @@ MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const 
     const Alignment& alignment = alignments[i];
     const bool loop = growing.component_of.at(alignment.a) == growing.component_of.at(alignment.b);
     if (loop && !agrees(growing.T_a_b(alignment), alignment.T_a_b, tolerance)) {
-      if (alignment.state == AlignmentState::published) result.states[i] = AlignmentState::retracted;
+      // A confirmed one waits: it comes back when what it contradicts is retracted.
+      const bool waits = alignment.ruling == Ruling::confirmed || alignment.state != AlignmentState::published;
+      result.states[i] = waits ? AlignmentState::verified : AlignmentState::retracted;
       continue;
     }
     if (!loop) growing.join(alignment);

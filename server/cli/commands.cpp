@@ -118,6 +118,28 @@ Result<int> Commands::atlas(std::optional<double> wait_s) {
   return exit_ok;
 }
 
+Result<int> Commands::alignments() {
+  const auto body = fetched("/api/v1/alignments");
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : alignments_view(Json::parse(*body), terminal_width()));
+  return exit_ok;
+}
+
+Result<int> Commands::decide(const std::string& decision, const std::string& alignment) {
+  const auto done = HttpClient(endpoint_).post("/api/v1/alignments/" + percent_encoded(alignment) + "/" + decision);
+  if (!done) return tl::unexpected(done.error());
+  if (done->status != 200) return tl::unexpected(error_of(*done));
+  std::cout << (json_ ? done->body : decision_view(Json::parse(done->body)));
+  return exit_ok;
+}
+
+Result<int> Commands::explain(const std::string& a, const std::string& b) {
+  const auto body = fetched("/api/v1/explain?a=" + percent_encoded(a) + "&b=" + percent_encoded(b));
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : explanation_view(Json::parse(*body)));
+  return exit_ok;
+}
+
 Result<int> Commands::merge(std::optional<double> wait_s) {
   const auto queued = HttpClient(endpoint_).post("/api/v1/merge");
   if (!queued) return tl::unexpected(queued.error());

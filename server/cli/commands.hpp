@@ -20,6 +20,12 @@ class Commands {
   Result<int> sessions();
   /// With wait_s: once nothing is pending; prints the atlas all the same when time runs out.
   Result<int> atlas(std::optional<double> wait_s);
+  /// Every alignment with its evidence.
+  Result<int> alignments();
+  /// "confirm", "refuse", "retract" or "undo" of the alignment with this id.
+  Result<int> decide(const std::string& decision, const std::string& alignment);
+  /// Why two sessions are or are not merged; each "robot/session", or "robot" when it has just one.
+  Result<int> explain(const std::string& a, const std::string& b);
   /// Queues an attempt for every session, then as atlas(wait_s) with progress; without wait_s as long as it takes.
   Result<int> merge(std::optional<double> wait_s);
   /// The format is the file's extension: .ply or .pcd.

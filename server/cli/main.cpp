@@ -17,7 +17,7 @@ struct Options {
   std::string http = "127.0.0.1:7448", token_file;
   bool json = false;
   std::optional<double> wait_s, voxel_m;
-  std::string component, session, file, robot;
+  std::string component, session, file, robot, alignment, a, b;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -36,6 +36,20 @@ void add_commands(CLI::App& app, Options& options) {
   wait(add("atlas", "Which sessions are merged, where, and on what evidence",
            [&](Commands& c) { return c.atlas(options.wait_s); }),
        "Wait until no merge work is pending; exit status 3 when it still is");
+  add("alignments", "Every alignment with its evidence", [](Commands& c) { return c.alignments(); });
+  const auto decision = [&](const char* name, const char* what) {
+    add(name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment); })
+        ->add_option("ALIGNMENT", options.alignment, "Its number, as alignments shows it")
+        ->required();
+  };
+  decision("confirm", "Publish an alignment whatever its evidence says, and keep it");
+  decision("refuse", "Do not propose this placement again on much the same evidence");
+  decision("retract", "Take a published alignment out; the robots are told");
+  decision("undo", "Take back the latest decision on an alignment");
+  CLI::App* why = add("explain", "Why two sessions are or are not merged",
+                      [&](Commands& c) { return c.explain(options.a, options.b); });
+  why->add_option("A", options.a, "robot/session, or robot when it has just one")->required();
+  why->add_option("B", options.b, "The other")->required();
   wait(add("merge", "Try to merge every session now, and wait for the outcome",
            [&](Commands& c) { return c.merge(options.wait_s); }),
        "Wait no longer than this; exit status 3 when work is still pending");
@@ -99,8 +113,8 @@ int run(int argc, char** argv) {
   }
   if (!options.command)
     return fault({headframe::ErrorCode::invalid_argument,
-                  "say what to do: status, sessions, atlas, "
-                  "merge, export, trajectory or robot add | list | revoke; headframe --help lists what there is"});
+                  "say what to do: status, sessions, atlas, merge, confirm, export or robot, say; headframe --help "
+                  "lists what there is"});
   auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
   auto token = headframe::find_token(options.token_file);

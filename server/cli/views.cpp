@@ -41,8 +41,15 @@ std::string component_table(const Json& component, std::size_t width) {
          table.text(width);
 }
 
+/// "published", and whether the operator had a word in it.
+std::string state_of(const Json& alignment) {
+  const auto decision = alignment.at("decision").get<std::string>(), now = alignment.at("state").get<std::string>();
+  return decision == "none" || decision == now ? now : now + ", " + decision;
+}
+
 std::string alignment_table(const Json& alignments, std::size_t width) {
-  Table table{{{"  a"},
+  Table table{{{"  id", true},
+               {"a"},
                {"b"},
                {"state"},
                {"prob", true},
@@ -54,7 +61,7 @@ std::string alignment_table(const Json& alignments, std::size_t width) {
   for (const Json& row : alignments) {
     const Json& evidence = row.at("evidence");
     const auto value = [&](const char* field, int decimals) { return number(evidence.value(field, Json()), decimals); };
-    table.rows.push_back({"  " + name(row.at("a")), name(row.at("b")), row.at("state").get<std::string>(),
+    table.rows.push_back({row.at("id").dump(), name(row.at("a")), name(row.at("b")), state_of(row),
                           value("probability", 3), value("overlap_a", 2) + "/" + value("overlap_b", 2),
                           value("freespace_violation", 3), value("rmse_m", 2), value("runner_up", 2)});
   }
@@ -62,6 +69,32 @@ std::string alignment_table(const Json& alignments, std::size_t width) {
 }
 
 }  // namespace
+
+std::string alignments_view(const Json& alignments, std::size_t width) {
+  const Json& rows = alignments.at("alignments");
+  if (rows.empty()) return "no alignment yet: two sessions of one descriptor family are needed\n";
+  return alignment_table(rows, width).substr(1);
+}
+
+std::string decision_view(const Json& decided) {
+  const Json& row = decided.at("alignment");
+  return "alignment " + row.at("id").dump() + ", " + name(row.at("a")) + " and " + name(row.at("b")) + ": " +
+         state_of(row) + "; revision " + decided.at("revision").dump() + "\n";
+}
+
+std::string explanation_view(const Json& explanation) {
+  const auto line = [](const Json& words) { return printable(words.get<std::string>()) + "\n"; };
+  std::string out = line(explanation.at("outcome"));
+  if (!explanation.at("decision").get<std::string>().empty()) out += line(explanation.at("decision"));
+  if (!explanation.at("findings").empty()) out += "evidence\n";
+  for (const Json& finding : explanation.at("findings")) {
+    const auto speaks = finding.at("speaks").get<std::string>();
+    out += (speaks == "for" ? "  + " : speaks == "against" ? "  - " : "    ") + line(finding.at("text"));
+  }
+  if (!explanation.at("missing").empty()) out += "missing\n";
+  for (const Json& what : explanation.at("missing")) out += "    " + line(what);
+  return out;
+}
 
 std::string pending_view(const Json& pending) {
   std::string out;

@@ -11,6 +11,12 @@ std::string status_view(const nlohmann::json& status);
 std::string sessions_view(const nlohmann::json& sessions, std::size_t width);
 std::string atlas_view(const nlohmann::json& atlas, std::size_t width);
 
+std::string alignments_view(const nlohmann::json& alignments, std::size_t width);
+/// One line: what became of the alignment that was decided on.
+std::string decision_view(const nlohmann::json& decided);
+
+std::string explanation_view(const nlohmann::json& explanation);
+
 /// "2 attempts, 5 keyframes, 1 submap", without what is zero; "nothing".
 std::string pending_view(const nlohmann::json& pending);
 

@@ -38,7 +38,7 @@ Result<void> MergeWorker::restore() {
   }
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
-  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision);
+  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision, std::move(merge->decisions));
   atlas_ = pipeline_->atlas();
   update_view();
   rest();
@@ -57,13 +57,20 @@ void MergeWorker::stop() {
   }
   wake_.notify_all();
   if (thread_.joinable()) thread_.join();
+  const std::vector<Order> late = [this] {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(orders_, {});
+  }();
+  for (const Order& order : late) order.done(failure(ErrorCode::unavailable, "the server stops"));
 }
 
 void MergeWorker::run() {
   Mailbox news;
-  while (wait_for_news(news)) {
+  std::vector<Order> orders;
+  while (wait_for_news(news, orders)) {
     for (const auto& [session, what] : news) take(session, what);
     if (!news.empty()) update_view();
+    for (const Order& order : orders) carry_out(order);
     schedule_.tick(Clock::now());
     if (const auto next = schedule_.next()) attempt(*next);
     rest();
@@ -71,17 +78,18 @@ void MergeWorker::run() {
 }
 
 /// Sleeps until there is something to do; false: stop.
-bool MergeWorker::wait_for_news(Mailbox& news) {
+bool MergeWorker::wait_for_news(Mailbox& news, std::vector<Order>& orders) {
   std::unique_lock lock(mutex_);
-  const auto due = [&] { return stopping_ || !mailbox_.empty() || pending_.attempts > 0; };
+  const auto due = [&] { return stopping_ || !mailbox_.empty() || !orders_.empty() || pending_.attempts > 0; };
   if (const auto deadline = schedule_.next_deadline())
     wake_.wait_until(lock, *deadline, due);
   else
     wake_.wait(lock, due);
+  if (stopping_) return false;
   busy_ = true;
-  news = std::move(mailbox_);
-  mailbox_.clear();
-  return !stopping_;
+  news = std::exchange(mailbox_, {});
+  orders = std::exchange(orders_, {});
+  return true;
 }
 
 void MergeWorker::rest() {
@@ -146,9 +154,26 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
       attempt.session, to_string(attempt.trigger), ms_since(start), t.hypotheses_ms, t.sampling_ms, t.registration_ms,
       t.verification_ms, t.atlas_ms, report.changed.size(), report.wanted.size(),
       report.unfinished ? ", unfinished" : "");
-  if (!commit(attempt, report)) return;  // the server stops
+  PutMerge write;
+  if (report.wanted.empty() && !report.unfinished) {
+    write.attempted = attempt.session;
+    write.attempted_keyframes = known_[attempt.session].keyframes;
+  }
+  if (!commit(std::move(write), report, &attempt)) return;  // the server stops
   request(schedule_.wait_for(attempt, report.wanted, Clock::now()));
   if (report.unfinished) schedule_.again(attempt);
+}
+
+void MergeWorker::carry_out(const Order& order) {
+  const auto report = pipeline_->decide(order.alignment, order.decision);
+  if (!report) return order.done(tl::unexpected(report.error()));
+  if (!commit({}, *report, nullptr)) return order.done(failure(ErrorCode::unavailable, "the server stops"));
+  spdlog::info("the operator's decision on alignment {}: {}; revision {}", order.alignment, to_string(order.decision),
+               atlas_.revision);
+  for (const Alignment& alignment : report->changed)  // what a decision had suppressed is found again
+    if (order.decision == Decision::undo && alignment.id == order.alignment)
+      schedule_.trigger(alignment.b, Trigger::command, Clock::now());
+  order.done({});
 }
 
 void MergeWorker::request(const std::vector<KeyframeRef>& clouds) {
@@ -157,30 +182,28 @@ void MergeWorker::request(const std::vector<KeyframeRef>& clouds) {
   for (const auto& [session, sequences] : of_robot) robots_->request_submap(session, sequences);
 }
 
-bool MergeWorker::commit(const MergeSchedule::Attempt& attempt, const AttemptReport& report) {
-  PutMerge write;
-  if (report.wanted.empty() && !report.unfinished) {
-    write.attempted = attempt.session;
-    write.attempted_keyframes = known_[attempt.session].keyframes;
-  }
+/// On disk first, then told. attempt: what led to it; null: the operator's decision. False: the server stops.
+bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
   write.changed = report.changed;
+  write.decided = report.decided;
   if (report.atlas_changed) write.atlas = pipeline_->atlas();
-  if (write.attempted == 0 && write.changed.empty() && !write.atlas) return true;
+  if (write.attempted == 0 && write.changed.empty() && write.decided.empty() && !write.atlas) return true;
   if (!write_durably(write)) return false;
   if (report.atlas_changed) published(attempt);
   if (report.atlas_changed || !report.changed.empty()) update_view();
   return true;
 }
 
-void MergeWorker::published(const MergeSchedule::Attempt& attempt) {
+void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
   const Atlas& now = pipeline_->atlas();
   const auto changed = changed_components(atlas_, now);
   atlas_ = now;
   robots_->publish(atlas_, changed);
-  const double ms = ms_since(attempt.triggered);
-  draft_.sessions[attempt.session].trigger_to_transform_ms = ms;
+  if (!attempt) return;
+  const double ms = ms_since(attempt->triggered);
+  draft_.sessions[attempt->session].trigger_to_transform_ms = ms;
   spdlog::info("revision {}: session {}, {:.0f} ms from its trigger ({}) to the transform; {} components changed",
-               atlas_.revision, attempt.session, ms, to_string(attempt.trigger), changed.size());
+               atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
 }
 
 /// Blocks until the write is on disk, trying again as long as the disk refuses it; false: the server stops.

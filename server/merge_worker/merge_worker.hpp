@@ -46,6 +46,10 @@ class MergeWorker : public MergeNews, private CloudSource {
   void robot_left(SessionId session) override;
   void trigger(SessionId session, Trigger trigger) override;
 
+  /// Queues the operator's decision; `done` runs once: on the worker's thread when it is durable and the robots were
+  /// told, or with a failure. unavailable: too many wait already, or the server stops; and as MergePipeline::decide.
+  void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done);
+
   Pending pending() const;
   std::shared_ptr<const MergeView> view() const;
 
@@ -58,17 +62,25 @@ class MergeWorker : public MergeNews, private CloudSource {
     bool answers = false;
   };
 
+  struct Order {
+    AlignmentId alignment = 0;
+    Decision decision = Decision::confirm;
+    std::function<void(const Result<void>&)> done;
+  };
+  static constexpr std::size_t most_orders = 64;
+
   template <class Change>
   void tell(SessionId session, Change change);
   void run();
-  bool wait_for_news(Mailbox& news);
+  bool wait_for_news(Mailbox& news, std::vector<Order>& orders);
   void rest();
   void take(SessionId session, const SessionNews& news);
   void feed(SessionId session, bool counts);
   void attempt(const MergeSchedule::Attempt& attempt);
+  void carry_out(const Order& order);
   void request(const std::vector<KeyframeRef>& clouds);
-  bool commit(const MergeSchedule::Attempt& attempt, const AttemptReport& report);
-  void published(const MergeSchedule::Attempt& attempt);
+  bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
+  void published(const MergeSchedule::Attempt* attempt);
   bool write_durably(const PutMerge& write);
   void update_view();
 
@@ -87,6 +99,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Mailbox mailbox_;
+  std::vector<Order> orders_;
   Pending pending_;  // of the schedule, when the worker looked last
   bool busy_ = false, stopping_ = false;
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();

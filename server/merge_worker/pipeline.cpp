@@ -9,9 +9,11 @@ class RealPipeline : public Pipeline {
   void add_session(SessionId id, const FamilyId& family) override { pipeline_.add_session(id, family); }
   void add_keyframe(SessionId id, Keyframe keyframe) override { pipeline_.add_keyframe(id, std::move(keyframe)); }
   void complete_session(SessionId id) override { pipeline_.complete_session(id); }
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision) override {
-    pipeline_.restore(std::move(alignments), revision);
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision,
+               std::vector<DecisionRecord> decisions) override {
+    pipeline_.restore(std::move(alignments), revision, std::move(decisions));
   }
+  Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return pipeline_.decide(id, decision); }
   AttemptReport attempt(SessionId id, CloudSource& clouds) override { return pipeline_.attempt(id, clouds); }
   const Atlas& atlas() const override { return pipeline_.atlas(); }
   const std::vector<Alignment>& alignments() const override { return pipeline_.alignments(); }

@@ -13,7 +13,9 @@ class Pipeline {
   virtual void add_session(SessionId id, const FamilyId& family) = 0;
   virtual void add_keyframe(SessionId id, Keyframe keyframe) = 0;
   virtual void complete_session(SessionId id) = 0;
-  virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision) = 0;
+  virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision,
+                       std::vector<DecisionRecord> decisions) = 0;
+  virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;
   virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;
   virtual const Atlas& atlas() const = 0;
   virtual const std::vector<Alignment>& alignments() const = 0;

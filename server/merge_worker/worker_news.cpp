@@ -54,10 +54,23 @@ void MergeWorker::trigger(SessionId session, Trigger trigger) {
   });
 }
 
+void MergeWorker::decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done) {
+  {
+    std::unique_lock lock(mutex_);
+    if (stopping_ || orders_.size() >= most_orders) {
+      const char* why = stopping_ ? "the server stops" : "too many decisions are waiting; try again in a moment";
+      lock.unlock();
+      return done(failure(ErrorCode::unavailable, why));
+    }
+    orders_.push_back({alignment, decision, std::move(done)});
+  }
+  wake_.notify_all();
+}
+
 Pending MergeWorker::pending() const {
   const std::lock_guard lock(mutex_);
   Pending pending = pending_;
-  pending.attempts += busy_ ? 1 : 0;
+  pending.attempts += (busy_ ? 1 : 0) + orders_.size();
   for (const auto& [session, news] : mailbox_) {
     pending.attempts += news.trigger ? 1 : 0;
     pending.keyframes += 1;  // at least: how many the worker will know when it looks

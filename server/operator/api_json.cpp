@@ -33,9 +33,12 @@ Json alignment_object(const AlignmentRow& row) {
   Json evidence = Json::object();
   for (const EvidenceField& field : evidence_fields())
     evidence[std::string(field.name)] = number(row.alignment.evidence.*field.member);
-  return {{"a", session(row.a)},
+  return {{"id", row.alignment.id},
+          {"a", session(row.a)},
           {"b", session(row.b)},
           {"state", to_string(row.alignment.state)},
+          {"verdict", to_string(row.alignment.verdict)},
+          {"decision", to_string(row.alignment.ruling)},
           {"T_a_b", transform(row.alignment.T_a_b)},
           {"evidence", std::move(evidence)}};
 }
@@ -100,6 +103,35 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
                     {"trigger_to_transform_ms", placed ? number(row.trigger_to_transform_ms) : Json(nullptr)}});
   }
   return text({{"sessions", std::move(rows)}});
+}
+
+std::string alignments_json(const AtlasView& view) {
+  Json rows = Json::array();
+  for (const AlignmentRow& row : view.alignments) rows.push_back(alignment_object(row));
+  return text({{"revision", view.atlas.revision}, {"alignments", std::move(rows)}});
+}
+
+std::string alignment_json(const AtlasView& view, AlignmentId id) {
+  for (const AlignmentRow& row : view.alignments)
+    if (row.alignment.id == id) return text({{"revision", view.atlas.revision}, {"alignment", alignment_object(row)}});
+  return error_json({ErrorCode::not_found, "there is no alignment " + std::to_string(id)});
+}
+
+std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
+                             const Explanation& explanation) {
+  Json findings = Json::array();
+  for (const Finding& finding : explanation.findings)
+    findings.push_back({{"evidence", finding.evidence},
+                        {"value", number(finding.value)},
+                        {"speaks", to_string(finding.speaks)},
+                        {"text", finding.text}});
+  return text({{"a", session(a)},
+               {"b", session(b)},
+               {"outcome", explanation.outcome},
+               {"decision", explanation.decision},
+               {"findings", std::move(findings)},
+               {"missing", explanation.missing},
+               {"alignment", alignment ? alignment_object(*alignment) : Json(nullptr)}});
 }
 
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/atlas/explain.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
@@ -21,5 +22,14 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
 
 /// Transforms are 16 numbers, row-major. `sessions` gives the names of the ids in the atlas; `wait` may be null.
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait);
+
+/// All alignments, with the revision they are of.
+std::string alignments_json(const AtlasView& view);
+/// One of them; an error's JSON when it is not there.
+std::string alignment_json(const AtlasView& view, AlignmentId id);
+
+/// alignment may be null: nothing has been tried.
+std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
+                             const Explanation& explanation);
 
 }  // namespace headframe

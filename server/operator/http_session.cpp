@@ -136,7 +136,6 @@ void HttpSession::refuse(Code code) {
 
 void HttpSession::perform(Reply reply) {
   if (auto* ready = std::get_if<Ready>(&reply)) return send(std::move(*ready));
-  if (const auto* wait = std::get_if<WaitForIdle>(&reply)) return wait_for_idle(*wait);
   if (const auto* later = std::get_if<Later>(&reply)) return answer_later(*later);
   if (parser_->get().version() < 11)
     return send(error_reply(505, {ErrorCode::incompatible, "this resource is sent in chunks; ask with HTTP/1.1"}));
@@ -162,31 +161,19 @@ void HttpSession::send(Ready ready) {
   });
 }
 
-/// Answers when the station calls back; ends when the client goes before that.
-void HttpSession::wait_for_idle(const WaitForIdle& wait) {
+/// Answers when the answer comes; ends when the client goes before that.
+void HttpSession::answer_later(const Later& later) {
   stream_.socket().async_wait(net::ip::tcp::socket::wait_read, [self = shared_from_this()](Code code) {
     if (!code && self->client_gone()) self->finish();
   });
-  const std::weak_ptr<HttpSession> weak = weak_from_this();
-  shared_->station.when_idle(wait.timeout_s, [weak](const Pending& left) {
-    const auto self = weak.lock();
-    if (!self) return;
-    net::post(self->stream_.get_executor(), [self, left] {
-      if (!self->stream_.socket().is_open()) return;
-      Code ignored;
-      self->stream_.socket().cancel(ignored);  // the wait for the client's end
-      self->send(atlas_after_wait(self->shared_->station, left));
-    });
-  });
-}
-
-void HttpSession::answer_later(const Later& later) {
-  const std::weak_ptr<HttpSession> weak = weak_from_this();
-  later.start([weak](Ready ready) {
+  later.start([weak = weak_from_this()](Ready ready) {
     const auto self = weak.lock();
     if (!self) return;
     net::post(self->stream_.get_executor(), [self, ready = std::move(ready)]() mutable {
-      if (self->stream_.socket().is_open()) self->send(std::move(ready));
+      if (!self->stream_.socket().is_open()) return;
+      Code ignored;
+      self->stream_.socket().cancel(ignored);  // the wait for the client's end
+      self->send(std::move(ready));
     });
   });
 }

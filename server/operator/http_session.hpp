@@ -67,7 +67,6 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::optional<Ready> turned_down();
   void perform(Reply reply);
   void send(Ready ready);
-  void wait_for_idle(const WaitForIdle& wait);
   void answer_later(const Later& later);
   void pull();
   void on_piece(Piece piece);

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "server/operator/api_json.hpp"
+#include "server/operator/explain_request.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/robot_json.hpp"
@@ -43,7 +44,36 @@ Result<Reply> atlas(const Query& query, const Context& context) {
   }
   const auto timeout_s = parse_number("wait", wait->second, 0, context.limits.wait_s);
   if (!timeout_s) return tl::unexpected(timeout_s.error());
-  return WaitForIdle{*timeout_s};
+  return Later{[&station = context.station, seconds = *timeout_s](auto answer) {
+    station.when_idle(seconds, [&station, answer = std::move(answer)](const Pending& left) {
+      const WaitOutcome outcome{left, !left.idle()};
+      const AtlasView view = station.atlas();
+      answer(json(atlas_json(view, station.sessions(), &outcome)));
+    });
+  }};
+}
+
+Result<Reply> alignments(const Query&, const Context& context) {
+  return json(alignments_json(context.station.atlas()));
+}
+
+/// POST /api/v1/alignments/{id}/{decision}
+Result<Reply> decide(const Query& query, const Context& context) {
+  const std::string &id_text = query.at("id"), &name = query.at("decision");
+  AlignmentId id = 0;
+  const char* end = id_text.data() + id_text.size();
+  if (std::from_chars(id_text.data(), end, id).ptr != end)
+    return failure(ErrorCode::invalid_argument,
+                   "\"" + id_text + "\" is no alignment; give its number, GET /api/v1/alignments lists them");
+  const auto decision = decision_from(name);
+  if (!decision)
+    return failure(ErrorCode::not_found,
+                   "\"" + name + "\" is no decision; there are confirm, refuse, retract and undo");
+  return Later{[&station = context.station, id, decision = *decision](auto answer) {
+    station.decide(id, decision, [&station, id, answer = std::move(answer)](const Result<void>& done) {
+      answer(done ? json(alignment_json(station.atlas(), id)) : error_reply(done.error()));
+    });
+  }};
 }
 
 Result<Reply> merge(const Query&, const Context& context) {
@@ -56,6 +86,13 @@ Result<std::string> required(const Query& query, const std::string& name) {
   if (found == query.end() || found->second.empty())
     return failure(ErrorCode::invalid_argument, "parameter \"" + name + "\" is missing");
   return found->second;
+}
+
+Result<Reply> explain_pair(const Query& query, const Context& context) {
+  const auto a = required(query, "a"), b = required(query, "b");
+  if (!a) return tl::unexpected(a.error());
+  if (!b) return tl::unexpected(b.error());
+  return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
 }
 
 Result<CloudFormat> cloud_format(const Query& query) {
@@ -141,16 +178,32 @@ struct Route {
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 10> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 13> routes{{{"GET", "/healthz", {}, healthz},
                                         {"GET", "/api/v1/status", {}, status},
                                         {"GET", "/api/v1/sessions", {}, sessions},
                                         {"GET", "/api/v1/atlas", {"wait"}, atlas},
+                                        {"GET", "/api/v1/alignments", {}, alignments},
+                                        {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
+                                        {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
                                         {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory},
                                         {"GET", "/api/v1/robots", {}, robots},
                                         {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
                                         {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}}};
+
+/// "{name}" in the pattern takes one piece of the path, however it is spelt.
+bool matches(std::string_view pattern, std::string_view path, Query& captured) {
+  while (!pattern.empty() && !path.empty()) {
+    const std::string_view want = pattern.substr(0, pattern.find('/', 1)), have = path.substr(0, path.find('/', 1));
+    const bool any = want.size() > 3 && want[1] == '{';
+    if (any ? have.size() < 2 : want != have) return false;
+    if (any) captured.emplace(want.substr(2, want.size() - 3), have.substr(1));
+    pattern.remove_prefix(want.size());
+    path.remove_prefix(have.size());
+  }
+  return pattern.empty() && path.empty();
+}
 
 int http_status(ErrorCode code) {
   switch (code) {
@@ -168,8 +221,11 @@ int http_status(ErrorCode code) {
 Result<Reply> routed(std::string_view method, std::string_view text, const Context& context) {
   const auto target = parse_target(text);
   if (!target) return tl::unexpected(target.error());
-  const auto route =
-      std::find_if(routes.begin(), routes.end(), [&](const Route& other) { return other.path == target->path; });
+  Query captured;
+  const auto route = std::find_if(routes.begin(), routes.end(), [&](const Route& other) {
+    captured.clear();
+    return matches(other.path, target->path, captured);
+  });
   if (route == routes.end())
     return failure(ErrorCode::not_found, "there is nothing at \"" + target->path + "\"; the API is under /api/v1/");
   if (route->method != method) {
@@ -180,7 +236,8 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
   for (const auto& [name, value] : target->query)
     if (name.empty() || std::find(route->parameters.begin(), route->parameters.end(), name) == route->parameters.end())
       return failure(ErrorCode::invalid_argument, target->path + " has no parameter \"" + name + "\"");
-  return route->handle(target->query, context);
+  captured.insert(target->query.begin(), target->query.end());
+  return route->handle(captured, context);
 }
 
 }  // namespace
@@ -192,12 +249,6 @@ Reply route(std::string_view method, std::string_view target, Station& station, 
   auto reply = routed(method, target, {station, limits, uptime_s, robots});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
-}
-
-Ready atlas_after_wait(const Station& station, const Pending& left) {
-  const WaitOutcome outcome{left, !left.idle()};
-  const AtlasView view = station.atlas();
-  return json(atlas_json(view, station.sessions(), &outcome));
 }
 
 Ready error_reply(const Error& error) { return error_reply(http_status(error.code), error); }

@@ -31,29 +31,23 @@ struct Ready {
   std::string allow;    // of a 405
   bool bearer = false;  // of a 401: a token is wanted
 };
-/// The atlas, as soon as nothing is pending or timeout_s is over.
-struct WaitForIdle {
-  double timeout_s = 0;
+/// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
+struct Later {
+  std::function<void(std::function<void(Ready)> answer)> start;
 };
 struct Stream {
   std::string content_type;
   std::unique_ptr<BodySource> body;
 };
-/// Starts something and answers when it calls back: once, from any thread.
-struct Later {
-  std::function<void(const std::function<void(Ready)>& answer)> start;
-};
-using Reply = std::variant<Ready, WaitForIdle, Stream, Later>;
+using Reply = std::variant<Ready, Later, Stream>;
 
 /// Whether a target is for everybody; all others want the operator's token.
 bool is_public(std::string_view target);
 
-/// Calls only what is quick in Station, so that an I/O thread may call this. robots: null where none has to enrol.
+/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
+/// `robots`, which is null where none has to enrol.
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
             double uptime_s, RobotAdmin* robots = nullptr);
-
-/// The answer to a WaitForIdle that ended.
-Ready atlas_after_wait(const Station& station, const Pending& left);
 
 /// An error as JSON, with the HTTP status that fits its code, or with the one given.
 Ready error_reply(const Error& error);

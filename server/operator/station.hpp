@@ -10,6 +10,8 @@
 #include "common/result.hpp"
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
+#include "server/atlas/decisions.hpp"
+#include "server/merge_config.hpp"
 
 namespace headframe {
 
@@ -34,7 +36,7 @@ struct AlignmentRow {
 
 struct AtlasView {
   Atlas atlas;
-  std::vector<AlignmentRow> alignments;
+  std::vector<AlignmentRow> alignments;  // ordered by id
 };
 
 /// What has still to be done before the atlas is settled; all zero when it is.
@@ -52,11 +54,15 @@ class Station {
   virtual std::vector<SessionRow> sessions() const = 0;
   virtual AtlasView atlas() const = 0;
   virtual Pending pending() const = 0;
+  virtual MergeConfig merge_config() const = 0;
   /// Calls back once, from any thread, as soon as nothing is pending (at once if so), or when timeout_s is over; with
   /// what is left.
   virtual void when_idle(double timeout_s, std::function<void(Pending)> callback) = 0;
   /// Queues an attempt for every session.
   virtual void merge_all() = 0;
+  /// The operator's decision. Calls back once, from any thread, when it is durable and the robots were told, or with
+  /// why not: not_found, refused, unavailable.
+  virtual void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) = 0;
   /// Keyframes in the order of their sequence: stamp and T_local_sensor are filled, the descriptor may be empty.
   virtual Result<std::vector<Keyframe>> trajectory(SessionId session) const = 0;
   /// The stored cloud, in the keyframe's sensor frame; not_found when there is none.

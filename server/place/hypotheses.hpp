@@ -1,31 +1,25 @@
 #pragma once
 // Where could two sessions lie on each other? One list from several sources, best first, for the registration to judge.
 
+#include <functional>
+#include <limits>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "common/descriptor/family.hpp"
 #include "server/place/descriptor_index.hpp"
-#include "server/place/wall_correlation.hpp"
+#include "server/place/session_walls.hpp"
+#include "server/place/wall_search.hpp"
 
 namespace headframe {
 
 struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
-  double score = 0;               // of the wall maps laid on each other: comparable whatever the source
+  double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
+  Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of that piece of b's path, in b's frame
 };
-
-/// A stretch of a session's path, by keyframe index: [begin, end).
-struct Piece {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-  auto operator<=>(const Piece&) const = default;
-};
-
-/// Pieces of piece_m of path, each half over the one before: short enough that drift does not bend them, long enough to
-/// be told apart. A level above another is in another piece, mostly.
-std::vector<Piece> cut_pieces(std::span<const Keyframe> keyframes, double piece_m);
 
 /// A neighbour of a keyframe of b among the keyframes of a, by index, from the descriptor index.
 struct MatchedPair {
@@ -34,41 +28,48 @@ struct MatchedPair {
   float squared_distance = 0;
 };
 
-/// Finds hypotheses for pairs of sessions, and remembers what it correlated: a finished piece is correlated with
-/// another only once. Not thread safe.
+/// A session as the finder sees it.
+struct SessionView {
+  SessionId id = 0;
+  std::span<const Keyframe> keyframes;
+};
+
+/// What was found for a pair of sessions, best first. The version changes with every new search.
+struct Found {
+  std::size_t version = 0;
+  std::vector<Hypothesis> hypotheses;
+  double path_a_m = 0, path_b_m = 0;  // of the sessions when it was searched
+};
+
+/// Finds hypotheses for pairs of sessions, and remembers what it drew and found: a pair is searched again when one of
+/// both has grown by news_m. Not thread safe.
 class HypothesisFinder {
  public:
   struct Config {
-    double piece_m = 120;
-    float cell_m = 0.5F;
-    std::size_t most = 8;           // handed on
-    std::size_t correlations = 16;  // new piece pairs in one call; those with most descriptor matches first
+    std::size_t most = 8;      // handed on
+    std::size_t refined = 60;  // coarse placements looked at more closely ...
+    std::size_t fine = 16;     // ... and of these, to half a cell
+    double news_m = 15;
     int threads = 1;
   };
   explicit HypothesisFinder(const Config& config) : config_(config) {}
 
-  /// `exhausted` (out) is false when piece pairs were left for a later call.
-  std::vector<Hypothesis> find(SessionId id_a, std::span<const Keyframe> a, SessionId id_b, std::span<const Keyframe> b,
-                               std::span<const MatchedPair> matches, const DescriptorFamily* family, bool& exhausted);
+  /// New searches until the next call of allow().
+  void allow(std::size_t searches) { allowed_ = searches; }
+
+  /// Null when it would take a search and none is allowed any more. The pointer holds until the next call. `matches` is
+  /// called for a new search only.
+  const Found* find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
+                    const std::function<std::vector<MatchedPair>()>& matches);
 
  private:
-  struct PairKey {
-    SessionId session_a, session_b;
-    std::size_t begin_a, begin_b;
-    auto operator<=>(const PairKey&) const = default;
-  };
-  /// Valid while both pieces still end where they did: the last piece of a session grows.
-  struct Correlated {
-    std::size_t end_a = 0, end_b = 0;
-    std::vector<Hypothesis> hypotheses;
-  };
-  Correlated correlate_pieces(std::span<const Keyframe> a, Piece piece_a, std::span<const Keyframe> b,
-                              Piece piece_b) const;
-  void add_from_walls(SessionId id_a, std::span<const Keyframe> a, SessionId id_b, std::span<const Keyframe> b,
-                      std::span<const MatchedPair> matches, std::vector<Hypothesis>& out, bool& exhausted);
+  const SessionWalls& walls(const SessionView& session);
+  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<Pose>& proposed);
 
   Config config_;
-  std::map<PairKey, Correlated> correlated_;
+  std::size_t allowed_ = std::numeric_limits<std::size_t>::max();
+  std::map<SessionId, std::unique_ptr<SessionWalls>> walls_;
+  std::map<std::pair<SessionId, SessionId>, Found> found_;
 };
 
 /// FRAME's T_0, for each of the best yaw differences: the levelled frames of the two keyframes on each other. Empty

@@ -36,6 +36,14 @@ CREATE TABLE merge_order (
   state TEXT NOT NULL);
 )sql",
     R"sql(
+ALTER TABLE alignments ADD COLUMN verdict TEXT NOT NULL DEFAULT 'candidate';
+UPDATE alignments SET verdict = CASE state WHEN 'published' THEN 'verified' WHEN 'retracted' THEN 'candidate'
+  ELSE state END;
+CREATE TABLE decisions (
+  id INTEGER PRIMARY KEY, alignment INTEGER NOT NULL, decision TEXT NOT NULL, T_a_b BLOB NOT NULL,
+  seen_points REAL, time_s REAL NOT NULL, undone INTEGER NOT NULL DEFAULT 0);
+)sql",
+    R"sql(
 CREATE TABLE robots (
   name TEXT PRIMARY KEY, token_digest BLOB NOT NULL, code_digest BLOB NOT NULL, code_expires_s REAL NOT NULL,
   enrolled_s REAL NOT NULL, revoked INTEGER NOT NULL) WITHOUT ROWID;

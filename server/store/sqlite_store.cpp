@@ -126,6 +126,7 @@ class SqliteStore : public Store {
     const std::lock_guard lock(mutex_);
     auto read = read_alignments(merge.alignments);
     if (read) read = read_atlas(merge.atlas);
+    if (read) read = read_decisions(merge.decisions);
     if (!read) return tl::unexpected(read.error());
     return merge;
   }
@@ -133,9 +134,10 @@ class SqliteStore : public Store {
  private:
   Result<void> read_alignments(std::vector<Alignment>& alignments) {
     std::map<std::pair<SessionId, SessionId>, std::size_t> index;
-    auto read = reader_.each("SELECT a, b, id, state, T_a_b FROM alignments ORDER BY id", [&](const Row& row) {
+    auto read = reader_.each("SELECT a, b, id, state, T_a_b, verdict FROM alignments ORDER BY id", [&](const Row& row) {
       Alignment alignment{row.integer(2), row.integer(0), row.integer(1), {}, pose_from_blob(row.blob(4)), {}};
       alignment.state = alignment_state_from(row.text(3)).value_or(AlignmentState::candidate);
+      alignment.verdict = alignment_state_from(row.text(5)).value_or(AlignmentState::candidate);
       index[{alignment.a, alignment.b}] = alignments.size();
       alignments.push_back(alignment);
     });
@@ -158,6 +160,16 @@ class SqliteStore : public Store {
           atlas.components.back().placements.push_back({row.integer(1), pose_from_blob(row.blob(2))});
         },
         atlas.revision);
+  }
+
+  Result<void> read_decisions(std::vector<DecisionRecord>& decisions) {
+    return reader_.each("SELECT id, alignment, decision, T_a_b, seen_points, undone FROM decisions ORDER BY id",
+                        [&](const Row& row) {
+                          const auto decision =
+                              decision_from(row.text(2)).value_or(Decision::refuse);  // of a newer server: the careful
+                          decisions.push_back({row.integer(0), row.integer(1), decision, pose_from_blob(row.blob(3)),
+                                               row.real(4), row.integer(5) != 0});
+                        });
   }
 
   DataDirectory directory_;

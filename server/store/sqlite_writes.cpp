@@ -58,9 +58,9 @@ Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64
   const std::string T = pose_blob(alignment.T_a_b);
   const std::string_view state = to_string(alignment.state);
   auto done = db.run(
-      "INSERT INTO alignments (a, b, id, state, T_a_b) VALUES (?,?,?,?,?)"
-      " ON CONFLICT (a, b) DO UPDATE SET id=excluded.id, state=excluded.state, T_a_b=excluded.T_a_b",
-      alignment.a, alignment.b, alignment.id, state, Blob{T});
+      "INSERT INTO alignments (a, b, id, state, T_a_b, verdict) VALUES (?,?,?,?,?,?) ON CONFLICT (a, b) DO UPDATE SET"
+      " id=excluded.id, state=excluded.state, T_a_b=excluded.T_a_b, verdict=excluded.verdict",
+      alignment.a, alignment.b, alignment.id, state, Blob{T}, to_string(alignment.verdict));
   for (const EvidenceField& field : evidence_fields()) {
     if (!done) return done;
     done = db.run("INSERT OR REPLACE INTO evidence (a, b, name, value) VALUES (?,?,?,?)", alignment.a, alignment.b,
@@ -71,9 +71,19 @@ Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64
                 state);
 }
 
+double now_s() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+Result<void> put_decision(Database& db, const DecisionRecord& record) {
+  const std::string T = pose_blob(record.T_a_b);
+  return db.run(
+      "INSERT INTO decisions (id, alignment, decision, T_a_b, seen_points, time_s, undone) VALUES (?,?,?,?,?,?,?)"
+      " ON CONFLICT (id) DO UPDATE SET undone=excluded.undone",
+      record.id, record.alignment, to_string(record.decision), Blob{T}, record.seen_points, now_s(),
+      int{record.undone});
+}
+
 Result<void> put_atlas(Database& db, const Atlas& atlas) {
-  const double now_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  auto done = db.run("INSERT INTO revisions (number, time_s) VALUES (?,?)", atlas.revision, now_s);
+  auto done = db.run("INSERT INTO revisions (number, time_s) VALUES (?,?)", atlas.revision, now_s());
   for (const Component& component : atlas.components) {
     for (const Placement& placement : component.placements) {
       if (!done) return done;
@@ -96,6 +106,10 @@ Result<void> put(Database& db, const PutMerge& write) {
   for (const Alignment& alignment : write.changed) {
     if (!done) return done;
     done = put_alignment(db, alignment, revision);
+  }
+  for (const DecisionRecord& record : write.decided) {
+    if (!done) return done;
+    done = put_decision(db, record);
   }
   if (!done || write.attempted == 0) return done;
   return db.run("UPDATE sessions SET attempted_keyframes=? WHERE id=?", write.attempted_keyframes, write.attempted);

@@ -12,6 +12,7 @@
 #include "common/result.hpp"
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
+#include "server/atlas/decisions.hpp"
 #include "server/place/descriptor_index.hpp"
 
 namespace headframe {
@@ -56,12 +57,13 @@ struct PutCloud {
 struct CompleteSession {
   SessionId session = 0;
 };
-/// What one attempt changed, in one transaction.
+/// What one attempt or decision changed, in one transaction.
 struct PutMerge {
   SessionId attempted = 0;  // 0: none
   std::uint64_t attempted_keyframes = 0;
   std::vector<Alignment> changed;
-  std::optional<Atlas> atlas;  // a new revision
+  std::optional<Atlas> atlas;           // a new revision
+  std::vector<DecisionRecord> decided;  // new ones, and those that were undone
 };
 struct PutRobot {
   RobotRecord robot;
@@ -77,8 +79,9 @@ struct StoreLoad {
 };
 
 struct StoredMerge {
-  std::vector<Alignment> alignments;  // ordered by id
-  Atlas atlas;                        // the last revision
+  std::vector<Alignment> alignments;      // ordered by id
+  Atlas atlas;                            // the last revision
+  std::vector<DecisionRecord> decisions;  // ordered by id
 };
 
 /// All calls are thread safe.

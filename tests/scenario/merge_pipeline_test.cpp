@@ -30,11 +30,11 @@ class Shelf : public CloudSource {
 
 /// A pipeline with these drives in it as sessions 1, 2, ...
 struct Base {
-  MergePipeline pipeline{MergeConfig{}};
+  MergePipeline pipeline;
   Shelf shelf;
   std::vector<Drive> drives;
 
-  explicit Base(std::vector<Drive> all) : drives(std::move(all)) {
+  explicit Base(std::vector<Drive> all, const MergeConfig& config = {}) : pipeline(config), drives(std::move(all)) {
     for (std::size_t i = 0; i < drives.size(); ++i) {
       const auto id = static_cast<SessionId>(i + 1);
       pipeline.add_session(id, ScanContext().id());
@@ -136,6 +136,56 @@ TEST(MergePipeline, RestoresWhatItHad) {
   EXPECT_EQ(later.pipeline.atlas().revision, 1U);
   ASSERT_EQ(later.pipeline.atlas().components.size(), 1U);
   EXPECT_FALSE(later.pipeline.attempt(1, later.shelf).atlas_changed) << "nothing new, no new revision";
+}
+
+TEST(MergePipeline, ARetractedMergeStaysOutUntilItIsUndone) {
+  Base base({a(), b()});
+  base.pipeline.attempt(2, base.shelf);
+  ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+  const auto retracted = base.pipeline.decide(1, Decision::retract);
+  ASSERT_TRUE(retracted);
+  EXPECT_TRUE(retracted->atlas_changed);
+  EXPECT_EQ(base.pipeline.atlas().revision, 2U);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U) << "the same placement on the same evidence";
+  EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::retracted);
+  ASSERT_TRUE(base.pipeline.decide(1, Decision::undo));
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_EQ(base.pipeline.atlas().revision, 3U);
+  EXPECT_LT(base.error_m(), 0.15);
+  EXPECT_FALSE(base.pipeline.decide(1, Decision::undo));
+  EXPECT_EQ(base.pipeline.decide(9, Decision::confirm).error().code, ErrorCode::not_found);
+}
+
+TEST(MergePipeline, AConfirmedCandidateIsPublishedAndKeptByLaterAttempts) {
+  MergeConfig strict;
+  strict.accept_probability = 1.1;  // nothing is published by itself
+  Base base({a(), b()}, strict);
+  base.pipeline.attempt(2, base.shelf);
+  ASSERT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::candidate);
+  ASSERT_TRUE(base.pipeline.decide(1, Decision::confirm));
+  EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::published);
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_EQ(base.pipeline.alignments().at(0).ruling, Ruling::confirmed);
+  ASSERT_TRUE(base.pipeline.decide(1, Decision::undo));
+  EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::candidate);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+}
+
+TEST(MergePipeline, DecisionsSurviveARestart) {
+  Base base({a(), b()});
+  base.pipeline.attempt(2, base.shelf);
+  const auto report = base.pipeline.decide(1, Decision::retract);
+  ASSERT_TRUE(report);
+  Base later({a(), b()});
+  later.pipeline.restore(base.pipeline.alignments(), base.pipeline.atlas().revision, report->decided);
+  EXPECT_EQ(later.pipeline.alignments().at(0).ruling, Ruling::retracted);
+  later.pipeline.attempt(1, later.shelf);
+  EXPECT_EQ(later.pipeline.atlas().components.size(), 2U);
+  ASSERT_TRUE(later.pipeline.decide(1, Decision::undo));
+  EXPECT_EQ(later.pipeline.atlas().components.size(), 1U);
 }
 
 TEST(MergePipeline, GarbageKeyframesChangeNothing) {

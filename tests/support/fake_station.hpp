@@ -1,6 +1,7 @@
 #pragma once
 // A station with two merged sessions, one apart and one rejected alignment, for tests of what the operator sees.
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
@@ -46,6 +47,7 @@ class FakeStation : public Station {
 
   std::vector<SessionRow> sessions() const override { return rows; }
   AtlasView atlas() const override { return view; }
+  MergeConfig merge_config() const override { return {}; }
   Pending pending() const override {
     const std::lock_guard lock(mutex_);
     return pending_;
@@ -69,6 +71,21 @@ class FakeStation : public Station {
   void merge_all() override {
     ++merges;
     if (merge_makes_work) set_pending({3, 0, 0});
+  }
+  /// Confirms, or says that there is no such alignment; on a thread of its own, as the real one.
+  void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) override {
+    const auto row = std::find_if(view.alignments.begin(), view.alignments.end(),
+                                  [&](const AlignmentRow& r) { return r.alignment.id == alignment; });
+    const bool known = row != view.alignments.end();
+    if (known && decision == Decision::confirm) {
+      row->alignment.state = AlignmentState::published;
+      row->alignment.ruling = Ruling::confirmed;
+    }
+    decided.emplace_back(alignment, decision);
+    deciding_ = std::jthread([known, callback = std::move(callback)] {
+      if (known) return callback({});
+      callback(failure(ErrorCode::not_found, "there is no such alignment"));
+    });
   }
   void set_pending(Pending pending) {
     const std::lock_guard lock(mutex_);
@@ -108,6 +125,7 @@ class FakeStation : public Station {
   int cloud_that_breaks = 0;  // the n-th that is read
   bool merge_makes_work = false;
   std::atomic<int> merges = 0, waits = 0;
+  std::vector<std::pair<AlignmentId, Decision>> decided;
   mutable std::atomic<int> clouds_read = 0;
   mutable std::mutex cloud_gate;  // held by a test: cloud() waits
 
@@ -116,7 +134,7 @@ class FakeStation : public Station {
   std::condition_variable_any changed_;
   Pending pending_;
   std::stop_source timer_stop_;
-  std::jthread timer_;
+  std::jthread timer_, deciding_;
 };
 
 }  // namespace headframe

@@ -140,6 +140,28 @@ TEST_F(HeadframeCommand, ExportsAndTrajectoriesBecomeFiles) {
   EXPECT_EQ(files(), (std::set<std::string>{"map.ply", "map.pcd", "by_robot.txt", "by_session.txt", "odd.txt"}));
 }
 
+TEST_F(HeadframeCommand, DecisionsAreOneLine) {
+  EXPECT_EQ(run("confirm 2").out, "alignment 2, alpha/run/1 and gamma \"3\"/run/1: published, confirmed; revision 7\n");
+  EXPECT_NE(run("alignments").out.find("published, confirmed"), std::string::npos);
+  EXPECT_EQ(run("undo 2").code, 0);
+  EXPECT_EQ(server.station.decided.back(), std::pair(AlignmentId{2}, Decision::undo));
+  EXPECT_EQ(Json::parse(run("refuse --json 2").out)["alignment"]["id"], 2);
+  expect_fault(run("retract 9"), 1, "no such alignment");
+  expect_fault(run("confirm first"), 1, "\"first\" is no alignment");
+  expect_fault(run("confirm"), 2, "ALIGNMENT");
+}
+
+TEST_F(HeadframeCommand, ExplainsInWords) {
+  server.station.view.alignments[0].alignment.evidence.inlier_fraction = 0.9;
+  const Outcome why = run("explain alpha beta");
+  EXPECT_EQ(why.code, 0) << why.err;
+  EXPECT_EQ(why.out.rfind("alpha/run/1 and beta/run/1 are merged: at x 10.0", 0), 0U) << why.out;
+  EXPECT_NE(why.out.find("  + 90 % of the points"), std::string::npos) << why.out;
+  EXPECT_NE(run("explain alpha 'gamma \"3\"'").out.find("missing\n    they do not meet"), std::string::npos);
+  expect_fault(run("explain alpha delta"), 1, "no session \"delta\"");
+  expect_fault(run("explain alpha"), 2, "B is required");
+}
+
 TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run(""), 2, "say what to do");
   expect_fault(run("atlsa"), 2, "atlsa");

@@ -91,6 +91,25 @@ TEST(MergeGraph, AnAlignmentThatContradictsALoopIsHeldBackAndAPublishedOneRetrac
   }
 }
 
+TEST(MergeGraph, AConfirmedAlignmentIsTheStrongestAndWaitsForAnotherConfirmedOne) {
+  const Pose wrong = pose_from_yaw(0, {6, 0, 0});
+  auto edges = loop();
+  edges[4] = edge(3, 5, 0.1, wrong);
+  edges[4].ruling = Ruling::confirmed;
+  edges[3].evidence.probability = 0.91;
+  edges[3].state = AlignmentState::published;
+  auto result = merge_sessions(sessions, edges);
+  EXPECT_EQ(result.states[4], AlignmentState::published);
+  EXPECT_EQ(result.states[3], AlignmentState::retracted) << "the weakest of the loop";
+  for (auto& e : edges) e.ruling = Ruling::confirmed;
+  edges[4].state = AlignmentState::published;
+  result = merge_sessions(sessions, edges);
+  EXPECT_EQ(result.states[4], AlignmentState::verified) << "confirmed ones wait";
+  edges[0].state = AlignmentState::retracted;
+  edges[1].state = AlignmentState::retracted;
+  EXPECT_EQ(merge_sessions(sessions, edges).states[4], AlignmentState::published) << "nothing contradicts it any more";
+}
+
 TEST(MergeGraph, ToleranceHasTwoSides) {
   const LoopTolerance tolerance;
   const double reach = tolerance.translation_m + 0.01 * (true_pose(3).inverse() * true_pose(5)).translation().norm();

@@ -34,6 +34,9 @@ struct Script {
   std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
     return AttemptReport();
   };
+  std::function<Result<AttemptReport>(AlignmentId, Decision)> on_decision = [](AlignmentId, Decision) {
+    return AttemptReport();
+  };
   Atlas atlas;
   std::vector<Alignment> alignments;
 
@@ -55,7 +58,8 @@ class ScriptedPipeline : public Pipeline {
     const std::lock_guard lock(script_.mutex);
     script_.completed.insert(id);
   }
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision) override {
+  Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return script_.on_decision(id, decision); }
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord>) override {
     script_.alignments = std::move(alignments);
     script_.restored_revision = revision;
   }
@@ -115,7 +119,7 @@ class Worker : public testing::Test {
   /// As after a restart, with every session attempted already or not.
   void start(bool attempted = true) {
     if (attempted)
-      for (const SessionId id : {1, 2}) keep(PutMerge{id, 5, {}, std::nullopt});
+      for (const SessionId id : {1, 2}) keep(PutMerge{id, 5, {}, std::nullopt, {}});
     worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, ScheduleConfig{});
     ASSERT_TRUE(worker->restore());
     worker->start(robots);
@@ -131,7 +135,7 @@ class Worker : public testing::Test {
 };
 
 TEST_F(Worker, ARestartFeedsAllAndTriesOnlyWhatNoAttemptHasSeen) {
-  keep(PutMerge{2, 5, {}, Atlas{7, {}}});
+  keep(PutMerge{2, 5, {}, Atlas{7, {}}, {}});
   start(false);
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(script.attempts, std::vector<SessionId>{1});
@@ -273,7 +277,7 @@ TEST_F(Worker, ATransformIsPublishedAfterItIsDurable) {
     const Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
     script.alignments = {alignment};
     script.atlas = {3, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
-    return AttemptReport{{}, false, {alignment}, true, {}};
+    return AttemptReport{{}, false, {alignment}, true, {}, {}};
   };
   std::uint64_t on_disk = 0;
   robots.on_publish = [&] { on_disk = store->merge()->atlas.revision; };
@@ -287,11 +291,70 @@ TEST_F(Worker, ATransformIsPublishedAfterItIsDurable) {
   EXPECT_GE(worker->view()->sessions.at(2).trigger_to_transform_ms, 0);
 }
 
+/// Waits for the outcome of a decision.
+Result<void> decided(MergeWorker& worker, AlignmentId alignment, Decision decision) {
+  std::promise<Result<void>> outcome;
+  worker.decide(alignment, decision, [&](const Result<void>& result) { outcome.set_value(result); });
+  return outcome.get_future().get();
+}
+
+TEST_F(Worker, ADecisionIsDurableAndToldBeforeItIsAnswered) {
+  script.on_decision = [&](AlignmentId id, Decision decision) {
+    AttemptReport report;
+    const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+    report.changed = {{id, 1, 2, AlignmentState::published, T, {}}};
+    report.decided = {{1, id, decision, T, 10, false}};
+    report.atlas_changed = true;
+    script.alignments = report.changed;
+    script.atlas = {script.atlas.revision + 3, {{1, {{1, Pose::Identity()}, {2, T}}}}};
+    return report;
+  };
+  start();
+  ASSERT_TRUE(decided(*worker, 7, Decision::confirm));
+  EXPECT_EQ(robots.changed.size(), 1U);
+  EXPECT_EQ(worker->view()->atlas.revision, 3U);
+  const auto stored = store->merge();
+  EXPECT_EQ(stored->atlas.revision, 3U);
+  ASSERT_EQ(stored->decisions.size(), 1U);
+  EXPECT_EQ(stored->decisions[0].alignment, 7);
+  EXPECT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.attempted(), 0U);
+  ASSERT_TRUE(decided(*worker, 7, Decision::undo));
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "an undo looks again";
+}
+
+TEST_F(Worker, DecisionsThatFailSaySoAndTooManyAreTurnedAway) {
+  std::promise<void> entered, leave;
+  script.on_attempt = [&](SessionId, CloudSource&) {
+    entered.set_value();
+    leave.get_future().wait();
+    return AttemptReport();
+  };
+  script.on_decision = [](AlignmentId, Decision) -> Result<AttemptReport> {
+    return failure(ErrorCode::not_found, "there is no alignment 7");
+  };
+  start();
+  worker->trigger(1, Trigger::command);
+  entered.get_future().wait();
+  std::atomic<int> not_found = 0, turned_away = 0;
+  for (int i = 0; i < 70; ++i)
+    worker->decide(7, Decision::confirm, [&](const Result<void>& result) {
+      ASSERT_FALSE(result);
+      (result.error().code == ErrorCode::not_found ? not_found : turned_away) += 1;
+    });
+  EXPECT_EQ(turned_away, 6) << "while the worker is busy, 64 wait";
+  leave.set_value();
+  ASSERT_TRUE(eventually([&] { return not_found == 64; }));
+  worker->stop();
+  EXPECT_EQ(decided(*worker, 7, Decision::confirm).error().code, ErrorCode::unavailable);
+}
+
 TEST_F(Worker, UnfinishedAttemptsGoOnAndExceptionsEndOne) {
   int left = 3;
   script.on_attempt = [&](SessionId id, CloudSource&) {
     if (id == 2) throw std::runtime_error("out of memory, say");
-    return AttemptReport{{}, --left > 0, {}, false, {}};
+    return AttemptReport{{}, --left > 0, {}, false, {}, {}};
   };
   start();
   worker->trigger(1, Trigger::command);

@@ -142,6 +142,43 @@ TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
   expect_error(get("/api/v1/trajectory?robot=alpha&session=2"), 404, "not_found", "alpha/2");
 }
 
+TEST_F(OperatorApiTest, DecisionsReachTheStationAndAnswerWithTheAlignment) {
+  const Json before = Json::parse(get("/api/v1/alignments").body);
+  ASSERT_EQ(before["alignments"].size(), 2U);
+  EXPECT_EQ(before["alignments"][1]["id"], 2);
+  EXPECT_EQ(before["alignments"][1]["decision"], "none");
+  const HttpResponse confirmed = post("/api/v1/alignments/2/confirm");
+  EXPECT_EQ(confirmed.status, 200);
+  const Json json = Json::parse(confirmed.body);
+  EXPECT_EQ(json["alignment"]["state"], "published");
+  EXPECT_EQ(json["alignment"]["decision"], "confirmed");
+  EXPECT_EQ(json["revision"], 7);
+  for (const char* name : {"refuse", "retract", "undo"})
+    EXPECT_EQ(post(std::string("/api/v1/alignments/1/") + name).status, 200);
+  EXPECT_EQ(server.station.decided.size(), 4U);
+  EXPECT_EQ(server.station.decided.back(), std::pair(AlignmentId{1}, Decision::undo));
+  expect_error(post("/api/v1/alignments/9/confirm"), 404, "not_found", "no such alignment");
+  expect_error(post("/api/v1/alignments/1x/confirm"), 400, "invalid_argument", "1x");
+  expect_error(post("/api/v1/alignments/1/approve"), 404, "not_found", "approve");
+  expect_error(post("/api/v1/alignments/1"), 404, "not_found", "nothing at");
+  expect_error(post("/api/v1/alignments//confirm"), 404, "not_found", "nothing at");
+  expect_error(get("/api/v1/alignments/1/confirm"), 405, "refused", "POST");
+}
+
+TEST_F(OperatorApiTest, ExplainsPairsOfSessions) {
+  server.station.view.alignments[0].alignment.evidence.inlier_fraction = 0.9;
+  const Json merged = Json::parse(get("/api/v1/explain?a=beta&b=alpha%2Frun%2F1").body);
+  EXPECT_EQ(merged["a"]["robot"], "alpha") << "in the order of the sessions";
+  EXPECT_NE(merged["outcome"].get<std::string>().find("are merged: at x 10.0"), std::string::npos);
+  EXPECT_EQ(merged["alignment"]["id"], 1);
+  EXPECT_FALSE(merged["findings"].empty());
+  const Json untried = Json::parse(get("/api/v1/explain?a=beta&b=gamma+%223%22").body);
+  EXPECT_TRUE(untried["alignment"].is_null());
+  expect_error(get("/api/v1/explain?a=beta"), 400, "invalid_argument", "\"b\" is missing");
+  expect_error(get("/api/v1/explain?a=beta&b=beta"), 400, "invalid_argument", "name two");
+  expect_error(get("/api/v1/explain?a=beta&b=delta"), 404, "not_found", "there are alpha/run/1, beta/run/1");
+}
+
 TEST_F(OperatorApiTest, TrajectoryIsInTheComponentsFrame) {
   const HttpResponse response = get("/api/v1/trajectory?robot=beta&session=run%2F1");
   EXPECT_EQ(response.status, 200);

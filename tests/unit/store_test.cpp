@@ -109,9 +109,9 @@ TEST(Store, KeepsTheAtlasWithItsEvidence) {
     const auto store = open(dir);
     for (const SessionId id : {1, 2})
       ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{2, 17, {alignment}, atlas}));
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{2, 17, {alignment}, atlas, {}}));
     alignment.state = AlignmentState::retracted;
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{1, 9, {alignment}, std::nullopt}));
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{1, 9, {alignment}, std::nullopt, {}}));
   }
   const auto store = open(dir);
   const auto merge = store->merge();
@@ -125,6 +125,48 @@ TEST(Store, KeepsTheAtlasWithItsEvidence) {
   ASSERT_EQ(merge->atlas.components.size(), 1U);
   EXPECT_EQ(merge->atlas.components[0].placements[1].T_component_session.matrix(), alignment.T_a_b.matrix());
   EXPECT_EQ(store->sessions()->at(1).attempted_keyframes, 17U);
+}
+
+TEST(Store, KeepsDecisionsAndThatTheyWereUndone) {
+  const TempDir dir;
+  DecisionRecord refusal{1, 7, Decision::refuse, pose_from_yaw(0.5, {1, 2, 3}), 5000, false};
+  const DecisionRecord confirmation{2, 8, Decision::confirm, Pose::Identity(), 10, false};
+  {
+    const auto store = open(dir);
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, std::nullopt, {refusal, confirmation}}));
+    refusal.undone = true;
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, std::nullopt, {refusal}}));
+  }
+  const auto decisions = open(dir)->merge()->decisions;
+  ASSERT_EQ(decisions.size(), 2U);
+  EXPECT_TRUE(decisions[0].undone);
+  EXPECT_EQ(decisions[0].decision, Decision::refuse);
+  EXPECT_EQ(decisions[0].alignment, 7);
+  EXPECT_EQ(decisions[0].T_a_b.matrix(), refusal.T_a_b.matrix());
+  EXPECT_EQ(decisions[0].seen_points, 5000);
+  EXPECT_FALSE(decisions[1].undone);
+  EXPECT_EQ(decisions[1].decision, Decision::confirm);
+}
+
+TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
+  const TempDir dir;
+  {
+    auto database = Database::open((dir.path() / "headframe.db").string());
+    ASSERT_TRUE(database && migrate(*database));
+    ASSERT_TRUE(
+        database->execute("DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"
+                          "DROP TABLE robots; ALTER TABLE sessions DROP COLUMN spool_run;"
+                          "PRAGMA foreign_keys=OFF; PRAGMA user_version=1;"
+                          "INSERT INTO alignments VALUES (1, 2, 1, 'published', x''),"
+                          "(1, 3, 2, 'rejected', x''), (2, 3, 3, 'retracted', x'')"));
+  }
+  const auto merge = open(dir)->merge();
+  ASSERT_TRUE(merge);
+  ASSERT_EQ(merge->alignments.size(), 3U);
+  EXPECT_EQ(merge->alignments[0].verdict, AlignmentState::verified);
+  EXPECT_EQ(merge->alignments[1].verdict, AlignmentState::rejected);
+  EXPECT_EQ(merge->alignments[2].verdict, AlignmentState::candidate);
+  EXPECT_TRUE(merge->decisions.empty());
 }
 
 TEST(Store, RepeatsChangeNothingAndHolesFail) {

@@ -1,0 +1,45 @@
+#pragma once
+// Why two sessions are or are not merged, in words and figures. Pure: the text follows from what is passed in.
+
+#include <string>
+#include <vector>
+
+#include "server/atlas/alignment.hpp"
+#include "server/merge_config.hpp"
+
+namespace headframe {
+
+struct ExplainedSession {
+  std::string name;    // "robot/session"
+  std::string family;  // "scan_context 1": sessions of different families are never compared
+  double path_m = 0;
+  std::uint64_t keyframes = 0;
+  std::uint64_t clouds = 0;  // stored
+  bool complete = false;     // no keyframe follows
+  bool connected = false;
+};
+
+enum class Speaks { in_favour, against, neither };
+
+std::string_view to_string(Speaks speaks);
+
+/// One piece of evidence, and what it means.
+struct Finding {
+  std::string_view evidence;  // name of the field of Evidence
+  double value = 0;
+  Speaks speaks = Speaks::neither;
+  std::string text;
+};
+
+struct Explanation {
+  std::string outcome;               // one sentence
+  std::vector<Finding> findings;     // of the best hypothesis; empty when nothing fitted
+  std::vector<std::string> missing;  // what keeps them apart, and what to do; empty when they are merged
+  std::string decision;              // the operator's standing word; empty without one
+};
+
+/// alignment: of the pair a, b; null when nothing has been tried. together: both are in one component.
+Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
+                    const MergeConfig& config);
+
+}  // namespace headframe

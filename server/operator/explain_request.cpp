@@ -1,0 +1,65 @@
+#include "server/operator/explain_request.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "server/atlas/explain.hpp"
+#include "server/operator/api_json.hpp"
+
+namespace headframe {
+namespace {
+
+std::string full_name(const SessionRow& row) { return row.key.robot + "/" + row.key.session; }
+
+ExplainedSession explained(const SessionRow& row) {
+  return {full_name(row), row.family.name + " " + std::to_string(row.family.version),
+          row.distance_m, row.keyframes,
+          row.clouds,     row.complete,
+          row.connected};
+}
+
+bool together(const Atlas& atlas, SessionId a, SessionId b) {
+  const auto holds = [](const Component& component, SessionId id) {
+    return std::any_of(component.placements.begin(), component.placements.end(),
+                       [id](const Placement& p) { return p.session == id; });
+  };
+  return std::any_of(atlas.components.begin(), atlas.components.end(),
+                     [&](const Component& component) { return holds(component, a) && holds(component, b); });
+}
+
+}  // namespace
+
+Result<SessionRow> find_session(const std::vector<SessionRow>& sessions, const std::string& name) {
+  const SessionRow* of_robot = nullptr;
+  std::size_t runs = 0;
+  std::string there;
+  for (const SessionRow& row : sessions) {
+    if (full_name(row) == name) return row;
+    if (row.key.robot == name) of_robot = &row, ++runs;
+    there += (there.empty() ? "" : ", ") + full_name(row);
+  }
+  if (runs == 1) return *of_robot;
+  const std::string problem =
+      runs == 0 ? "there is no session \"" + name + "\"" : "robot \"" + name + "\" has several sessions; say which";
+  return failure(ErrorCode::not_found, problem + (there.empty() ? "; no session yet" : "; there are " + there));
+}
+
+Result<std::string> explain_request(const Station& station, const std::string& a, const std::string& b) {
+  const AtlasView view = station.atlas();
+  const auto sessions = station.sessions();
+  auto first = find_session(sessions, a), second = find_session(sessions, b);
+  if (!first) return tl::unexpected(first.error());
+  if (!second) return tl::unexpected(second.error());
+  if (first->id == second->id)
+    return failure(ErrorCode::invalid_argument, full_name(*first) + " is one session; name two");
+  if (first->id > second->id) std::swap(first, second);
+  const auto row = std::find_if(view.alignments.begin(), view.alignments.end(), [&](const AlignmentRow& r) {
+    return r.alignment.a == first->id && r.alignment.b == second->id;
+  });
+  const AlignmentRow* known = row == view.alignments.end() ? nullptr : &*row;
+  const Explanation explanation = explain(explained(*first), explained(*second), known ? &known->alignment : nullptr,
+                                          together(view.atlas, first->id, second->id), station.merge_config());
+  return explanation_json(first->key, second->key, known, explanation);
+}
+
+}  // namespace headframe

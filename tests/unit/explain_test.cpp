@@ -1,0 +1,142 @@
+#include "server/atlas/explain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace headframe {
+namespace {
+
+ExplainedSession session(const std::string& name) { return {name, "scan_context 1", 200, 60, 60, true, true}; }
+
+/// A placement that nothing speaks against.
+Alignment good() {
+  Alignment k{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {10, 20, 1}), {}};
+  k.verdict = AlignmentState::verified;
+  k.evidence = {0.98, 12, 5, 5, 0.9, 0.05, 0.6, 0.5, 20000, 0.001, 0.001, 0.1, 0.7, 0.2, 0.4, 0.0};
+  return k;
+}
+
+Explanation explained(const Alignment& k, bool together = false) {
+  return explain(session("ant/1"), session("bee/1"), &k, together, {});
+}
+
+bool says(const std::vector<std::string>& lines, const std::string& what) {
+  return std::any_of(lines.begin(), lines.end(), [&](const auto& l) { return l.find(what) != std::string::npos; });
+}
+
+Speaks side(const Explanation& e, std::string_view evidence) {
+  const auto at =
+      std::find_if(e.findings.begin(), e.findings.end(), [&](const auto& f) { return f.evidence == evidence; });
+  return at == e.findings.end() ? Speaks::neither : at->speaks;
+}
+
+TEST(Explain, AMergeSaysWhereAndHowSureAndMissesNothing) {
+  const Explanation e = explained(good(), true);
+  EXPECT_EQ(e.outcome,
+            "ant/1 and bee/1 are merged: at x 10.0, y 20.0, z 1.0 m, turned by 28.6 deg, with probability 0.980");
+  EXPECT_TRUE(e.missing.empty());
+  EXPECT_TRUE(e.decision.empty());
+  for (const Finding& f : e.findings) EXPECT_NE(f.speaks, Speaks::against) << f.text;
+}
+
+/// Each figure of the evidence on its bad side: it speaks against, and what to do is said.
+TEST(Explain, EachPieceOfEvidenceHasTwoSides) {
+  struct Case {
+    double Evidence::*member;
+    double bad;
+    std::string_view evidence;
+    const char* missing;  // empty: nothing the operator could do
+  };
+  for (const Case& c :
+       {Case{&Evidence::inlier_fraction, 0.59, "inlier_fraction", ""},
+        Case{&Evidence::freespace_violation, 0.01, "freespace_violation", "sees through walls"},
+        Case{&Evidence::overlap_b, 0.05, "overlap_a", ""},
+        Case{&Evidence::seen_points, 5999, "seen_points", "overlap is small"},
+        Case{&Evidence::pairs, 2, "pairs", "overlap is small"},
+        Case{&Evidence::places_agreeing, 4, "places_agreeing", ""},
+        Case{&Evidence::weakest_hold, 0.01, "weakest_hold", "held by nothing: drive on to a junction"},
+        Case{&Evidence::slide_ratio, 0.99, "slide_ratio", ""}, Case{&Evidence::tilt_deg, 2, "tilt_deg", ""}}) {
+    Alignment k = good();
+    k.state = AlignmentState::candidate;
+    EXPECT_EQ(side(explained(k), c.evidence), Speaks::in_favour) << c.evidence;
+    EXPECT_FALSE(*c.missing && says(explained(k).missing, c.missing)) << c.missing;
+    k.evidence.*c.member = c.bad;
+    EXPECT_EQ(side(explained(k), c.evidence), Speaks::against) << c.evidence;
+    EXPECT_TRUE(says(explained(k).missing, c.missing) || !*c.missing) << c.missing;
+  }
+}
+
+TEST(Explain, WhatTheVerdictAsksForIsNamedWithBothFigures) {
+  Alignment k = good();
+  k.state = AlignmentState::candidate;
+  EXPECT_TRUE(explained(k).missing.empty());
+  k.evidence.probability = 0.85;
+  k.evidence.runner_up = 0.6;
+  const Explanation e = explained(k);
+  EXPECT_TRUE(says(e.missing, "the probability is 0.850 and must be 0.90"));
+  EXPECT_TRUE(says(e.missing, "a different placement is nearly as good (0.60, must be below 0.50)"));
+  EXPECT_NE(e.outcome.find("not sure enough"), std::string::npos);
+}
+
+TEST(Explain, SessionsSayWhatTheyLack) {
+  ExplainedSession brief = session("ant/1"), away = session("bee/1");
+  brief.path_m = 31;
+  brief.complete = false;
+  away.clouds = 3;
+  away.connected = false;
+  Alignment k = good();
+  k.state = AlignmentState::candidate;
+  const auto missing = explain(brief, away, &k, false, {}).missing;
+  EXPECT_TRUE(says(missing, "ant/1 is too short: 31 of 50 m")) << missing.size();
+  EXPECT_TRUE(says(missing, "bee/1: 3 of 60 clouds are here; its robot is not connected"));
+  brief.complete = true;
+  away.connected = true;
+  const auto less = explain(brief, away, nullptr, false, {}).missing;
+  EXPECT_FALSE(says(less, "too short"));
+  EXPECT_TRUE(says(less, "asked for"));
+}
+
+TEST(Explain, FamiliesThatDifferAndPairsNotTriedAreSaidFirst) {
+  ExplainedSession iris = session("bee/1");
+  iris.family = "lidar_iris 2";
+  EXPECT_NE(explain(session("ant/1"), iris, nullptr, false, {}).outcome.find("families differ"), std::string::npos);
+  const Explanation untried = explain(session("ant/1"), session("bee/1"), nullptr, false, {});
+  EXPECT_NE(untried.outcome.find("nothing has been tried yet"), std::string::npos);
+  EXPECT_TRUE(says(untried.missing, "headframe merge"));
+  EXPECT_NE(explain(session("ant/1"), session("bee/1"), nullptr, true, {}).outcome.find("through other sessions"),
+            std::string::npos);
+}
+
+TEST(Explain, EveryStateAndDecisionHasItsWords) {
+  Alignment k = good();
+  std::vector<std::string> seen;
+  for (const auto state : {AlignmentState::published, AlignmentState::candidate, AlignmentState::verified,
+                           AlignmentState::retracted, AlignmentState::rejected}) {
+    k.state = state;
+    seen.push_back(explained(k).outcome);
+  }
+  k.ruling = Ruling::refused;
+  seen.push_back(explained(k).outcome);
+  EXPECT_NE(explained(k).decision.find("refused by the operator"), std::string::npos);
+  k.ruling = Ruling::retracted;
+  seen.push_back(explained(k).outcome);
+  k.evidence = {};
+  k.ruling = Ruling::none;
+  seen.push_back(explained(k).outcome);
+  EXPECT_TRUE(explained(k).findings.empty()) << "no placement: the figures mean nothing";
+  std::sort(seen.begin(), seen.end());
+  EXPECT_EQ(std::unique(seen.begin(), seen.end()), seen.end());
+}
+
+TEST(Explain, FiguresThatWereNotMeasuredAreLeftOut) {
+  Alignment k = good();
+  k.evidence.tilt_deg = std::numeric_limits<double>::quiet_NaN();
+  const Explanation e = explained(k);
+  for (const Finding& f : e.findings) EXPECT_NE(f.evidence, "tilt_deg");
+}
+
+}  // namespace
+}  // namespace headframe
