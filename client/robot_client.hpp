@@ -59,6 +59,7 @@ struct Progress {
   std::uint64_t bytes_sent = 0;      // since open()
   bool connected = false;
   bool refused = false;    // the server said no for good: nothing more is tried
+  std::string hold;        // why the server takes nothing for now (a full disk); empty: it does
   std::string link_error;  // why the last connection ended; empty: none did
 };
 

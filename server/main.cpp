@@ -77,6 +77,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a full disk, which is waited out
   spdlog::set_default_logger(spdlog::stderr_color_mt("headframe"));
   try {
     return run(argc, argv);

@@ -55,6 +55,7 @@ Result<void> MapMergeServer::Parts::start() {
   if (done) done = worker.restore();
   if (done) done = gate.restore();
   if (!done) return done;
+  hub.set_uplink_budget(static_cast<std::uint64_t>(options.config.limits.uplink_kib_s) * 1024);
   auto listening = listener.listen(options.listen);
   if (!listening) return tl::unexpected(listening.error());
   robots = *listening;

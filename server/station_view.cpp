@@ -55,6 +55,7 @@ Pending StationView::pending() const {
   const std::size_t unsettled = hub_.unsettled();  // before the worker's: what settles in between is counted there
   Pending pending = worker_.pending();
   pending.keyframes += unsettled;
+  pending.hold = hub_.policy().hold;
   return pending;
 }
 

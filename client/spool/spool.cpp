@@ -124,6 +124,9 @@ Result<void> Spool::settle_identity(Hello robot) {
   identity_ = std::move(robot);
   if (auto at = log_.append(identity_record, message.SerializeAsString(), config_.sync); !at)
     return tl::unexpected(at.error());
+  if (config_.sync &&
+      !(sync_directory(config_.directory) && sync_directory(fs::absolute(config_.directory).parent_path())))
+    return failure(ErrorCode::unavailable, config_.directory.string() + ": can not be synced");
   return {};
 }
 
@@ -171,22 +174,43 @@ Result<void> Spool::append(const Keyframe& keyframe, std::string_view encoded_cl
   const auto message = to_proto(keyframe);
   if (!message) return tl::unexpected(message.error());
   if (auto ok = from_proto(*message); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
-  if (!encoded_cloud.empty())
-    if (auto ok = write_cloud(keyframe.sequence, encoded_cloud); !ok) return ok;
-  const auto at = log_.append(keyframe_record, message->SerializeAsString(), config_.sync);
+  const bool cloud_kept = !encoded_cloud.empty() && keep_cloud(keyframe.sequence, encoded_cloud);
+  const std::string record = message->SerializeAsString();
+  auto at = log_.append(keyframe_record, record, config_.sync);
+  if (!at && make_room(record.size())) at = log_.append(keyframe_record, record, config_.sync);
   std::error_code ignored;
   if (!at) {
     fs::remove(cloud_path(keyframe.sequence), ignored);
     return tl::unexpected(at.error());
   }
   keyframe_at_.push_back(*at);
-  if (!encoded_cloud.empty()) {
+  if (cloud_kept) {
     const auto size = fs::file_size(cloud_path(keyframe.sequence), ignored);
     cloud_bytes_[keyframe.sequence] = size;
     all_cloud_bytes_ += size;
     keep_quota();
   }
   return {};
+}
+
+/// False: the disk has no room for it even without older ones. Its keyframe goes on without.
+bool Spool::keep_cloud(std::uint64_t sequence, std::string_view bytes) {
+  auto written = write_cloud(sequence, bytes);
+  if (!written && make_room(bytes.size())) written = write_cloud(sequence, bytes);
+  if (written) return true;
+  std::error_code ignored;
+  fs::remove(cloud_path(sequence), ignored);
+  [[maybe_unused]] const auto at = log_.append(cloud_drop, std::to_string(sequence), false);  // as in drop_cloud()
+  ++dropped_clouds_;
+  return false;
+}
+
+/// Drops the oldest clouds, twice as many bytes as asked for; false: there was none.
+bool Spool::make_room(std::uint64_t bytes) {
+  const auto before = all_cloud_bytes_;
+  if (cloud_bytes_.empty()) return false;
+  while (!cloud_bytes_.empty() && before - all_cloud_bytes_ < 2 * bytes) drop_cloud(cloud_bytes_.begin()->first);
+  return true;
 }
 
 Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) {
@@ -196,6 +220,8 @@ Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) 
   auto file = RecordLog::open(path, [](const Record&) {});
   if (!file) return tl::unexpected(file.error());
   if (auto at = file->append('p', bytes, config_.sync); !at) return tl::unexpected(at.error());
+  if (config_.sync && !sync_directory(path.parent_path()))
+    return failure(ErrorCode::unavailable, path.string() + ": its folder can not be synced");
   return {};
 }
 

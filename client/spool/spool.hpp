@@ -42,7 +42,8 @@ class Spool {
   bool resumed() const { return resumed_; }
   const std::vector<std::string>& warnings() const { return warnings_; }  // what open() found and cured
 
-  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. On an error nothing was added.
+  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. A disk without room costs the oldest
+  /// clouds, then this one's (dropped_clouds()), and only then fails. On an error nothing was added.
   Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
   std::uint64_t last_sequence() const { return keyframe_at_.size(); }
   Result<Keyframe> keyframe(std::uint64_t sequence) const;
@@ -73,6 +74,8 @@ class Spool {
   Result<void> find_clouds(const std::set<std::uint64_t>& settled);
   Result<void> settle_identity(Hello robot);
   Result<void> begin_run(const std::vector<std::uint64_t>& runs, std::uint64_t welcomed);
+  bool keep_cloud(std::uint64_t sequence, std::string_view bytes);
+  bool make_room(std::uint64_t bytes);
   void keep_quota();
   std::filesystem::path cloud_path(std::uint64_t sequence) const;
 

@@ -8,7 +8,7 @@ namespace headframe {
 
 std::chrono::duration<double> TokenBucket::take(std::size_t bytes, Time now) {
   if (bytes_per_s_ <= 0) return {};
-  const std::chrono::duration<double> passed = now - filled_;
+  const std::chrono::duration<double> passed = std::max(Time::duration::zero(), now - filled_);
   filled_ = now;
   level_bytes_ = std::min(level_bytes_ + passed.count() * bytes_per_s_, bytes_per_s_ / 4);
   level_bytes_ -= static_cast<double>(bytes);

@@ -105,6 +105,7 @@ void Uplink::Thread::connect() {
       if (fault) return fail(l, "no connection", fault);
       Code ignored;
       l->stream.socket().set_option(tcp::no_delay(true), ignored);
+      expect_losses(l->stream.socket().native_handle());
       tls ? shake_hands(l) : connected_to(l);
     });
   });

@@ -248,8 +248,9 @@ bool UplinkProtocol::queue_next_keyframe(Events& events) {
   }
   v1::RobotMessage body;
   *body.mutable_keyframe() = *message;
-  queue(body);
   ++sent_keyframes_;
+  body.set_backlog(source_.last_sequence() - sent_keyframes_);
+  queue(body);
   return true;
 }
 

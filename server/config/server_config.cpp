@@ -25,6 +25,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"limits", "robots", &c.limits.robots, 1, 4096},
       {"limits", "strangers", &c.limits.strangers, 1, 4096},
       {"limits", "undurable_mib", &c.limits.undurable_mib, 1, 1024},
+      {"limits", "uplink_kib_s", &c.limits.uplink_kib_s, 0, 1e6},
       {"limits", "hello_s", &c.limits.hello_s, 0.1, 3600},
       {"limits", "silence_s", &c.limits.silence_s, 0.1, 3600},
       {"limits", "ping_s", &c.limits.ping_s, 0.1, 3600},

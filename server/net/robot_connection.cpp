@@ -1,5 +1,6 @@
 #include "server/net/robot_connection.hpp"
 
+#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 
@@ -50,6 +51,8 @@ void RobotConnection::start() {
   on_strand([](RobotConnection& self) {
     error_code ignored;
     self.stream_.socket().set_option(tcp::no_delay(true), ignored);
+    using ThinLinearTimeouts = boost::asio::detail::socket_option::boolean<IPPROTO_TCP, TCP_THIN_LINEAR_TIMEOUTS>;
+    self.stream_.socket().set_option(ThinLinearTimeouts(true), ignored);  // lossy links: acks must come through
     self.meet();
     self.tick();
   });
@@ -199,6 +202,10 @@ void RobotConnection::tick() {
   if (!begun_ && protocol_.ended()) {
     note("no TLS handshake in time");
     return drop();
+  }
+  if (const LinkPolicy policy = hub_.policy(); protocol_.welcomed() && policy != told_) {
+    told_ = policy;
+    protocol_.tell_policy(policy);
   }
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();

@@ -74,6 +74,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   std::atomic<bool> admitted_ = false;
   bool begun_ = false;     // the handshake is over, or there is none
   bool deciding_ = false;  // whether to let it in: nothing is read meanwhile
+  LinkPolicy told_;  // as the robot knows it
   bool reading_ = false, writing_ = false, finishing_ = false, dropped_ = false;
   Clock::time_point write_began_, finish_began_;
   std::string output_;

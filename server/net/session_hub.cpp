@@ -100,6 +100,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     record = session.record;
     replaced = session.link.lock();
     session.link = link;
+    session.heard = Clock::now();
     admitted = {record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, nullptr};
     for (const Component& component : atlas_.components)
       for (const Placement& placement : component.placements)
@@ -135,6 +136,10 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
 void SessionHub::handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
   const std::uint64_t sequence = event.keyframe.sequence;
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.at(session).backlog = event.backlog;
+  }
   write(PutKeyframe{session, std::move(event.keyframe)}, link, bytes,
         [this, session, sequence, to = std::weak_ptr(link)] {
           {
@@ -183,8 +188,42 @@ void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std:
 }
 
 void SessionHub::received(SessionId session, std::size_t bytes) {
+  const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  sessions_.at(session).bytes_received += bytes;
+  Session& known = sessions_.at(session);
+  known.bytes_received += bytes;
+  known.rate.add(static_cast<double>(bytes), now);
+  known.heard = now;
+}
+
+LinkPolicy SessionHub::policy() {
+  constexpr auto good_for = std::chrono::milliseconds(50);  // every connection asks often
+  const std::lock_guard made(policy_mutex_);
+  const auto now = Clock::now();
+  if (now - policy_made_ < good_for) return policy_;
+  policy_made_ = now;
+  LinkPolicy policy;
+  const StoreLoad load = store_.load();
+  const bool was_held = !policy_.hold.empty();
+  if (!load.waits_for.empty())
+    policy.hold = "the server waits for its disk: " + load.waits_for;
+  else if (load.queued_bytes > load.queue_bytes / (was_held ? 4 : 2))
+    policy.hold = "the server's disk is slow: more waits to be written than is good";
+  if (const std::uint64_t budget = budget_bytes_per_s_; budget > 0) {
+    const std::lock_guard lock(mutex_);
+    const auto connected = std::count_if(sessions_.begin(), sessions_.end(),
+                                         [](const auto& entry) { return !entry.second.link.expired(); });
+    policy.bytes_per_s =
+        std::max<std::uint64_t>(1, budget / std::max<std::uint64_t>(1, static_cast<std::uint64_t>(connected)));
+  }
+  if (policy.hold != policy_.hold) {
+    if (policy.hold.empty())
+      spdlog::info("robots may send again");
+    else
+      spdlog::error("robots are held, nothing is acknowledged: {}", policy.hold);
+  }
+  policy_ = policy;
+  return policy;
 }
 
 void SessionHub::left(SessionId session, const RobotLink* link) {
@@ -259,9 +298,14 @@ void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& chang
 std::vector<SessionRow> SessionHub::sessions() const {
   const std::lock_guard lock(mutex_);
   std::vector<SessionRow> rows;
-  for (const auto& [id, s] : sessions_)
-    rows.push_back({id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(), s.record.complete,
-                    s.keyframes, s.clouds.size(), s.bytes_received});
+  const auto now = Clock::now();
+  for (const auto& [id, s] : sessions_) {
+    auto& row = rows.emplace_back(SessionRow{id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(),
+                                             s.record.complete, s.keyframes, s.clouds.size(), s.bytes_received});
+    row.backlog = s.backlog;
+    row.bytes_per_s = s.rate.at(now);
+    if (row.connected) row.link_age_s = std::chrono::duration<double>(now - s.heard).count();
+  }
   return rows;
 }
 

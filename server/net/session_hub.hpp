@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/merge_worker/merge_news.hpp"
+#include "server/net/data_rate.hpp"
 #include "server/net/robot_events.hpp"
 #include "server/net/robot_limits.hpp"
 #include "server/operator/station.hpp"
@@ -55,6 +56,14 @@ class SessionHub : public Robots {
   void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override;
   void publish(const Atlas& atlas, const std::vector<Component>& changed) override;
 
+  /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
+  /// change while they are served.
+  void set_uplink_budget(std::uint64_t bytes_per_s) { budget_bytes_per_s_ = bytes_per_s; }
+
+  /// As it is now: every robot's share of the budget, and a hold while the store waits for room on the disk or has half
+  /// of its queue full. Its changes are logged.
+  LinkPolicy policy();
+
   /// distance_m and trigger_to_transform_ms are not the hub's to fill.
   std::vector<SessionRow> sessions() const;
   std::map<SessionId, SessionKey> keys() const;
@@ -65,11 +74,15 @@ class SessionHub : public Robots {
   static std::size_t stored_bytes(const RobotEvent& event);
 
  private:
+  using Clock = std::chrono::steady_clock;
   struct Session {
     SessionRecord record;
     std::uint64_t keyframes = 0;  // durable
     std::set<std::uint64_t> clouds;
     std::uint64_t bytes_received = 0;
+    std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last
+    DataRate rate;
+    Clock::time_point heard;
     std::weak_ptr<RobotLink> link;
   };
   using Applied = std::function<void()>;
@@ -92,6 +105,10 @@ class SessionHub : public Robots {
   Atlas atlas_;               // published last
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;
+  std::atomic<std::uint64_t> budget_bytes_per_s_ = 0;
+  std::mutex policy_mutex_;  // taken before mutex_
+  LinkPolicy policy_;
+  Clock::time_point policy_made_;
 };
 
 }  // namespace headframe

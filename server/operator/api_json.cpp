@@ -73,7 +73,8 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                {"clouds", clouds},
                {"bytes_received", bytes},
                {"alignments", std::move(states)},
-               {"pending", pending_object(pending)}});
+               {"pending", pending_object(pending)},
+               {"hold", pending.hold.empty() ? Json(nullptr) : Json(pending.hold)}});
 }
 
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas) {
@@ -98,6 +99,9 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
                     {"keyframes", row.keyframes},
                     {"clouds", row.clouds},
                     {"bytes_received", row.bytes_received},
+                    {"backlog", row.backlog},
+                    {"bytes_per_s", number(row.bytes_per_s)},
+                    {"link_age_s", row.link_age_s >= 0 ? number(row.link_age_s) : Json(nullptr)},
                     {"distance_m", number(row.distance_m)},
                     {"component", component == component_of.end() ? Json(nullptr) : Json(component->second)},
                     {"trigger_to_transform_ms", placed ? number(row.trigger_to_transform_ms) : Json(nullptr)}});

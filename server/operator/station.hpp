@@ -25,6 +25,9 @@ struct SessionRow {
   std::uint64_t keyframes = 0;
   std::uint64_t clouds = 0;  // stored
   std::uint64_t bytes_received = 0;
+  std::uint64_t backlog = 0;  // keyframes that the robot still has to send, as it said last
+  double bytes_per_s = 0;     // received, over the last ten seconds or so
+  double link_age_s = -1;     // since anything was heard of a connected robot; -1: it is not connected
   double distance_m = 0;
   double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
 };
@@ -44,6 +47,7 @@ struct Pending {
   std::size_t attempts = 0;         // queued or running
   std::size_t keyframes = 0;        // durable, not yet given to the pipeline
   std::size_t awaited_submaps = 0;  // clouds asked of connected robots
+  std::string hold = {};            // why nothing is acknowledged now (a full disk); empty: all is well
   bool idle() const { return attempts + keyframes + awaited_submaps == 0; }
 };
 

@@ -18,6 +18,18 @@ Result<void> put(Database& db, const PutSession& write) {
       s.spool_id, int{s.complete}, s.spool_run);
 }
 
+/// A repeat is harmless; another keyframe of the same number is not.
+Result<void> same_as_stored(Database& db, const PutKeyframe& write) {
+  bool same = false;
+  auto read = db.each(
+      "SELECT stamp_s FROM keyframes WHERE session=? AND sequence=?",
+      [&](const Row& row) { same = row.real(0) == write.keyframe.stamp_s; }, write.session, write.keyframe.sequence);
+  if (!read || same) return read;
+  return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(write.keyframe.sequence) + " of session " +
+                                                  std::to_string(write.session) +
+                                                  " is stored with another stamp: the robot's spool was copied");
+}
+
 Result<void> put(Database& db, const PutKeyframe& write) {
   const Keyframe& k = write.keyframe;
   std::uint64_t last = 0;
@@ -25,7 +37,7 @@ Result<void> put(Database& db, const PutKeyframe& write) {
       "SELECT coalesce(max(sequence), 0) FROM keyframes WHERE session=?",
       [&](const Row& row) { last = static_cast<std::uint64_t>(row.integer(0)); }, write.session);
   if (!read) return read;
-  if (k.sequence <= last) return {};
+  if (k.sequence <= last) return same_as_stored(db, write);
   if (k.sequence != last + 1)
     return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(k.sequence) + " of session " +
                                                     std::to_string(write.session) + " would leave a hole after " +

@@ -75,7 +75,9 @@ struct StoreLoad {
   std::size_t queued_bytes = 0;
   std::uint64_t durable_writes = 0;
   std::uint64_t failed_writes = 0;
-  std::string last_error;  // empty when the last write was well
+  std::size_t queue_bytes = 0;  // the most that may be queued
+  std::string last_error;       // empty when the last write was well
+  std::string waits_for;        // why the disk refuses the next write; empty: it does not. It is tried again
 };
 
 struct StoredMerge {
@@ -93,8 +95,8 @@ class Store {
   virtual ~Store() = default;
 
   /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
-  /// the queue is full (unavailable). It must be quick. Writes are applied in the order of the calls; a keyframe that
-  /// would leave a hole in its session's sequence fails.
+  /// the queue is full (unavailable). A disk that refuses is no failure: the write waits for room. It must be quick.
+  /// Writes are applied in the order of the calls; a keyframe that would leave a hole in its session's sequence fails.
   virtual void write(Write write, Done done) = 0;
   virtual StoreLoad load() const = 0;
 

@@ -29,6 +29,15 @@ TEST(TokenBucket, NoBudgetIsNoLimit) {
   EXPECT_EQ(bucket.take(1'000'000'000, {}).count(), 0);
 }
 
+TEST(TokenBucket, AClockThatJumpsNeitherSavesNorOwes) {
+  TokenBucket::Time now{};
+  TokenBucket bucket(1000, now);
+  now += std::chrono::hours(24);
+  EXPECT_EQ(bucket.take(250, now).count(), 0);
+  now -= std::chrono::hours(24);
+  EXPECT_DOUBLE_EQ(bucket.take(100, now).count(), 0.1);
+}
+
 TEST(TokenBucket, TheRateMayChangeWhileItRuns) {
   TokenBucket::Time now{};
   TokenBucket bucket(0, now);

@@ -1,7 +1,9 @@
 #include "client/spool/spool.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
@@ -204,6 +206,26 @@ TEST_F(SpoolTest, TheQuotaDropsTheOldestCloudsAndNoKeyframe) {
   EXPECT_EQ(spool->held_clouds(), 2U);
   EXPECT_EQ(spool->dropped_clouds(), 2U);
   EXPECT_EQ(spool->last_sequence(), 4U);
+}
+
+TEST_F(SpoolTest, ADiskWithoutRoomCostsCloudsAndNoKeyframe) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  auto spool = open();
+  ASSERT_TRUE(spool);
+  ASSERT_TRUE(spool->append(keyframe(1), std::string(1000, 'x')));
+  const rlimit small{20'000, before.rlim_max};  // of every file: a cloud does not fit
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  const auto added = spool->append(keyframe(2), std::string(50'000, 'x'));
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  ASSERT_TRUE(added) << added.error().message;
+  EXPECT_EQ(spool->last_sequence(), 2U);
+  EXPECT_EQ(spool->held_clouds(), 0U) << "the older one was given up for it first";
+  EXPECT_EQ(spool->dropped_clouds(), 2U);
+  EXPECT_TRUE(spool->append(keyframe(3), "cloud"));
+  EXPECT_EQ(spool->next_held_cloud(1), 3U);
+  EXPECT_TRUE(spool->keyframe(2));
 }
 
 TEST_F(SpoolTest, ADirectoryThatCanNotBeMadeIsOneClearLine) {

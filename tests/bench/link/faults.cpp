@@ -81,18 +81,21 @@ std::vector<RadioConditions> bad_radios() {
 Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::path& scratch) {
   auto link = BadLink::make(plan.seed);
   if (!link) return tl::unexpected(link.error());
+  ServerConfig config;
+  config.merge.hypotheses = 1;  // the link is measured, not the merging of noise
+  config.merge.least_path_m = 1e5;
   Result<std::unique_ptr<MapMergeServer>> server;
   (*link)->as_server([&] {
-    server = MapMergeServer::start({scratch / "data", {BadLink::server_address, 0}, {"127.0.0.1", 0}, {}});
+    server = MapMergeServer::start({scratch / "data", {BadLink::server_address, 0}, {"127.0.0.1", 0}, config, true});
   });
   if (!server) return tl::unexpected(server.error());
   std::vector<Watched> robots(static_cast<std::size_t>(plan.robots));
   for (std::size_t i = 0; i < robots.size(); ++i) {
     robots[i].name = "robot" + std::to_string(i);
-    const auto config = drive_config(robots[i].name, scratch / "spools" / robots[i].name, BadLink::server_address,
-                                     (*server)->robots().port);
+    const auto robot = drive_config(robots[i].name, scratch / "spools" / robots[i].name, BadLink::server_address,
+                                    (*server)->robots().port);
     Result<std::unique_ptr<RobotClient>> client;
-    (*link)->as_robot([&] { client = RobotClient::open(config); });
+    (*link)->as_robot([&] { client = RobotClient::open(robot); });
     if (!client) return tl::unexpected(client.error());
     robots[i].client = std::move(*client);
   }
@@ -121,6 +124,14 @@ Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::pa
   if (!faults) return tl::unexpected(faults.error());
   outcome.faults = *faults;
   return outcome;
+}
+
+void FaultOutcome::add(const FaultOutcome& other) {
+  faults.add(other.faults);
+  lag_s.insert(lag_s.end(), other.lag_s.begin(), other.lag_s.end());
+  recovery_s.insert(recovery_s.end(), other.recovery_s.begin(), other.recovery_s.end());
+  clouds += other.clouds;
+  bytes += other.bytes;
 }
 
 double quantile(std::vector<double> values, double q) {

@@ -25,6 +25,7 @@ struct FaultOutcome {
   std::vector<double> recovery_s;  // end of a blackout to the next ack, each robot and blackout
   std::uint64_t clouds = 0;        // arrived under the conditions
   std::uint64_t bytes = 0;         // reached the server under the conditions, IP headers included
+  void add(const FaultOutcome& other);
 };
 
 /// A server and robots in one process, a namespace each, the radio between them.
