@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/place/wall_search.hpp"
+#include "tests/bench/basin.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/support/box_mine.hpp"
@@ -59,7 +60,8 @@ int main(int argc, char** argv) {
     return figures;
   });
   part("places", [] { return walls(); });
+  if (what == "basin") part("basin", [&] { return basin(out); });  // minutes: only when asked for
   if (!known)
-    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, places, all\n", what.c_str());
+    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, places, basin, all\n", what.c_str());
   return known ? 0 : 2;
 }
