@@ -246,6 +246,18 @@ TEST_F(Protocol, AFewCloudsMayOvertakeEachOtherButNotMany) {
   EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
 }
 
+TEST(CloudAssembler, HoldsSoManyBytesOfUnfinishedCloudsAndNoMore) {
+  CloudAssembler clouds;
+  const std::size_t total = limits::cloud_bytes;
+  const std::string all_but_one(total - 1, 'x');
+  EXPECT_FALSE(clouds.add(1, total, 0, all_but_one).value());
+  EXPECT_FALSE(clouds.add(2, total, 0, all_but_one).value());
+  EXPECT_FALSE(clouds.add(3, total, 0, "xx").value());
+  EXPECT_FALSE(clouds.add(3, total, 2, "x"));
+  EXPECT_FALSE(clouds.add(1, total, 0, "x").value()) << "begun anew, its bytes are free again";
+  EXPECT_FALSE(clouds.add(3, total, 2, "x").value());
+}
+
 TEST_F(Protocol, SilenceIsAskedAboutAndThenEndsTheConnection) {
   greet();
   later(limits.ping_s - 0.1);
