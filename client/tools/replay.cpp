@@ -60,7 +60,7 @@ Result<void> play(const SessionFolder& session, const Options& options, RobotCli
   return {};
 }
 
-/// Stays connected until nothing was asked for or acknowledged for so long.
+/// Stays connected until nothing was asked for or acknowledged for so long, or the server has cut it off.
 void linger(double linger_s, std::size_t scans, const RobotClient& robot, ReplayReport& report) {
   constexpr std::uint64_t more_than_pings = 4096;
   auto last = robot.progress();
@@ -69,6 +69,7 @@ void linger(double linger_s, std::size_t scans, const RobotClient& robot, Replay
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const auto now = robot.progress();
     report.step(scans, now);
+    if (now.refused) return;
     if (now.clouds_acknowledged == last.clouds_acknowledged && now.bytes_sent < last.bytes_sent + more_than_pings)
       continue;
     last = now;
@@ -90,6 +91,7 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
   if (done)
     done = robot.finish(milliseconds(options.patience_s), [&](const Progress& p) { report.step(session.size(), p); });
   if (done) linger(options.linger_s, session.size(), robot, report);
+  if (const auto last = robot.progress(); done && last.refused) done = failure(ErrorCode::refused, last.link_error);
   robot.close();
   report.end(robot.progress());
   return done;

@@ -124,7 +124,7 @@ TEST_F(Security, ARobotsTokenOpensNoOtherRobotsSessions) {
 TEST_F(Security, ARevokedRobotIsCutOffAtOnceAndStaysOut) {
   const auto admission = station->admission("a");
   std::vector<std::string> argv{
-      program("headframe-replay"), "--server", station->robots(), "--robot", "a", "--rate", "20"};
+      program("headframe-replay"), "--server", station->robots(), "--robot", "a", "--fast", "--linger", "600"};
   argv.insert(argv.end(), admission->begin(), admission->end());
   argv.push_back(at("a").string());
   auto live = Process::start(argv);
