@@ -33,7 +33,10 @@ struct RobotConfig {
   std::filesystem::path spool;  // directory; one directory is one session (one local frame)
   std::string host;             // of the base station
   std::uint16_t port = 7447;
-  bool insecure = false;  // plain TCP; TLS is not there yet, so it must be set
+  std::filesystem::path credential;  // file, of this robot alone; empty: ROBOT.credential beside the spool
+  std::string enrolment;             // what `headframe robot add` printed; only its first use counts, it may stay
+  std::string fingerprint;           // hexadecimal; pins another server than the enrolment did; empty: that one
+  bool insecure = false;             // plain TCP without credential, to a server that runs so: nothing is protected
   Sensor sensor;
 
   std::string family = "scan_context";            // of add_scan

@@ -45,6 +45,7 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     durable_keyframes_ = 0;
     link_error_.clear();
     hold_.clear();
+    written = spool_.run_welcomed();
   } else if (const auto* p = std::get_if<PolicyTold>(&event)) {
     hold_ = p->hold;
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {

@@ -10,6 +10,8 @@
 #include <random>
 #include <utility>
 
+#include "common/wire/limits.hpp"
+
 namespace headframe {
 namespace {
 
@@ -19,7 +21,9 @@ enum RecordType : char {
   keyframe_record = 'k',
   keyframe_ack = 'a',
   cloud_ack = 'c',
-  cloud_drop = 'd'
+  cloud_drop = 'd',
+  run_record = 'r',
+  run_welcome = 'w'
 };
 
 std::uint64_t random_u64() {
@@ -61,7 +65,8 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
   if (!lock_file) return tl::unexpected(lock_file.error());
 
   std::vector<std::uint64_t> keyframe_at;
-  std::uint64_t keyframes = 0;
+  std::uint64_t keyframes = 0, welcomed = 0;
+  std::vector<std::uint64_t> runs;
   std::set<std::uint64_t> acknowledged, dropped;
   std::string identity;
   auto log = RecordLog::open(config.directory / "session.log", [&](const Record& r) {
@@ -70,6 +75,8 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
     if (r.type == keyframe_ack) keyframes = std::max(keyframes, to_u64(r.payload));
     if (r.type == cloud_ack) acknowledged.insert(to_u64(r.payload));
     if (r.type == cloud_drop) dropped.insert(to_u64(r.payload));
+    if (r.type == run_record) runs.push_back(to_u64(r.payload));
+    if (r.type == run_welcome) welcomed = to_u64(r.payload);
   });
   if (!log) return tl::unexpected(log.error());
   Spool spool(config, std::move(*lock_file), std::move(*log));
@@ -89,6 +96,7 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
     spool.resumed_ = true;
   }
   if (auto ok = spool.settle_identity(std::move(robot)); !ok) return tl::unexpected(ok.error());
+  if (auto ok = spool.begin_run(runs, welcomed); !ok) return tl::unexpected(ok.error());
   acknowledged.merge(dropped);
   if (auto ok = spool.find_clouds(acknowledged); !ok) return tl::unexpected(ok.error());
   return spool;
@@ -119,6 +127,25 @@ Result<void> Spool::settle_identity(Hello robot) {
   if (config_.sync &&
       !(sync_directory(config_.directory) && sync_directory(fs::absolute(config_.directory).parent_path())))
     return failure(ErrorCode::unavailable, config_.directory.string() + ": can not be synced");
+  return {};
+}
+
+/// The server knows one of these: the last that it let in, or a later one whose welcome got lost.
+Result<void> Spool::begin_run(const std::vector<std::uint64_t>& runs, std::uint64_t welcomed) {
+  constexpr std::size_t others = limits::spool_runs - 1;
+  auto& mine = identity_.spool_runs;
+  mine.assign(runs.end() - static_cast<std::ptrdiff_t>(std::min(runs.size(), others)), runs.end());
+  if (welcomed != 0 && std::find(mine.begin(), mine.end(), welcomed) == mine.end()) mine.front() = welcomed;
+  mine.push_back(random_u64());
+  // On the disk before any server hears of it: a power cut must not make a copy of us.
+  if (auto at = log_.append(run_record, std::to_string(mine.back()), config_.sync); !at)
+    return tl::unexpected(at.error());
+  return {};
+}
+
+Result<void> Spool::run_welcomed() {
+  if (auto at = log_.append(run_welcome, std::to_string(identity_.spool_runs.back()), false); !at)
+    return tl::unexpected(at.error());
   return {};
 }
 

@@ -8,10 +8,14 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
+#include <optional>
 #include <thread>
 
 #include "client/uplink/kernel_queue.hpp"
 #include "client/uplink/pacing.hpp"
+#include "common/security/link_stream.hpp"
+#include "common/security/secret.hpp"
+#include "common/security/tls.hpp"
 #include "common/wire/limits.hpp"
 
 namespace headframe {
@@ -21,9 +25,6 @@ namespace asio = boost::asio;
 using tcp = asio::ip::tcp;
 using Code = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
-// The one place where TLS comes in: an ssl::stream over this socket, with its handshake after the connect.
-using Stream = tcp::socket;
-
 constexpr auto tick_every = std::chrono::milliseconds(500);
 constexpr auto look_again = std::chrono::milliseconds(20);  // whether the kernel has sent what it holds
 
@@ -39,7 +40,7 @@ struct Uplink::Thread {
   struct Connection {
     Connection(asio::io_context& io, const UplinkConfig& config, const Hello& hello, const UplinkSource& source)
         : stream(io), pace(io), deadline(io), protocol(config.limits, hello, source, Clock::now()) {}
-    Stream stream;
+    LinkStream stream;
     asio::steady_timer pace, deadline;
     UplinkProtocol protocol;
     std::array<char, 16 * 1024> received{};
@@ -49,9 +50,12 @@ struct Uplink::Thread {
   using Link = std::shared_ptr<Connection>;
 
   Thread(const UplinkConfig& c, const Hello& h, const UplinkSource& s, std::function<void(const UplinkEvent&)> e)
-      : config(c), hello(h), source(s), on_event(std::move(e)), bucket(c.bytes_per_s, Clock::now()) {}
+      : config(c), hello(h), source(s), on_event(std::move(e)), bucket(c.bytes_per_s, Clock::now()) {
+    if (!config.fingerprint.empty()) tls.emplace(config.fingerprint);
+  }
 
   void connect();
+  void shake_hands(const Link& link);
   void connected_to(const Link& link);
   void read(const Link& link);
   void pump(const Link& link);
@@ -72,6 +76,7 @@ struct Uplink::Thread {
   const UplinkSource& source;
   const std::function<void(const UplinkEvent&)> on_event;
   asio::io_context io{1};
+  std::optional<PinnedTls> tls;  // none: in the clear
   asio::steady_timer retry{io};
   tcp::resolver resolver{io};
   TokenBucket bucket;
@@ -95,11 +100,24 @@ void Uplink::Thread::connect() {
   resolver.async_resolve(config.host, std::to_string(config.port), [this, l = attempt](const Code& code, auto found) {
     if (l->over) return;
     if (code) return fail(l, "can not be resolved", code);
-    asio::async_connect(l->stream, found, [this, l](const Code& fault, const tcp::endpoint&) {
+    asio::async_connect(l->stream.socket(), found, [this, l](const Code& fault, const tcp::endpoint&) {
       if (l->over) return;
       if (fault) return fail(l, "no connection", fault);
-      connected_to(l);
+      Code ignored;
+      l->stream.socket().set_option(tcp::no_delay(true), ignored);
+      expect_losses(l->stream.socket().native_handle());
+      tls ? shake_hands(l) : connected_to(l);
     });
+  });
+}
+
+void Uplink::Thread::shake_hands(const Link& l) {
+  l->stream.async_handshake(tls->context(), asio::ssl::stream_base::client, [this, l](const Code& fault) {
+    if (l->over) return;
+    if (fault && !tls->other().empty())
+      return fail(l, "not the server that is pinned: its fingerprint is " + to_hex(tls->other()), fault);
+    if (fault) return fail(l, "no TLS", fault);
+    connected_to(l);
   });
 }
 
@@ -107,9 +125,6 @@ void Uplink::Thread::connected_to(const Link& l) {
   if (link) discard(link);  // in doubt: the server replaces it too
   link = std::exchange(attempt, nullptr);
   l->up = true;
-  Code ignored;
-  l->stream.set_option(tcp::no_delay(true), ignored);
-  expect_losses(l->stream.native_handle());
   read(l);
   pump(l);
   tick(l);
@@ -148,7 +163,7 @@ void Uplink::Thread::pump(const Link& l) {
     if (!closing || l->shut) return;
     l->shut = true;  // all is said: the server reads to the end and hangs up
     Code ignored;
-    l->stream.shutdown(tcp::socket::shutdown_send, ignored);
+    l->stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
     return;
   }
   l->pace.cancel();
@@ -164,7 +179,7 @@ void Uplink::Thread::pump(const Link& l) {
 /// What a chunk may hold now: see chunk_bytes_at() and kernel_room().
 std::size_t Uplink::Thread::room(const Link& l) const {
   const std::size_t paced = chunk_bytes_at(bucket.bytes_per_s());
-  return std::min(paced, kernel_room(l->stream.native_handle(), paced));
+  return std::min(paced, kernel_room(l->stream.socket().native_handle(), paced));
 }
 
 void Uplink::Thread::pump_later(const Link& l) {
@@ -226,14 +241,14 @@ void Uplink::Thread::fail(const Link& l, const std::string& what, const Code& co
   }
   const std::string where = config.host + ":" + std::to_string(config.port);
   if (!closing && !beside)
-    on_event(LinkEnded{{ErrorCode::unavailable, where + ": " + what + ": " + code.message()}, false});
+    on_event(LinkEnded{{ErrorCode::unavailable, where + ": " + what + ": " + tls_trouble(code)}, false});
 }
 
 void Uplink::Thread::discard(const Link& l) {
   if (l->over) return;
   l->over = true;
   Code ignored;
-  l->stream.close(ignored);
+  l->stream.socket().close(ignored);
   l->pace.cancel();
   l->deadline.cancel();
 }

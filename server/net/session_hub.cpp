@@ -17,6 +17,22 @@ bool same_family(const SessionRecord& record, const FamilySpec& family) {
   return record.family == family.id && record.q_size == family.q_size && record.w_size == family.w_size;
 }
 
+/// What speaks against a robot that wants to write to this session; empty: nothing.
+std::string objection(const SessionRecord& record, const Hello& hello) {
+  const std::string session = "session " + name_of(record.key);
+  if (record.spool_id != hello.spool_id)
+    return session + " is fed from another spool; use that spool, or another session name";
+  const auto& runs = hello.spool_runs;
+  if (record.spool_run != 0 && !runs.empty() && std::find(runs.begin(), runs.end(), record.spool_run) == runs.end())
+    return session + " has gone on with another copy of this spool: one of the two disks is a clone; begin a new " +
+           "session here, with an empty spool";
+  if (!same_family(record, hello.family))
+    return session + " was begun with descriptor family " + record.family.name + " version " +
+           std::to_string(record.family.version) + " of " + std::to_string(record.q_size) + " + " +
+           std::to_string(record.w_size) + " numbers; begin a new session";
+  return "";
+}
+
 }  // namespace
 
 Result<void> SessionHub::restore() {
@@ -61,22 +77,27 @@ SessionHub::Session& SessionHub::session_of(const Hello& hello) {
   return session;
 }
 
+/// Room for one more robot; the one it replaces does not count. Under the lock.
+bool SessionHub::has_room(const Hello& hello) const {
+  const auto others = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& session) {
+    return !session.second.link.expired() && session.second.record.key != hello.session;
+  });
+  return others < limits_.robots;
+}
+
 Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::shared_ptr<RobotLink>& link) {
   Admitted admitted;
   SessionRecord record;
   std::shared_ptr<RobotLink> replaced;
   {
     const std::lock_guard lock(mutex_);
+    if (!has_room(hello))
+      return failure(ErrorCode::unavailable, "the server serves " + std::to_string(limits_.robots) +
+                                                 " robots already; raise limits.robots or try again later");
     Session& session = session_of(hello);
+    if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
+    if (!hello.spool_runs.empty()) session.record.spool_run = hello.spool_runs.back();
     record = session.record;
-    if (record.spool_id != hello.spool_id)
-      return failure(ErrorCode::refused, "session " + name_of(record.key) +
-                                             " is fed from another spool; use that spool, or another session name");
-    if (!same_family(record, hello.family))
-      return failure(ErrorCode::refused, "session " + name_of(record.key) + " was begun with descriptor family " +
-                                             record.family.name + " version " + std::to_string(record.family.version) +
-                                             " of " + std::to_string(record.q_size) + " + " +
-                                             std::to_string(record.w_size) + " numbers; begin a new session");
     replaced = session.link.lock();
     session.link = link;
     session.heard = Clock::now();
@@ -213,6 +234,17 @@ void SessionHub::left(SessionId session, const RobotLink* link) {
   known.link.reset();
   news_.robot_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
+}
+
+void SessionHub::end_robot(const std::string& robot, const std::string& why) {
+  std::vector<std::shared_ptr<RobotLink>> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, session] : sessions_)
+      if (session.record.key.robot == robot)
+        if (auto link = session.link.lock()) ended.push_back(std::move(link));
+  }
+  for (const auto& link : ended) link->close(v1::ERROR_KIND_REFUSED, "robot " + robot + ": " + why, true);
 }
 
 std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {

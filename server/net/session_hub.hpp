@@ -9,6 +9,7 @@
 #include "server/merge_worker/merge_news.hpp"
 #include "server/net/data_rate.hpp"
 #include "server/net/robot_events.hpp"
+#include "server/net/robot_limits.hpp"
 #include "server/operator/station.hpp"
 #include "server/store/store.hpp"
 
@@ -36,7 +37,8 @@ class RobotLink {
 /// safe; never blocks on the disk but in restore().
 class SessionHub : public Robots {
  public:
-  SessionHub(Store& store, MergeNews& news) : store_(store), news_(news) {}
+  SessionHub(Store& store, MergeNews& news, const RobotLimits& limits = {})
+      : store_(store), news_(news), limits_(limits) {}
 
   Result<void> restore();
 
@@ -45,13 +47,16 @@ class SessionHub : public Robots {
     Durable durable;
     std::shared_ptr<const std::string> transform;  // null: the session has never been merged
   };
-  /// refused: the session belongs to another spool or has another family. A living connection of the same spool is
-  /// replaced. From here on the hub writes to the link.
+  /// refused: the session belongs to another spool or another copy of it, or has another family. unavailable: as many
+  /// robots as limits.robots are connected. A living connection of the same spool is replaced: the robot has noticed
+  /// before us that it broke. From here on the hub writes to the link.
   Result<Admitted> admit(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   /// Takes any event but the hello.
   void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
   void received(SessionId session, std::size_t bytes);
   void left(SessionId session, const RobotLink* link);
+  /// Ends all connections of this robot, for good.
+  void end_robot(const std::string& robot, const std::string& why);
 
   void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override;
   void publish(const Atlas& atlas, const std::vector<Component>& changed) override;
@@ -90,6 +95,7 @@ class SessionHub : public Robots {
   using Applied = std::function<void()>;
 
   Session& session_of(const Hello& hello);
+  bool has_room(const Hello& hello) const;
   void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied);
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
@@ -99,6 +105,7 @@ class SessionHub : public Robots {
 
   Store& store_;
   MergeNews& news_;
+  const RobotLimits limits_;
   mutable std::mutex mutex_;
   std::map<SessionId, Session> sessions_;
   std::map<SessionKey, SessionId> ids_;

@@ -30,6 +30,8 @@ void set_common(Response& response, std::string_view content_type, bool keep_ali
   response.keep_alive(keep_alive);
 }
 
+std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
+
 constexpr double linger_s = 2;
 constexpr std::size_t linger_bytes = 1024 * 1024;
 
@@ -39,7 +41,10 @@ HttpSession::HttpSession(net::ip::tcp::socket socket, std::shared_ptr<HttpShared
     : stream_(std::move(socket)),
       shared_(std::move(shared)),
       turn_away_(turn_away),
-      buffer_(shared_->limits.header_bytes + 8192) {}
+      buffer_(shared_->limits.header_bytes + 8192) {
+  Code gone;
+  from_ = stream_.socket().remote_endpoint(gone).address();
+}
 
 void HttpSession::start() {
   net::post(stream_.get_executor(), [self = shared_from_this()] { self->read(); });
@@ -83,14 +88,35 @@ void HttpSession::on_read(Code code) {
     keep_alive_ = false;
     return send(error_reply({ErrorCode::unavailable, "too many connections; close some or try again later"}));
   }
+  if (auto refusal = turned_down()) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
-  const auto text = [](beast::string_view view) { return std::string_view(view.data(), view.size()); };
   try {
     perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->limits,
-                  uptime.count()));
+                  uptime.count(), shared_->robots));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
+}
+
+/// The answer to a request that lacks the operator's token.
+std::optional<Ready> HttpSession::turned_down() {
+  using Verdict = OperatorGuard::Verdict;
+  const auto& request = parser_->get();
+  if (is_public(text(request.target()))) return std::nullopt;
+  const auto verdict =
+      shared_->guard.check(text(request[http::field::authorization]), from_, std::chrono::steady_clock::now());
+  if (verdict == Verdict::welcome) return std::nullopt;
+  if (verdict == Verdict::limited) {
+    keep_alive_ = false;
+    return error_reply(429, {ErrorCode::refused, "too many wrong tokens from this address; wait a minute"});
+  }
+  Ready refusal = error_reply(
+      401, {ErrorCode::refused,
+            verdict == Verdict::missing
+                ? "the operator's token is missing; it is in operator.token in the server's data directory"
+                : "this is not the operator's token; it is in operator.token in the server's data directory"});
+  refusal.bearer = true;
+  return refusal;
 }
 
 void HttpSession::refuse(Code code) {
@@ -124,6 +150,7 @@ void HttpSession::send(Ready ready) {
   response->result(static_cast<unsigned>(ready.status));
   set_common(*response, ready.content_type, keep_alive_);
   if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
+  if (ready.bearer) response->set(http::field::www_authenticate, "Bearer");
   response->body() = std::move(ready.body);
   response->prepare_payload();
   response_ = response;

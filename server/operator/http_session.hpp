@@ -15,7 +15,9 @@
 #include <set>
 #include <string>
 
+#include "server/operator/operator_api.hpp"
 #include "server/operator/router.hpp"
+#include "server/security/operator_guard.hpp"
 
 namespace headframe {
 
@@ -24,10 +26,13 @@ class HttpSession;
 /// What all connections share. Thread safe.
 class HttpShared : public std::enable_shared_from_this<HttpShared> {
  public:
-  HttpShared(Station& the_station, const OperatorLimits& the_limits) : station(the_station), limits(the_limits) {}
+  HttpShared(Station& the_station, const OperatorLimits& the_limits, const OperatorAccess& access)
+      : station(the_station), limits(the_limits), guard(access.token), robots(access.robots) {}
 
   Station& station;
   const OperatorLimits limits;
+  OperatorGuard guard;
+  RobotAdmin* const robots;  // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
@@ -59,6 +64,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void read_header();
   void on_read(Code code);
   void refuse(Code code);
+  std::optional<Ready> turned_down();
   void perform(Reply reply);
   void send(Ready ready);
   void answer_later(const Later& later);
@@ -72,6 +78,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   bool client_gone();
 
   boost::beast::tcp_stream stream_;
+  boost::asio::ip::address from_;
   const std::shared_ptr<HttpShared> shared_;
   const bool turn_away_;
   boost::beast::flat_buffer buffer_;

@@ -8,6 +8,7 @@
 #include "server/operator/explain_request.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/request_target.hpp"
+#include "server/operator/robot_json.hpp"
 #include "server/operator/trajectory_export.hpp"
 
 namespace headframe {
@@ -19,6 +20,7 @@ struct Context {
   Station& station;
   const OperatorLimits& limits;
   double uptime_s;
+  RobotAdmin* robots;
 };
 
 Ready json(std::string body, int status = 200) { return {status, "application/json", std::move(body), {}}; }
@@ -137,13 +139,46 @@ Result<Reply> trajectory(const Query& query, const Context& context) {
                 std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session})};
 }
 
+Result<RobotAdmin*> robot_admin(const Context& context) {
+  if (context.robots != nullptr) return context.robots;
+  return failure(ErrorCode::refused, "this server runs with --insecure: robots come in without enrolling");
+}
+
+Result<Reply> robots(const Query&, const Context& context) {
+  const auto admin = robot_admin(context);
+  if (!admin) return tl::unexpected(admin.error());
+  return json(robots_json((*admin)->robots(), (*admin)->fingerprint()));
+}
+
+Result<Reply> add_robot(const Query& query, const Context& context) {
+  const auto admin = robot_admin(context);
+  const auto robot = required(query, "robot");
+  if (!admin || !robot) return tl::unexpected(admin ? robot.error() : admin.error());
+  return Later{[admin = *admin, robot = *robot](const std::function<void(Ready)>& answer) {
+    admin->add(robot, [robot, answer](const Result<std::string>& enrolment) {
+      answer(enrolment ? json(enrolment_json(robot, *enrolment), 201) : error_reply(enrolment.error()));
+    });
+  }};
+}
+
+Result<Reply> revoke_robot(const Query& query, const Context& context) {
+  const auto admin = robot_admin(context);
+  const auto robot = required(query, "robot");
+  if (!admin || !robot) return tl::unexpected(admin ? robot.error() : admin.error());
+  return Later{[admin = *admin, robot = *robot](const std::function<void(Ready)>& answer) {
+    admin->revoke(robot, [answer](const Result<void>& revoked) {
+      answer(revoked ? json("{\"revoked\":true}\n") : error_reply(revoked.error()));
+    });
+  }};
+}
+
 struct Route {
   std::string_view method;
   std::string_view path;
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 10> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 13> routes{{{"GET", "/healthz", {}, healthz},
                                         {"GET", "/api/v1/status", {}, status},
                                         {"GET", "/api/v1/sessions", {}, sessions},
                                         {"GET", "/api/v1/atlas", {"wait"}, atlas},
@@ -152,7 +187,10 @@ constexpr std::array<Route, 10> routes{{{"GET", "/healthz", {}, healthz},
                                         {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
-                                        {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};
+                                        {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory},
+                                        {"GET", "/api/v1/robots", {}, robots},
+                                        {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
+                                        {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}}};
 
 /// "{name}" in the pattern takes one piece of the path, however it is spelt.
 bool matches(std::string_view pattern, std::string_view path, Query& captured) {
@@ -204,9 +242,11 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
 
 }  // namespace
 
+bool is_public(std::string_view target) { return target.substr(0, target.find('?')) == "/healthz"; }
+
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s) {
-  auto reply = routed(method, target, {station, limits, uptime_s});
+            double uptime_s, RobotAdmin* robots) {
+  auto reply = routed(method, target, {station, limits, uptime_s, robots});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
 }

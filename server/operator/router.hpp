@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "server/operator/body_source.hpp"
+#include "server/operator/robot_admin.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
@@ -27,7 +28,8 @@ struct Ready {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string allow;  // of a 405
+  std::string allow;    // of a 405
+  bool bearer = false;  // of a 401: a token is wanted
 };
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
 struct Later {
@@ -39,9 +41,13 @@ struct Stream {
 };
 using Reply = std::variant<Ready, Later, Stream>;
 
-/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station.
+/// Whether a target is for everybody; all others want the operator's token.
+bool is_public(std::string_view target);
+
+/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
+/// `robots`, which is null where none has to enrol.
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s);
+            double uptime_s, RobotAdmin* robots = nullptr);
 
 /// An error as JSON, with the HTTP status that fits its code, or with the one given.
 Ready error_reply(const Error& error);

@@ -11,11 +11,11 @@ Result<void> put(Database& db, const PutSession& write) {
   const SessionRecord& s = write.session;
   return db.run(
       "INSERT INTO sessions (id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-      " family_version, q_size, w_size, spool_id, complete) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?) ON CONFLICT DO "
-      "NOTHING",
+      " family_version, q_size, w_size, spool_id, complete, spool_run) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+      " ON CONFLICT (id) DO UPDATE SET spool_run=excluded.spool_run",
       s.id, s.key.robot, s.key.session, s.sensor.model, s.sensor.beams, double{s.sensor.fov_up_deg},
       double{s.sensor.fov_down_deg}, double{s.sensor.max_range_m}, s.family.name, s.family.version, s.q_size, s.w_size,
-      s.spool_id, int{s.complete});
+      s.spool_id, int{s.complete}, s.spool_run);
 }
 
 /// A repeat is harmless; another keyframe of the same number is not.
@@ -54,6 +54,12 @@ Result<void> put(Database& db, const PutCloud& write) {
   return db.run(
       "INSERT INTO clouds (session, sequence, encoded) VALUES (?,?,?) ON CONFLICT (session, sequence) DO NOTHING",
       write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
+}
+
+Result<void> put(Database& db, const PutRobot& write) {
+  const RobotRecord& r = write.robot;
+  return db.run("INSERT OR REPLACE INTO robots VALUES (?,?,?,?,?,?)", r.name, Blob{r.token_digest}, Blob{r.code_digest},
+                r.code_expires_s, r.enrolled_s, int{r.revoked});
 }
 
 Result<void> put(Database& db, const CompleteSession& write) {

@@ -76,8 +76,7 @@ int main(int argc, char** argv) {
   if (!known)
     std::fprintf(stderr,
                  "headframe-bench: no bench '%s'; there are: registration, places, all; minutes each: basin, merges, "
-                 "recordings, merge-times, link
-",
+                 "recordings, merge-times, link\n",
                  what.c_str());
   return known ? 0 : 2;
 }

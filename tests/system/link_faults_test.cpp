@@ -13,7 +13,7 @@ namespace {
 TEST(LinkFaults, CutAndStalledConnectionsLoseAndDoubleNothing) {
   constexpr std::uint64_t keyframes = 40;
   const test::ScratchFolder scratch;
-  auto server = MapMergeServer::start({scratch.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}});
+  auto server = MapMergeServer::start({scratch.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}, true});
   ASSERT_TRUE(server) << server.error().message;
   const test::LinkFaults faults;
   const test::FaultyProxy proxy((*server)->robots().port, faults);

@@ -31,7 +31,7 @@ class Audit : public testing::Test {
   static constexpr std::uint64_t keyframes = 5;
 
   void SetUp() override {
-    auto server = MapMergeServer::start({data(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}});
+    auto server = MapMergeServer::start({data(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}, true});
     ASSERT_TRUE(server) << server.error().message;
     const auto robot = RobotClient::open(drive_config("ant", spool(), "127.0.0.1", (*server)->robots().port));
     ASSERT_TRUE(robot) << robot.error().message;

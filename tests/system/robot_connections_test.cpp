@@ -85,7 +85,7 @@ class Connections : public testing::Test {
  protected:
   void serve(const ServerConfig& config = {}) {
     server.reset();
-    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config});
+    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config, true});
     ASSERT_TRUE(started) << started.error().message;
     server = std::move(*started);
   }
@@ -151,11 +151,52 @@ TEST_F(Connections, TooManyRobotsAreToldSo) {
   RawRobot first(server->robots());
   first.greet(robot_hello());
   RawRobot second(server->robots());
+  second.send(hello_frame(robot_hello("bee")));
   const auto report = second.error();
   EXPECT_EQ(report.kind(), v1::ERROR_KIND_OVERLOADED);
   EXPECT_FALSE(report.permanent());
   first.send(keyframe_frame(line_keyframe(1)));
   EXPECT_TRUE(first.acknowledged(1));
+}
+
+TEST_F(Connections, StrangersWhoHoldConnectionsKeepNobodyOut) {
+  ServerConfig config;
+  config.limits.strangers = 2;
+  serve(config);
+  RawRobot known(server->robots());
+  known.greet(robot_hello());
+  RawRobot first(server->robots()), second(server->robots()), third(server->robots());
+  EXPECT_FALSE(first.read()) << "the oldest made room";
+  third.greet(robot_hello("bee"));
+  second.greet(robot_hello("wasp"));
+  known.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(known.acknowledged(1)) << "who was let in is no stranger";
+}
+
+TEST_F(Connections, ACopyOfASpoolIsRefusedWhoeverGoesOnFirst) {
+  serve();
+  const auto with_runs = [](std::vector<std::uint64_t> runs) {
+    Hello hello = robot_hello();
+    hello.spool_runs = std::move(runs);
+    return hello;
+  };
+  RawRobot(server->robots()).greet(with_runs({10}));
+  RawRobot original(server->robots());
+  original.greet(with_runs({10, 11}));
+  const auto expect_clone_refused = [&](const Hello& clone) {
+    RawRobot robot(server->robots());
+    robot.send(hello_frame(clone));
+    const auto report = robot.error();
+    EXPECT_TRUE(report.permanent());
+    EXPECT_NE(report.message().find("clone"), std::string::npos) << report.message();
+  };
+  expect_clone_refused(with_runs({10, 12}));
+  original.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(original.acknowledged(1)) << "the clone did not disturb it";
+  serve();  // what was decided outlives the server
+  expect_clone_refused(with_runs({10, 12}));
+  RawRobot again(server->robots());
+  EXPECT_EQ(again.greet(with_runs({10, 11, 13, 14})).durable_keyframes(), 1U) << "restarted twice without a link";
 }
 
 /// Files of this process may not grow beyond this: a full disk that can be emptied.
@@ -256,7 +297,7 @@ TEST_F(Connections, ARobotThatOutrunsTheDiskIsHeldBackAndAllArrives) {
 TEST_F(Connections, APortInUseIsSaid) {
   serve();
   const TempDir elsewhere;
-  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}});
+  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}, true});
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::unavailable);
   EXPECT_NE(second.error().message.find(to_string(server->robots())), std::string::npos);

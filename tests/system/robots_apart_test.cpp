@@ -25,7 +25,7 @@ class RobotsApart : public testing::Test {
     ServerConfig config;
     config.limits.hello_s = config.limits.silence_s = 0.5;
     config.limits.ping_s = 0.2;
-    auto started = MapMergeServer::start({folder_.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, config});
+    auto started = MapMergeServer::start({folder_.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, config, true});
     ASSERT_TRUE(started) << started.error().message;
     server_ = std::move(*started);
   }

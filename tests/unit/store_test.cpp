@@ -38,6 +38,36 @@ std::vector<Keyframe> keyframes(Store& store, SessionId session, std::uint64_t f
   return all;
 }
 
+TEST(Store, KeepsRobotsAsTheyWerePutLast) {
+  const TempDir dir;
+  const RobotRecord ant{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false}, bee{"bee", "", "code", 1, 0, true};
+  {
+    const auto store = open(dir);
+    ASSERT_TRUE(write_and_wait(*store, PutRobot{bee}));
+    ASSERT_TRUE(write_and_wait(*store, PutRobot{{"ant", "old", "code", 1, 2, true}}));
+    ASSERT_TRUE(write_and_wait(*store, PutRobot{ant}));
+  }
+  const auto robots = open(dir)->robots();
+  ASSERT_TRUE(robots) << robots.error().message;
+  EXPECT_EQ(*robots, (std::vector<RobotRecord>{ant, bee}));
+}
+
+TEST(Store, KeepsTheLastRunOfASpool) {
+  const TempDir dir;
+  SessionRecord session = session_record(1, "ant");
+  {
+    const auto store = open(dir);
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session}));
+    ASSERT_TRUE(write_and_wait(*store, CompleteSession{1}));
+    session.spool_run = ~0ULL;  // all bits come back
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session}));
+  }
+  const auto sessions = open(dir)->sessions();
+  ASSERT_EQ(sessions->size(), 1U);
+  EXPECT_EQ(sessions->front().spool_run, ~0ULL);
+  EXPECT_TRUE(sessions->front().complete) << "nothing else changes";
+}
+
 TEST(Store, KeepsSessionsKeyframesAndCloudsBitForBit) {
   const TempDir dir;
   const SessionRecord session = session_record(1, "ant");
@@ -129,6 +159,7 @@ TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
     ASSERT_TRUE(database && migrate(*database));
     ASSERT_TRUE(
         database->execute("DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"
+                          "DROP TABLE robots; ALTER TABLE sessions DROP COLUMN spool_run;"
                           "PRAGMA foreign_keys=OFF; PRAGMA user_version=1;"
                           "INSERT INTO alignments VALUES (1, 2, 1, 'published', x''),"
                           "(1, 3, 2, 'rejected', x''), (2, 3, 3, 'retracted', x'')"));

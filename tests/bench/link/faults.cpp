@@ -87,7 +87,7 @@ Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::pa
   config.merge.least_path_m = 1e5;
   Result<std::unique_ptr<MapMergeServer>> server;
   (*link)->as_server([&] {
-    server = MapMergeServer::start({scratch / "data", {BadLink::server_address, 0}, {"127.0.0.1", 0}, config});
+    server = MapMergeServer::start({scratch / "data", {BadLink::server_address, 0}, {"127.0.0.1", 0}, config, true});
   });
   if (!server) return tl::unexpected(server.error());
   std::vector<Watched> robots(static_cast<std::size_t>(plan.robots));

@@ -48,7 +48,7 @@ class Block {
   int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
 
   Result<void> start_server() {
-    auto started = test::BaseStation::start(scratch_ / "data", listen_);
+    auto started = test::BaseStation::start(scratch_ / "data", listen_, true);
     if (!started) return tl::unexpected(started.error());
     listen_ = started->robots();  // the same port from now on
     server_.emplace(std::move(*started));
