@@ -9,13 +9,15 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 16> fields{{
+constexpr std::array<EvidenceField, 18> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
     {"places_agreeing", &Evidence::places_agreeing},
     {"inlier_fraction", &Evidence::inlier_fraction},
     {"rmse_m", &Evidence::rmse_m},
+    {"residual_m", &Evidence::residual_m},
+    {"spread_m", &Evidence::spread_m},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},

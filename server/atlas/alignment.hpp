@@ -27,13 +27,15 @@ struct Evidence {
   double places_agreeing = 0;  // ... that stayed within the drift of T_a_b
   double inlier_fraction = 0;  // of b's points where they meet, with a partner in a
   double rmse_m = 0;           // of the inliers, along the normals
+  double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
+  double spread_m = 0;         // how far the places would have moved by themselves, root mean square
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
   double seen_points = 0;          // that speak for it, both ways
   double freespace_violation = 0;  // points of one map that the other's rays pass through / points that say anything
   double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
-  double slide_ratio = 0;    // best free-space score after a slide of 3 or 6 m along the weakest axis / score
+  double slide_ratio = 0;    // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
   double tilt_deg = 0;       // gravity disagreement after registration
   double support = 0;        // wall map score of the hypothesis it came from
   double runner_up = 0;      // probability of the best different hypothesis

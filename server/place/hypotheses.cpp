@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "server/registration/parallel.hpp"
+
 namespace headframe {
 namespace {
 
-constexpr std::size_t placements_per_piece_pair = 20;
 constexpr std::size_t votes_kept = 5;
 constexpr double same_vote_m = 4, same_vote_rad = 0.26;  // 15 deg
 
@@ -70,38 +71,65 @@ std::vector<Pose> vote(std::span<const Keyframe> a, std::span<const Keyframe> b,
   return best;
 }
 
-/// Votes, and the paper's single nearest pair, scored by the wall maps of both whole sessions.
-void add_from_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b,
-                          std::span<const MatchedPair> matches, const DescriptorFamily& family, float cell_m,
-                          std::vector<Hypothesis>& out) {
+std::vector<Pose> from_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b,
+                                   std::span<const MatchedPair> matches, const DescriptorFamily& family) {
   const auto argmin = std::min_element(matches.begin(), matches.end(), [](const auto& m, const auto& n) {
     return m.squared_distance < n.squared_distance;
   });
   std::vector<Pose> found = vote(a, b, matches, family);
   for (const Pose& T : initial_transforms(a[argmin->a], b[argmin->b], family, 1)) found.push_back(T);
-  const WallMap map_a = draw_wall_map(a, cell_m), map_b = draw_wall_map(b, cell_m);
-  for (const Pose& T : found) {
-    const WallMatch m = refine(map_a, map_b, {yaw_rad(T), T.translation().head<2>(), 0});
-    out.push_back({pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), T.translation().z()}), m.score});
-  }
+  return found;
+}
+
+/// A placement, and the part of b that bears it best.
+struct Lead {
+  const SessionWalls::Level* a = nullptr;
+  const SessionWalls::Part* part = nullptr;
+  WallMatch match;
+};
+
+Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match) {
+  Lead best{&a, nullptr, match};
+  best.match.score = std::numeric_limits<double>::lowest();
+  for (const auto& part : b.parts)
+    if (const double s = a.field.score(part.map, match); s > best.match.score) {
+      best.part = &part;
+      best.match.score = s;
+    }
+  return best;
+}
+
+void best_first(std::vector<Lead>& leads) {
+  std::stable_sort(leads.begin(), leads.end(),
+                   [](const Lead& l, const Lead& m) { return l.match.score > m.match.score; });
+}
+
+/// The levels of both sessions on each other, and the descriptors' transforms on every level they fit: refined by the
+/// walls, a few metres first, then the best to half a cell.
+std::vector<Lead> search(const SessionWalls& a, const SessionWalls& b, std::span<const Pose> proposed,
+                         const HypothesisFinder::Config& config) {
+  std::vector<Lead> leads;
+  for (const auto& level_a : a.levels)
+    for (const auto& level_b : b.levels) {
+      for (const WallMatch& m : search_walls(level_a.map, level_b.map, config.refined, config.threads))
+        leads.push_back(best_part(level_a, level_b, m));
+      for (const Pose& T : proposed)
+        leads.push_back(best_part(level_a, level_b, {yaw_rad(T), T.translation().head<2>(), 0}));
+    }
+  std::erase_if(leads, [](const Lead& l) { return l.part == nullptr; });
+  const auto refine = [&](WallField::Step step) {
+    for_blocks(leads.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+      leads[i].match = leads[i].a->field.refine(leads[i].part->map, leads[i].match, step);
+    });
+    best_first(leads);
+  };
+  refine(WallField::Step::coarse);
+  if (leads.size() > config.fine) leads.resize(config.fine);
+  refine(WallField::Step::fine);
+  return leads;
 }
 
 }  // namespace
-
-std::vector<Piece> cut_pieces(std::span<const Keyframe> keyframes, double piece_m) {
-  std::vector<double> path(keyframes.size(), 0);
-  for (std::size_t i = 1; i < path.size(); ++i)
-    path[i] = path[i - 1] + (place(keyframes[i]) - place(keyframes[i - 1])).norm();
-  std::vector<Piece> pieces;
-  const auto index = [&](double at) {
-    return static_cast<std::size_t>(std::lower_bound(path.begin(), path.end(), at) - path.begin());
-  };
-  for (double at = 0; !keyframes.empty(); at += piece_m / 2) {
-    pieces.push_back({index(at), std::min(keyframes.size(), index(at + piece_m) + 1)});
-    if (pieces.back().end == keyframes.size()) break;
-  }
-  return pieces;
-}
 
 std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, const DescriptorFamily& family,
                                      std::size_t most_yaws) {
@@ -112,68 +140,38 @@ std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, const
   return out;
 }
 
-HypothesisFinder::Correlated HypothesisFinder::correlate_pieces(std::span<const Keyframe> a, Piece piece_a,
-                                                                std::span<const Keyframe> b, Piece piece_b) const {
-  const auto part_a = a.subspan(piece_a.begin, piece_a.end - piece_a.begin);
-  const auto part_b = b.subspan(piece_b.begin, piece_b.end - piece_b.begin);
-  Correlated out{piece_a.end, piece_b.end, {}};
-  for (const WallMatch& m : correlate(draw_wall_map(part_a, config_.cell_m), draw_wall_map(part_b, config_.cell_m),
-                                      placements_per_piece_pair, config_.threads)) {
-    Pose T = pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), 0});
-    T.translation().z() = height_m(part_a, part_b, T);
-    out.hypotheses.push_back({T, m.score});
-  }
-  return out;
-}
-
-void HypothesisFinder::add_from_walls(SessionId id_a, std::span<const Keyframe> a, SessionId id_b,
-                                      std::span<const Keyframe> b, std::span<const MatchedPair> matches,
-                                      std::vector<Hypothesis>& out, bool& exhausted) {
-  struct Job {
-    Piece a, b;
-    int matches = 0;
-  };
-  std::vector<Job> jobs;
-  const auto pieces_a = cut_pieces(a, config_.piece_m), pieces_b = cut_pieces(b, config_.piece_m);
-  for (const Piece& p : pieces_a)
-    for (const Piece& q : pieces_b) {
-      const Correlated& known = correlated_[{id_a, id_b, p.begin, q.begin}];
-      if (known.end_a == p.end && known.end_b == q.end) continue;
-      Job job{p, q};
-      for (const MatchedPair& m : matches)
-        job.matches += m.a >= p.begin && m.a < p.end && m.b >= q.begin && m.b < q.end;
-      jobs.push_back(job);
-    }
-  std::stable_sort(jobs.begin(), jobs.end(), [](const Job& x, const Job& y) { return x.matches > y.matches; });
-  exhausted = jobs.size() <= config_.correlations;
-  if (!exhausted) jobs.resize(config_.correlations);
-  for (const Job& job : jobs)
-    correlated_[{id_a, id_b, job.a.begin, job.b.begin}] = correlate_pieces(a, job.a, b, job.b);
-  for (const Piece& p : pieces_a)
-    for (const Piece& q : pieces_b) {
-      const auto& found = correlated_[{id_a, id_b, p.begin, q.begin}].hypotheses;
-      out.insert(out.end(), found.begin(), found.end());
-    }
+const SessionWalls& HypothesisFinder::walls(SessionId id, std::span<const Keyframe> keyframes) {
+  auto& known = walls_[id];
+  if (!known || known->path_m != path_m(keyframes)) known = std::make_unique<SessionWalls>(keyframes);
+  return *known;
 }
 
 std::vector<Hypothesis> HypothesisFinder::find(SessionId id_a, std::span<const Keyframe> a, SessionId id_b,
                                                std::span<const Keyframe> b, std::span<const MatchedPair> matches,
-                                               const DescriptorFamily* family, bool& exhausted) {
-  exhausted = true;
+                                               const DescriptorFamily* family) {
   if (a.empty() || b.empty()) return {};
-  std::vector<Hypothesis> all;
-  add_from_walls(id_a, a, id_b, b, matches, all, exhausted);
-  if (family && !matches.empty()) add_from_descriptors(a, b, matches, *family, config_.cell_m, all);
+  Found& known = found_[{id_a, id_b}];
+  const double path_a = path_m(a), path_b = path_m(b);
+  if (known.path_a_m > 0 && path_a - known.path_a_m < config_.news_m && path_b - known.path_b_m < config_.news_m)
+    return known.hypotheses;
+  const SessionWalls &walls_a = walls(id_a, a), &walls_b = walls(id_b, b);
+  std::vector<Pose> proposed;
+  if (family && !matches.empty()) proposed = from_descriptors(a, b, matches, *family);
 
-  std::stable_sort(all.begin(), all.end(), [](const auto& h, const auto& g) { return h.score > g.score; });
-  std::vector<Hypothesis> best;
-  const Eigen::Vector3d at = place(b[b.size() / 2]);
-  for (const Hypothesis& h : all) {
-    if (best.size() == config_.most) break;
-    if (std::none_of(best.begin(), best.end(), [&](const auto& g) { return same(g.T_a_b, h.T_a_b, at); }))
-      best.push_back(h);
+  known = {path_a, path_b, {}};
+  for (const Lead& lead : search(walls_a, walls_b, proposed, config_)) {
+    const Piece piece_a = lead.a->piece, piece_b = lead.part->piece;
+    Hypothesis h{pose_from_yaw(lead.match.yaw_rad, {lead.match.shift_m.x(), lead.match.shift_m.y(), 0}),
+                 lead.match.score, (piece_b.begin + piece_b.end) / 2};
+    h.T_a_b.translation().z() = height_m(a.subspan(piece_a.begin, piece_a.end - piece_a.begin),
+                                         b.subspan(piece_b.begin, piece_b.end - piece_b.begin), h.T_a_b);
+    const Eigen::Vector3d at = place(b[h.centre_b]);
+    if (std::none_of(known.hypotheses.begin(), known.hypotheses.end(),
+                     [&](const auto& g) { return same(g.T_a_b, h.T_a_b, at); }))
+      known.hypotheses.push_back(h);
+    if (known.hypotheses.size() == config_.most) break;
   }
-  return best;
+  return known.hypotheses;
 }
 
 }  // namespace headframe

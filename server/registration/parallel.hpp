@@ -2,23 +2,26 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <thread>
-#include <vector>
 
 namespace headframe {
+
+/// Calls call(work, block) for blocks 0 .. blocks - 1, each once, on the caller and at most threads - 1 helpers of a
+/// pool that lives as long as the program. The caller takes part and never waits for a helper to come free, so calls
+/// may be nested and come from many threads at once. The first exception thrown by a block is thrown again, once all
+/// have left.
+void share_blocks(std::size_t blocks, int threads, void* work, void (*call)(void* work, std::size_t block));
 
 /// Calls work(begin, end, block) for fixed blocks of `block_size` items, spread over threads. The blocks do not depend
 /// on the number of threads: sums kept by block and added in order are the same for any.
 template <class Work>
 void for_blocks(std::size_t items, std::size_t block_size, int threads, Work&& work) {
   const std::size_t blocks = (items + block_size - 1) / block_size;
-  const auto stride = static_cast<std::size_t>(std::max(1, threads));
-  const auto run = [&](std::size_t first) {
-    for (std::size_t b = first; b < blocks; b += stride) work(b * block_size, std::min(items, (b + 1) * block_size), b);
-  };
-  std::vector<std::jthread> helpers;
-  for (std::size_t t = 1; t < std::min(stride, blocks); ++t) helpers.emplace_back(run, t);
-  run(0);
+  auto one = [&](std::size_t b) { work(b * block_size, std::min(items, (b + 1) * block_size), b); };
+  if (threads <= 1 || blocks <= 1) {
+    for (std::size_t b = 0; b < blocks; ++b) one(b);
+    return;
+  }
+  share_blocks(blocks, threads, &one, [](void* w, std::size_t b) { (*static_cast<decltype(one)*>(w))(b); });
 }
 
 }  // namespace headframe

@@ -2,83 +2,115 @@
 
 #include <algorithm>
 
+#include "server/registration/surfels.hpp"
+
 namespace headframe {
 namespace {
 
 constexpr float view_reach_m = 20;
-constexpr std::size_t views_asked = 8;
+constexpr std::size_t normal_neighbours = 12;
 
-Points place(std::span<const PlacedCloud> clouds) {
-  Points points;
-  for (const PlacedCloud& c : clouds) {
-    const Eigen::Matrix3f R = c.T_local_sensor.linear().cast<float>();
-    const Eigen::Vector3f t = c.T_local_sensor.translation().cast<float>();
-    for (const auto& p : c.cloud->points) points.push_back(R * p + t);
-  }
+/// Dust is met once, by the sweep that made it: what the others see through as often as they meet it is left out.
+Points without_transients(Points points, const std::vector<PreparedCloud::View>& views) {
+  std::erase_if(points, [&](const Eigen::Vector3f& p) {
+    int through = 0, hits = 0;
+    for (const auto& view : views) {
+      const Sight sight = view.image.look(p - view.origin, view_reach_m);
+      through += sight == Sight::through;
+      hits += sight == Sight::hit;
+    }
+    return through >= 1 && through >= hits;
+  });
   return points;
 }
 
-/// Drops what the session's own rays see through as often as they meet it: dust is met once, by the sweep that made it.
-Points without_transients(Points points, std::span<const PlacedCloud> clouds) {
-  struct Placed {
-    Eigen::Isometry3f T_view_local;
-    Eigen::Vector3f origin;
-    const RangeImage* image;
-  };
-  std::vector<Placed> views;
-  for (const PlacedCloud& c : clouds)
-    for (const auto& view : c.cloud->views) {
-      const Eigen::Isometry3f T = (c.T_local_sensor * Eigen::Translation3d(view.origin.cast<double>())).cast<float>();
-      views.push_back({T.inverse(), T.translation(), &view.image});
+/// Remembers which cubes were seen: open addressing over 64-bit keys.
+class SeenCubes {
+ public:
+  explicit SeenCubes(std::size_t expected) {
+    std::size_t size = 64;
+    while (size < 2 * expected) size *= 2;
+    slots_.assign(size, none);
+  }
+  bool first(std::uint64_t key) {
+    if (2 * ++used_ > slots_.size()) grow();
+    std::size_t at = mixed(key) & (slots_.size() - 1);
+    while (slots_[at] != none && slots_[at] != key) at = (at + 1) & (slots_.size() - 1);
+    const bool fresh = slots_[at] == none;
+    slots_[at] = key;
+    used_ -= !fresh;
+    return fresh;
+  }
+
+ private:
+  static constexpr std::uint64_t none = ~std::uint64_t{0};
+  static std::size_t mixed(std::uint64_t key) { return (key * 0x9E3779B97F4A7C15U) >> 20; }
+  void grow() {
+    std::vector<std::uint64_t> old(2 * slots_.size(), none);
+    old.swap(slots_);
+    for (const std::uint64_t key : old) {
+      if (key == none) continue;
+      std::size_t at = mixed(key) & (slots_.size() - 1);
+      while (slots_[at] != none) at = (at + 1) & (slots_.size() - 1);
+      slots_[at] = key;
     }
-  const auto transient = [&](const Eigen::Vector3f& p) {
-    std::size_t asked = 0;
-    int through = 0, hits = 0;
-    for (const Placed& view : views) {
-      if ((view.origin - p).squaredNorm() > view_reach_m * view_reach_m) continue;
-      const Sight sight = view.image->look(view.T_view_local * p, view_reach_m);
-      through += sight == Sight::through;
-      hits += sight == Sight::hit;
-      if (sight != Sight::unknown && ++asked == views_asked) break;
-    }
-    return through >= 1 && through >= hits;
-  };
-  std::erase_if(points, transient);
-  return points;
+  }
+  std::vector<std::uint64_t> slots_;
+  std::size_t used_ = 0;
+};
+
+/// Of a point within 16 km of the origin of what it is relative to.
+std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
+  constexpr int half = 1 << 20;
+  const Eigen::Vector3i c = (p / leaf_m).array().floor().cast<int>() + half;
+  return std::uint64_t{static_cast<std::uint32_t>(c.x())} << 42 | std::uint64_t{static_cast<std::uint32_t>(c.y())} << 21 |
+         static_cast<std::uint32_t>(c.z());
 }
 
 }  // namespace
 
-PreparedCloud prepare(const KeyframeCloud& cloud) {
+PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
   PreparedCloud out;
   Points all;
   for (const Sweep& sweep : cloud.sweeps) {
     Points seen_from_origin;
     for (const auto& p : sweep.points) {
-      if (!p.allFinite()) continue;
+      if (!p.allFinite() || p.squaredNorm() > 1e6F) continue;
       all.push_back(p);
       seen_from_origin.push_back(p - sweep.origin);
     }
     out.views.push_back({sweep.origin, RangeImage(seen_from_origin)});
   }
-  out.points = voxel_grid(all, prepared_leaf_m);
+  Surfels surfels =
+      make_surfels(without_transients(voxel_grid(all, prepared_leaf_m), out.views), normal_neighbours, threads);
+  out.points = std::move(surfels.points);
+  out.normals = std::move(surfels.normals);
   return out;
 }
 
-Points sphere(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double radius_m, float leaf_m) {
-  constexpr double sight_m = 15;  // clouds from farther out add little to the sphere but noise
-  std::vector<PlacedCloud> near;
-  for (const PlacedCloud& c : clouds)
-    if ((c.T_local_sensor.translation() - centre).norm() < radius_m + sight_m) near.push_back(c);
-  Points points = place(near);
-  const Eigen::Vector3f c = centre.cast<float>();
+Submap sphere(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double radius_m, float leaf_m) {
+  constexpr double sight_m = 12;  // clouds from farther out add little to the sphere but noise
+  Submap out;
+  SeenCubes seen(4096);
   const auto r2 = static_cast<float>(radius_m * radius_m);
-  std::erase_if(points, [&](const Eigen::Vector3f& p) { return (p - c).squaredNorm() > r2; });
-  return without_transients(voxel_grid(points, leaf_m), near);
-}
-
-Points merged(std::span<const PlacedCloud> clouds, float leaf_m) {
-  return without_transients(voxel_grid(place(clouds), leaf_m), clouds);
+  // The nearest clouds first: where several see a cube, the best view of it stays.
+  std::vector<std::pair<double, const PlacedCloud*>> near;
+  for (const PlacedCloud& c : clouds)
+    if (const double d = (c.T_local_sensor.translation() - centre).norm(); d < radius_m + sight_m)
+      near.emplace_back(d, &c);
+  std::stable_sort(near.begin(), near.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  for (const auto& [distance, c] : near) {
+    // Relative to the centre: float keeps its precision however far a session has come.
+    const Eigen::Matrix3f R = c->T_local_sensor.linear().cast<float>();
+    const Eigen::Vector3f t = (c->T_local_sensor.translation() - centre).cast<float>(), origin = centre.cast<float>();
+    for (std::size_t i = 0; i < c->cloud->points.size(); ++i) {
+      const Eigen::Vector3f p = R * c->cloud->points[i] + t;
+      if (p.squaredNorm() > r2 || !seen.first(cube(p, leaf_m))) continue;
+      out.points.push_back(p + origin);
+      out.normals.push_back(R * c->cloud->normals[i]);
+    }
+  }
+  return out;
 }
 
 double sphere_radius_m(double l) {

@@ -11,18 +11,20 @@
 
 namespace headframe {
 
-/// A keyframe's cloud made ready once: thinned points for registration, and what each sweep saw for free-space checks.
+/// A keyframe's cloud made ready once, when it arrives: surfels for registration, and what each sweep saw for free-space
+/// checks. Points that the keyframe's own other sweeps see through (dust, people) are left out.
 struct PreparedCloud {
   struct View {
     Eigen::Vector3f origin;  // in the keyframe's sensor frame
     RangeImage image;
   };
-  Points points;  // keyframe's sensor frame, one per prepared_leaf_m
+  Points points;   // keyframe's sensor frame, one per prepared_leaf_m
+  Points normals;  // one a point, unit; their sign carries no meaning
   std::vector<View> views;
 };
 inline constexpr float prepared_leaf_m = 0.25F;
 
-PreparedCloud prepare(const KeyframeCloud& cloud);
+PreparedCloud prepare(const KeyframeCloud& cloud, int threads = 1);
 
 /// A prepared cloud where its session says it lies.
 struct PlacedCloud {
@@ -31,12 +33,14 @@ struct PlacedCloud {
   std::shared_ptr<const PreparedCloud> cloud;
 };
 
-/// Points of one session in its local frame, one per leaf_m, within radius_m of the centre. Points that the session's
-/// own later rays went through (dust, people, vehicles that drove on) are left out. Cost grows with the sphere.
-Points sphere(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double radius_m, float leaf_m);
+/// Surfels of one session in its local frame.
+struct Submap {
+  Points points, normals;
+};
 
-/// The same without a sphere: everything in these clouds.
-Points merged(std::span<const PlacedCloud> clouds, float leaf_m);
+/// What the clouds hold within radius_m of the centre, one surfel per leaf_m. Cost grows with the sphere: clouds from
+/// keyframes beyond radius_m + 12 m are not looked at.
+Submap sphere(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double radius_m, float leaf_m);
 
 /// FRAME, section on map merging: the sphere's radius from the local spacing of keyframes (m): 25 m at 10 m and above,
 /// 15 m at 6 m, 10 m at 3 m, linear between (the paper gives the three points), 2 l below 3 m.

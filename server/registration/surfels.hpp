@@ -16,7 +16,8 @@ struct Surfels {
 };
 
 /// Normals from the `neighbours` nearest points. Points whose surroundings are a line, a dot or too few are dropped:
-/// they have no plane to hold on to. May end up empty.
+/// they have no plane to hold on to. May end up empty. Surfels come in the order of the tree: neighbours in the list
+/// are often neighbours in space. Independent of the number of threads.
 Surfels make_surfels(const Points& points, std::size_t neighbours = 20, int threads = 1);
 
 }  // namespace headframe

@@ -1,30 +1,31 @@
 #pragma once
-// From a hypothesis to a transform with evidence: register locally, register the whole overlap, then ask what speaks
-// against it. Verification decides, not the fit alone.
+// From a hypothesis to a transform with evidence: register one place, then places spread over the overlap, each by
+// itself; one T that suits them all; then what speaks against it. Verification decides, not the fit alone.
 
 #include <span>
 
 #include "server/atlas/alignment.hpp"
-#include "server/registration/gicp.hpp"
-#include "server/registration/submap.hpp"
+#include "server/registration/place_check.hpp"
 
 namespace headframe {
 
 struct JudgeConfig {
-  double meet_m = 25;       // keyframes of both sessions nearer than this take part in the registration of the overlap
-  double look_m = 35;       // ... and in the evidence
-  float view_reach_m = 30;  // free space is checked up to here
-  float local_leaf_m = 0.3F;
-  float overlap_leaf_m = 0.4F;
-  float evidence_leaf_m = 0.5F;
-  double hopeless_violation = 0.03;  // more over the whole overlap, or fewer inliers: not looked at any closer
-  double hopeless_inliers = 0.25;
-  std::size_t places = 5;     // where the overlap is registered once more by itself ...
-  double place_reach_m = 15;  // ... around keyframes of b that lie this near to one of a's
-  double place_radius_m = 18;
-  double place_drift_m = 1.5;  // how far a place may move by itself: the drift of both sessions
+  double meet_m = 10;      // a keyframe of b this near to one of a's is a place of the overlap
+  double look_m = 35;      // clouds within this of the other session's keyframes take part
+  std::size_t places = 6;  // at most
+  double place_drift_m = 1.5;  // how far a place may move by itself: the drift of both sessions ...
+  double place_drift_share = 0.02;  // ... and this much of its distance from the first place
   double place_drift_rad = 0.07;
+  double hopeless_inliers = 0.5;  // at the first place: not looked at any closer
+  double hopeless_violation = 0.08;
+  PlaceConfig place;
   int threads = 1;
+};
+
+/// The first place of a hypothesis, registered and looked at.
+struct Glance {
+  bool hopeful = false;
+  PlaceCheck place;
 };
 
 struct Judgement {
@@ -33,12 +34,16 @@ struct Judgement {
   Evidence evidence;              // probability is set by the verdict; support and runner_up by the caller
 };
 
-/// Registers b on a from the hypothesis and gathers the evidence. Clouds are all that is there of each session. Pure;
-/// independent of the thread count; thread safe.
-Judgement judge(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b_0,
+/// Clouds are all that is there of each session, in the order of their sequence. The place is the keyframe of b nearest
+/// to p_b that comes near a. Pure, thread safe.
+Glance glance(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b_0,
+              const Eigen::Vector3d& p_b, const JudgeConfig& config);
+
+/// Goes on from a hopeful glance. Pure; independent of the thread count; thread safe.
+Judgement judge(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Glance& first,
                 const JudgeConfig& config);
 
-/// The same, trusting T_a_b_0 to within 1.5 m: a published alignment looked at again with more keyframes.
+/// Both, trusting T_a_b_0 to within a metre or two: a published alignment looked at again with more keyframes.
 Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b_0,
                       const JudgeConfig& config);
 

@@ -1,30 +1,25 @@
 #include "server/registration/visibility.hpp"
 
+#include <algorithm>
+
 #include "server/registration/kd_tree.hpp"
-#include "server/registration/parallel.hpp"
 
 namespace headframe {
 namespace {
 
 constexpr std::size_t companions = 3;
-constexpr float companion_reach_m = 0.9F;
+constexpr float companion_leaves = 1.8F;
+constexpr int views_asked = 8;
 
-Visibility count(const Points& points, const std::vector<Sight>& sights) {
-  Visibility total;
-  Points violated;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    total.seen += sights[i] == Sight::hit;
-    total.unknown += sights[i] == Sight::unknown;
-    if (sights[i] == Sight::through) violated.push_back(points[i]);
-  }
+/// Whose violations have companions within reach is a patch.
+void count_violations(const Points& violated, float reach_m, Visibility& total) {
   const KdTree tree(violated);
   std::vector<Neighbour> around;
   for (const auto& p : violated) {
     tree.nearest_k(p, companions + 1, around);  // itself among them
-    const bool patch = around.size() > companions && around.back().squared_m < companion_reach_m * companion_reach_m;
+    const bool patch = around.size() > companions && around.back().squared_m < reach_m * reach_m;
     (patch ? total.violated : total.lone) += 1;
   }
-  return total;
 }
 
 }  // namespace
@@ -37,33 +32,55 @@ Visibility& Visibility::operator+=(const Visibility& other) {
   return *this;
 }
 
-Visibility look_from(std::span<const PlacedCloud> a, const Points& points_b, const Pose& T_a_b, float reach_m,
-                     int threads) {
+std::vector<PlacedView> views_near(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double reach_m) {
+  std::vector<std::pair<double, PlacedView>> near;
+  for (const PlacedCloud& c : clouds) {
+    if ((c.T_local_sensor.translation() - centre).norm() > reach_m + 15) continue;
+    for (const auto& view : c.cloud->views) {
+      const Pose T = c.T_local_sensor * Eigen::Translation3d(view.origin.cast<double>());
+      if (const double d = (T.translation() - centre).norm(); d < reach_m) near.push_back({d, {T, &view.image}});
+    }
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  std::vector<PlacedView> views;
+  views.reserve(near.size());
+  for (const auto& [distance, view] : near) views.push_back(view);
+  return views;
+}
+
+Visibility look_from(std::span<const PlacedView> a, const Points& points_b, const Pose& T_a_b, float reach_m,
+                     float leaf_m) {
   struct View {
     Eigen::Isometry3f T_view_b;
     Eigen::Vector3f origin_b;
     const RangeImage* image;
   };
   std::vector<View> views;
-  for (const PlacedCloud& c : a)
-    for (const auto& view : c.cloud->views) {
-      const Pose T_b_view = T_a_b.inverse() * c.T_local_sensor * Eigen::Translation3d(view.origin.cast<double>());
-      views.push_back({T_b_view.inverse().cast<float>(), T_b_view.translation().cast<float>(), &view.image});
+  views.reserve(a.size());
+  for (const PlacedView& view : a) {
+    const Pose T_b_view = T_a_b.inverse() * view.T_local_view;
+    views.push_back({T_b_view.inverse().cast<float>(), T_b_view.translation().cast<float>(), view.image});
+  }
+  Visibility total;
+  Points violated;
+  for (const auto& p : points_b) {
+    int hits = 0, through = 0;
+    for (const View& view : views) {
+      if ((view.origin_b - p).squaredNorm() > reach_m * reach_m) continue;
+      const Sight sight = view.image->look(view.T_view_b * p, reach_m);
+      hits += sight == Sight::hit;
+      through += sight == Sight::through;
+      if (hits + through == views_asked) break;
     }
-  std::vector<Sight> sights(points_b.size(), Sight::unknown);
-  for_blocks(points_b.size(), 512, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
-    for (std::size_t i = begin; i < end; ++i) {
-      int hits = 0, through = 0;
-      for (const View& view : views) {
-        if ((view.origin_b - points_b[i]).squaredNorm() > reach_m * reach_m) continue;
-        const Sight sight = view.image->look(view.T_view_b * points_b[i], reach_m);
-        hits += sight == Sight::hit;
-        through += sight == Sight::through;
-      }
-      if (hits > 0 || through > 0) sights[i] = through > hits ? Sight::through : Sight::hit;
-    }
-  });
-  return count(points_b, sights);
+    if (hits + through == 0)
+      total.unknown += 1;
+    else if (through > hits)
+      violated.push_back(p);
+    else
+      total.seen += 1;
+  }
+  count_violations(violated, companion_leaves * leaf_m, total);
+  return total;
 }
 
 }  // namespace headframe

@@ -7,8 +7,7 @@
 namespace headframe {
 
 /// How the points of one session look from the sweeps of another. A lone point that rays pass through is dust or the
-/// edge of something; rock that is not there makes patches. So a violation counts when three more lie within 0.9 m of
-/// it.
+/// edge of something; rock that is not there makes patches. So a violation counts when three more lie near it.
 struct Visibility {
   double seen = 0;      // points that lie on a surface the sweeps met
   double violated = 0;  // points that the sweeps' rays went through
@@ -18,8 +17,18 @@ struct Visibility {
   double violation() const { return seen + violated > 0 ? violated / (seen + violated) : 0; }
 };
 
-/// points_b in b's local frame, viewed from a's sweeps, up to reach_m.
-Visibility look_from(std::span<const PlacedCloud> a, const Points& points_b, const Pose& T_a_b, float reach_m,
-                     int threads);
+/// One sweep of a session, where it stood.
+struct PlacedView {
+  Pose T_local_view = Pose::Identity();
+  const RangeImage* image = nullptr;
+};
+
+/// The sweeps of these clouds within reach of the centre, the nearest first.
+std::vector<PlacedView> views_near(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double reach_m);
+
+/// points_b in b's local frame, one per leaf_m, viewed from a's sweeps, up to reach_m. The first eight sweeps that know
+/// something of a point decide on it.
+Visibility look_from(std::span<const PlacedView> a, const Points& points_b, const Pose& T_a_b, float reach_m,
+                     float leaf_m);
 
 }  // namespace headframe

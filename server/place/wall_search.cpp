@@ -1,0 +1,337 @@
+#include "server/place/wall_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "common/geometry/se3.hpp"
+#include "server/place/fft2.hpp"
+#include "server/registration/parallel.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr float coarse_m = 1.5F;
+constexpr float clear_m = 1;  // free ground nearer to a wall says nothing in cells as coarse as that
+constexpr float penalty = 3;                       // of a wall where the other map is free, against a wall on a wall
+constexpr std::size_t quarter_turns = 45;          // 180 turns of 2 deg: each grid serves four, a right angle apart
+constexpr std::size_t peaks_per_turn = 12;
+constexpr double same_place_m = 4, same_yaw_rad = 12 * std::numbers::pi / 180;
+
+struct Box {
+  Eigen::Vector2f low = Eigen::Vector2f::Constant(1e9F), high = Eigen::Vector2f::Constant(-1e9F);
+  explicit Box(const WallMap& map) {
+    for (const auto* list : {&map.walls, &map.free})
+      for (const auto& p : *list) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+  }
+  Eigen::Vector2f middle() const { return (low + high) / 2; }
+};
+
+float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
+  float r2 = 0;
+  for (const auto* list : {&map.walls, &map.free})
+    for (const auto& p : *list) r2 = std::max(r2, (p - middle).squaredNorm());
+  return std::sqrt(r2);
+}
+
+/// The map with only the free cells that lie clear of its walls: half a coarse cell of misfit puts none on a wall.
+WallMap clear_of_walls(const WallMap& map) {
+  const Box box(map);
+  const Eigen::Vector2f low = box.low.array() - clear_m - map.cell_m;
+  const int columns = static_cast<int>((box.high.x() - low.x() + clear_m) / map.cell_m) + 2;
+  const int rows = static_cast<int>((box.high.y() - low.y() + clear_m) / map.cell_m) + 2;
+  std::vector<bool> near(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  const auto index = [&](const Eigen::Vector2f& p) {
+    const Eigen::Vector2i c = ((p - low) / map.cell_m).cast<int>();
+    return static_cast<std::ptrdiff_t>(c.y()) * columns + c.x();
+  };
+  const auto reach = static_cast<int>(clear_m / map.cell_m);
+  for (const auto& p : map.walls)
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x) near[static_cast<std::size_t>(index(p) + y * columns + x)] = true;
+  WallMap out{map.walls, {}, map.cell_m};
+  for (const auto& p : map.free)
+    if (!near[static_cast<std::size_t>(index(p))]) out.free.push_back(p);
+  return out;
+}
+
+Eigen::Vector2d middle_at(const WallMatch& m, const Eigen::Vector2d& middle) {
+  return Eigen::Rotation2Dd(m.yaw_rad) * middle + m.shift_m;
+}
+
+/// Keeps the best first of those that put b's middle within same_place_m and same_yaw_rad of each other.
+void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
+  std::stable_sort(matches.begin(), matches.end(), [](const auto& m, const auto& n) { return m.score > n.score; });
+  std::vector<WallMatch> kept;
+  for (const WallMatch& m : matches) {
+    if (kept.size() == most) break;
+    if (std::none_of(kept.begin(), kept.end(), [&](const WallMatch& k) {
+          return (middle_at(k, middle) - middle_at(m, middle)).norm() < same_place_m &&
+                 std::abs(wrap_rad(k.yaw_rad - m.yaw_rad)) < same_yaw_rad;
+        }))
+      kept.push_back(m);
+  }
+  matches = std::move(kept);
+}
+
+/// Correlates b, turned, with a for all shifts at once. Grids are cyclic, b's middle lies in cell (0, 0), so that a
+/// quarter turn of the drawing is an exact exchange of cells, in the spectrum as well: one transform serves four turns.
+/// Walls and free ground travel as real and imaginary part, and two turns share each way back.
+class Correlator {
+ public:
+  Correlator(const WallMap& a, const WallMap& b)
+      : b_(b), middle_a_(Box(a).middle()), middle_b_(Box(b).middle()), n_(size_for(a, b)), wall_(n_ * n_), free_(n_ * n_) {
+    ComplexGrid grid(n_ * n_);
+    draw(a, middle_a_, 0, grid);
+    ComplexGrid worth(n_ * n_);  // real: to a wall of b that falls there; imaginary: to a free cell of b
+    for (std::size_t y = 0; y < n_; ++y)
+      for (std::size_t x = 0; x < n_; ++x) {
+        const std::size_t i = y * n_ + x;
+        worth.re[i] = smeared(grid.re, x, y) - penalty * grid.im[i];
+        worth.im[i] = -penalty * grid.re[i];
+      }
+    Fft2(n_).forward(worth);
+    for (std::size_t y = 0; y < n_; ++y)
+      for (std::size_t x = 0; x < n_; ++x) {
+        const std::size_t i = y * n_ + x, m = mirrored(y) * n_ + mirrored(x);
+        wall_.re[i] = (worth.re[i] + worth.re[m]) / 2;
+        wall_.im[i] = (worth.im[i] - worth.im[m]) / 2;
+        free_.re[i] = (worth.im[i] + worth.im[m]) / 2;
+        free_.im[i] = (worth.re[m] - worth.re[i]) / 2;
+      }
+  }
+
+  Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
+
+  /// Appends the best peaks of a turn in the first quarter and of the three that lie right angles further.
+  void search(std::size_t turn, std::vector<WallMatch>& found) const {
+    Fft2 fft(n_);
+    ComplexGrid spectrum(n_ * n_), product(n_ * n_);
+    const double yaw = static_cast<double>(turn) * std::numbers::pi / 2 / quarter_turns;
+    draw(b_, middle_b_, yaw, spectrum);
+    fft.forward(spectrum);
+    const Spectrum b = take_apart(spectrum);
+    for (int quarters : {0, 2}) {
+      multiply(b, quarters, product);
+      fft.inverse(product);
+      add_peaks(product.re, yaw + quarters * std::numbers::pi / 2, found);
+      add_peaks(product.im, yaw + (quarters + 1) * std::numbers::pi / 2, found);
+    }
+  }
+
+ private:
+  static std::size_t size_for(const WallMap& a, const WallMap& b) {
+    const float span = 2 * (radius_m(a, Box(a).middle()) + radius_m(b, Box(b).middle()));
+    return Fft2::size_for(static_cast<std::size_t>(span / coarse_m) + 4);
+  }
+  std::size_t mirrored(std::size_t i) const { return i == 0 ? 0 : n_ - i; }
+  std::size_t cyclic(float cells) const {
+    const auto i = static_cast<std::ptrdiff_t>(std::lround(cells)), n = static_cast<std::ptrdiff_t>(n_);
+    return static_cast<std::size_t>((i % n + n) % n);
+  }
+
+  /// Real: how much wall a cell holds, 0 to 1; imaginary: how much free ground.
+  void draw(const WallMap& map, const Eigen::Vector2f& middle, double yaw, ComplexGrid& grid) const {
+    std::fill(grid.re.begin(), grid.re.end(), 0.0F);
+    std::fill(grid.im.begin(), grid.im.end(), 0.0F);
+    const Eigen::Matrix2f turn = Eigen::Rotation2Df(static_cast<float>(yaw)).toRotationMatrix() / coarse_m;
+    const float share = map.cell_m / coarse_m;
+    const auto add = [&](const Eigen::Vector2f& p, std::vector<float>& to, float value) {
+      const Eigen::Vector2f c = turn * (p - middle);
+      float& cell = to[cyclic(c.y()) * n_ + cyclic(c.x())];
+      cell = std::min(1.0F, cell + value);
+    };
+    for (const auto& p : map.walls) add(p, grid.re, 2 * share);
+    for (const auto& p : map.free) add(p, grid.im, share * share);
+  }
+
+  float smeared(const std::vector<float>& grid, std::size_t x, std::size_t y) const {
+    float sum = 0;
+    for (std::size_t dy : {n_ - 1, n_, n_ + 1})
+      for (std::size_t dx : {n_ - 1, n_, n_ + 1})
+        sum += grid[(y + dy) % n_ * n_ + (x + dx) % n_] * (dy == n_ ? 0.5F : 0.25F) * (dx == n_ ? 2 : 1);
+    return std::min(1.0F, sum);
+  }
+
+  /// b's spectrum, taken apart into walls and free ground.
+  struct Spectrum {
+    ComplexGrid wall, free;
+  };
+  Spectrum take_apart(const ComplexGrid& packed) const {
+    Spectrum out{ComplexGrid(n_ * n_), ComplexGrid(n_ * n_)};
+    for (std::size_t y = 0; y < n_; ++y)
+      for (std::size_t x = 0; x < n_; ++x) {
+        const std::size_t i = y * n_ + x, m = mirrored(y) * n_ + mirrored(x);
+        out.wall.re[i] = (packed.re[i] + packed.re[m]) / 2;
+        out.wall.im[i] = (packed.im[i] - packed.im[m]) / 2;
+        out.free.re[i] = (packed.im[i] + packed.im[m]) / 2;
+        out.free.im[i] = (packed.re[m] - packed.re[i]) / 2;
+      }
+    return out;
+  }
+
+  /// a's worth times the conjugate of b, summed over walls and free ground, b turned by two neighbouring right angles:
+  /// the scores of the first come out as the real part, those of the second as the imaginary one.
+  void multiply(const Spectrum& b, int quarters, ComplexGrid& out) const {
+    for (std::size_t y = 0; y < n_; ++y)
+      for (std::size_t x = 0; x < n_; ++x) {
+        const std::size_t i = y * n_ + x;
+        // A grid turned by a right angle has at (kx, ky) what the grid itself has at (ky, -kx).
+        const std::size_t s = mirrored(x) * n_ + y;
+        // Half a turn is the complex conjugate: the grids are real.
+        const float sign = quarters == 0 ? 1.0F : -1.0F;
+        const auto [re0, im0] = score_at(b, i, i, sign);
+        const auto [re1, im1] = score_at(b, i, s, sign);
+        out.re[i] = re0 - im1;
+        out.im[i] = im0 + re1;
+      }
+  }
+
+  struct Number {
+    float re, im;
+  };
+  Number score_at(const Spectrum& b, std::size_t i, std::size_t s, float sign) const {
+    const float wr = b.wall.re[s], wi = sign * b.wall.im[s], fr = b.free.re[s], fi = sign * b.free.im[s];
+    return {wall_.re[i] * wr + wall_.im[i] * wi + free_.re[i] * fr + free_.im[i] * fi,
+            wall_.im[i] * wr - wall_.re[i] * wi + free_.im[i] * fr - free_.re[i] * fi};
+  }
+
+  void add_peaks(const std::vector<float>& scores, double yaw, std::vector<WallMatch>& found) const {
+    std::vector<std::pair<float, std::size_t>> peaks;
+    float least = 0;
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      const float s = scores[i];
+      if (s <= least) continue;
+      const std::size_t y = i / n_, x = i % n_, up = (y + n_ - 1) % n_, down = (y + 1) % n_, left = (x + n_ - 1) % n_,
+                        right = (x + 1) % n_;
+      if (s < scores[y * n_ + left] || s < scores[up * n_ + x] || s < scores[y * n_ + right] ||
+          s < scores[down * n_ + x])
+        continue;
+      peaks.emplace_back(s, i);
+      if (peaks.size() < 4 * peaks_per_turn) continue;
+      least = trim(peaks);
+    }
+    trim(peaks);
+    const auto scale = static_cast<float>(n_ * n_);
+    for (const auto& [s, i] : peaks) found.push_back(match_at(i, yaw, s / scale));
+  }
+
+  static float trim(std::vector<std::pair<float, std::size_t>>& peaks) {
+    std::sort(peaks.begin(), peaks.end(), [](const auto& p, const auto& q) {
+      return p.first > q.first || (p.first == q.first && p.second < q.second);
+    });
+    if (peaks.size() > peaks_per_turn) peaks.resize(peaks_per_turn);
+    return peaks.empty() ? 0 : peaks.back().first;
+  }
+
+  WallMatch match_at(std::size_t i, double yaw, float score) const {
+    const auto signed_cell = [&](std::size_t c) {
+      return static_cast<double>(c) - (c >= n_ / 2 ? static_cast<double>(n_) : 0);
+    };
+    const Eigen::Vector2d at =
+        middle_a_.cast<double>() + static_cast<double>(coarse_m) * Eigen::Vector2d(signed_cell(i % n_), signed_cell(i / n_));
+    return {wrap_rad(yaw), at - Eigen::Rotation2Dd(yaw) * middle(), score};
+  }
+
+  const WallMap& b_;
+  Eigen::Vector2f middle_a_, middle_b_;
+  std::size_t n_;
+  ComplexGrid wall_, free_;
+};
+
+}  // namespace
+
+std::vector<WallMatch> search_walls(const WallMap& a, const WallMap& b, std::size_t most, int threads) {
+  if (a.walls.empty() || b.walls.empty()) return {};
+  const WallMap clear_a = clear_of_walls(a), clear_b = clear_of_walls(b);
+  const Correlator correlator(clear_a, clear_b);
+  std::vector<std::vector<WallMatch>> found(quarter_turns);
+  for_blocks(quarter_turns, 1, threads,
+             [&](std::size_t turn, std::size_t, std::size_t) { correlator.search(turn, found[turn]); });
+  std::vector<WallMatch> matches;
+  for (const auto& list : found) matches.insert(matches.end(), list.begin(), list.end());
+  keep_distinct(matches, most, correlator.middle());
+  return matches;
+}
+
+WallField::WallField(const WallMap& map) : cell_m_(map.cell_m), low_(Eigen::Vector2f::Zero()) {
+  if (map.walls.empty() && map.free.empty()) return;
+  const Box box(map);
+  low_ = box.low.array() - 1.5F * cell_m_;
+  const Eigen::Vector2f cells = (box.high - low_) / cell_m_;
+  columns_ = static_cast<int>(cells.x()) + 3;
+  rows_ = static_cast<int>(cells.y()) + 3;
+  cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+  const auto index = [&](const Eigen::Vector2f& p) {
+    const Eigen::Vector2i c = ((p - low_) / cell_m_).cast<int>();
+    return static_cast<std::ptrdiff_t>(c.y()) * columns_ + c.x();
+  };
+  const auto set = static_cast<std::int8_t>(-penalty);
+  for (const auto& p : map.free) cells_[static_cast<std::size_t>(index(p))].for_wall = set;
+  for (const auto& p : map.walls)
+    for (std::ptrdiff_t dy = -1; dy <= 1; ++dy)
+      for (std::ptrdiff_t dx = -1; dx <= 1; ++dx)
+        cells_[static_cast<std::size_t>(index(p) + dy * columns_ + dx)].for_wall = 1;
+  for (const auto& p : map.walls) cells_[static_cast<std::size_t>(index(p))].for_free = set;
+}
+
+int WallField::score(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift,
+                     std::size_t every) const {
+  const Eigen::Matrix2f R = turn / cell_m_;
+  const Eigen::Vector2f t = (shift - low_) / cell_m_;
+  const auto width = static_cast<float>(columns_), height = static_cast<float>(rows_);
+  int score = 0;
+  const auto at = [&](const Eigen::Vector2f& p) -> const Cell* {
+    const float x = R(0, 0) * p.x() + R(0, 1) * p.y() + t.x(), y = R(1, 0) * p.x() + R(1, 1) * p.y() + t.y();
+    if (!(x >= 0 && y >= 0 && x < width && y < height)) return nullptr;
+    return &cells_[static_cast<std::size_t>(static_cast<int>(y) * columns_ + static_cast<int>(x))];
+  };
+  for (std::size_t i = 0; i < b.walls.size(); i += every)
+    if (const Cell* c = at(b.walls[i])) score += c->for_wall;
+  for (std::size_t i = 0; i < b.free.size(); i += every)
+    if (const Cell* c = at(b.free[i])) score += c->for_free;
+  return score;
+}
+
+double WallField::score(const WallMap& b, const WallMatch& m) const {
+  return score(b, Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix(), m.shift_m.cast<float>(), 1);
+}
+
+WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step) const {
+  const Eigen::Vector2d middle = Box(b).middle().cast<double>();  // turns are about it, so that they do not shift b
+  struct Window {
+    int shifts, turns;
+    double step_m, turn_deg;
+    std::size_t every;
+  };
+  static constexpr std::array coarse{Window{3, 2, 1, 2, 3}};
+  static constexpr std::array fine{Window{2, 1, 0.5, 1, 1}, Window{1, 1, 0.25, 1, 1}};
+  WallMatch best = guess;
+  for (const Window& w : step == Step::coarse ? std::span<const Window>(coarse) : std::span<const Window>(fine)) {
+    const WallMatch from = best;
+    const Eigen::Vector2d at = middle_at(from, middle);
+    int most = std::numeric_limits<int>::min();
+    for (int turn = -w.turns; turn <= w.turns; ++turn) {
+      const double yaw = from.yaw_rad + turn * w.turn_deg * std::numbers::pi / 180;
+      const Eigen::Matrix2d R = Eigen::Rotation2Dd(yaw).toRotationMatrix();
+      for (int y = -w.shifts; y <= w.shifts; ++y)
+        for (int x = -w.shifts; x <= w.shifts; ++x) {
+          const Eigen::Vector2d shift = at + w.step_m * Eigen::Vector2d(x, y) - R * middle;
+          const int s = score(b, R.cast<float>(), shift.cast<float>(), w.every);
+          if (s <= most) continue;
+          most = s;
+          best = {wrap_rad(yaw), shift, 0};
+        }
+    }
+  }
+  best.score = score(b, best);
+  return best;
+}
+
+}  // namespace headframe

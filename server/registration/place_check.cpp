@@ -1,0 +1,88 @@
+#include "server/registration/place_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headframe {
+namespace {
+
+/// Distance of p from the surface that a voxel knows, along its normals.
+float plane_distance(const Voxel& v, const Eigen::Vector3f& p) {
+  const Eigen::Vector3f e = p - v.mean;
+  const auto& [xx, xy, xz, yy, yz, zz] = v.N;
+  const float squared = xx * e.x() * e.x() + yy * e.y() * e.y() + zz * e.z() * e.z() +
+                        2 * (xy * e.x() * e.y() + xz * e.x() * e.z() + yz * e.y() * e.z());
+  return std::sqrt(std::max(0.0F, squared));
+}
+
+/// Share of the points that lie within 0.3 m of a surface of the map.
+double share_on_surface(const VoxelMap& map, const Points& points, const Pose& T) {
+  const Eigen::Isometry3f T_f = T.cast<float>();
+  std::size_t on = 0;
+  for (const auto& p : points) {
+    const Eigen::Vector3f q = T_f * p;
+    const Voxel* v = map.nearest(q);
+    on += v && plane_distance(*v, q) < 0.3F;
+  }
+  return points.empty() ? 0 : static_cast<double>(on) / static_cast<double>(points.size());
+}
+
+double median_residual_m(const VoxelMap& map, const Points& points, const Pose& T) {
+  const Eigen::Isometry3f T_f = T.cast<float>();
+  std::vector<float> distances;
+  distances.reserve(points.size());
+  for (const auto& p : points) {
+    const Eigen::Vector3f q = T_f * p;
+    if (const Voxel* v = map.nearest(q)) distances.push_back(plane_distance(*v, q));
+  }
+  if (distances.empty()) return 1;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return static_cast<double>(*middle);
+}
+
+Visibility own_visibility(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const PlaceConfig& config) {
+  std::vector<PlacedCloud> even, odd;
+  for (std::size_t i = 0; i < clouds.size(); ++i) (i % 2 == 0 ? even : odd).push_back(clouds[i]);
+  return look_from(views_near(odd, p, config.view_reach_m), sphere(even, p, config.look_m, config.look_leaf_m).points,
+                   Pose::Identity(), static_cast<float>(config.view_reach_m), config.look_leaf_m);
+}
+
+}  // namespace
+
+PlaceCheck register_place(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Eigen::Vector3d& p_b,
+                          const Pose& T_a_b, const PlaceConfig& config) {
+  PlaceCheck out;
+  out.p_b = p_b;
+  const Submap target = sphere(a, T_a_b * p_b, config.radius_m + config.slack_m, config.leaf_m);
+  const Submap source = sphere(b, p_b, config.radius_m, config.leaf_m);
+  const VoxelMaps maps = make_voxel_maps(target.points, target.normals);
+  out.registration = align(maps, source.points, source.normals, T_a_b);
+  const Pose& T = out.registration.T_target_source;
+  out.p_a = T * p_b;
+  if (out.registration.status == RegistrationStatus::too_little_overlap) return out;
+  out.residual_m = median_residual_m(maps.back(), source.points, T);
+  const double here = share_on_surface(maps.back(), source.points, T);
+  double slid = 0;
+  for (const double way : {-1.0, -0.5, 0.5, 1.0})
+    slid = std::max(slid, share_on_surface(maps.back(), source.points,
+                                           Eigen::Translation3d(way * config.slide_m *
+                                                                out.registration.weakest_direction) * T));
+  out.slide_ratio = here > 0 ? slid / here : 1;
+  return out;
+}
+
+void look_at_place(PlaceCheck& place, std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b,
+                   const PlaceConfig& config) {
+  const Eigen::Vector3d p_a = T_a_b * place.p_b;
+  const auto reach = static_cast<float>(config.view_reach_m);
+  const auto views_a = views_near(a, p_a, config.view_reach_m), views_b = views_near(b, place.p_b, config.view_reach_m);
+  const Points points_a = sphere(a, p_a, config.look_m, config.look_leaf_m).points,
+               points_b = sphere(b, place.p_b, config.look_m, config.look_leaf_m).points;
+  place.between = look_from(views_a, points_b, T_a_b, reach, config.look_leaf_m);
+  place.between += look_from(views_b, points_a, T_a_b.inverse(), reach, config.look_leaf_m);
+  place.own = own_visibility(a, p_a, config);
+  place.own += own_visibility(b, place.p_b, config);
+}
+
+}  // namespace headframe

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string_view>
+
+#include "common/geometry/se3.hpp"
+
+namespace headframe {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+enum class RegistrationStatus {
+  converged,
+  not_converged,      // the last stage ran out of iterations
+  degenerate,         // converged, but a translation is not held (Registration::weakest_direction)
+  too_little_overlap  // hardly any source point has a partner; T is where it stopped and means nothing
+};
+
+std::string_view to_string(RegistrationStatus status);
+
+struct Registration {
+  Pose T_target_source = Pose::Identity();
+  RegistrationStatus status = RegistrationStatus::too_little_overlap;
+  int iterations = 0;
+  double inlier_fraction = 0;  // source points with a partner in the last stage's reach whose normal agrees
+  double rmse_m = 0;           // of the inliers' distances along the target's normal
+  /// J^T W J of the last step about the source's centre, rotation first (1/rad^2, 1/m^2, mixed).
+  Matrix6d information = Matrix6d::Zero();
+  /// Eigenvalues of the mean outer product of the partners' normals, ascending; they sum to 1. A long smooth drift has
+  /// a first value near 0: nothing holds the translation along its axis.
+  Eigen::Vector3d direction_hold = Eigen::Vector3d::Zero();
+  Eigen::Vector3d weakest_direction = Eigen::Vector3d::UnitX();  // unit, in the target frame
+};
+
+}  // namespace headframe

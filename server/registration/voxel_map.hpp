@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/cloud/point_cloud.hpp"
+#include "server/registration/normal_equations.hpp"
+
+namespace headframe {
+
+/// What a voxel knows of the surface in it: the mean of its points, and the mean of the outer products of their
+/// normals. A flat piece of wall has N = n n^T; the more it bends, the less N claims to know any direction.
+struct Voxel {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  float count = 0;
+  Symmetric3f N{};
+};
+
+/// Surfels summed up by cubes of leaf_m. One pass to build, no neighbour search. The same surfels in the same order
+/// give the same map. Queries are thread safe.
+class VoxelMap {
+ public:
+  VoxelMap() = default;
+
+  /// Points and unit normals of one frame, one normal a point; leaf_m > 0. Points that are not finite or lie more than
+  /// a million leaves from the origin are left out.
+  VoxelMap(const Points& points, const Points& normals, float leaf_m);
+
+  /// The voxel whose mean is nearest, of the eight whose centres surround p: it is found when one lies within half a
+  /// leaf, and is never farther than 1.5 leaves on an axis. Null when all eight are empty.
+  const Voxel* nearest(const Eigen::Vector3f& p) const;
+
+  float leaf_m() const { return leaf_m_; }
+
+  /// In the order of their first points.
+  std::span<const Voxel> voxels() const { return std::span(voxels_).subspan(1); }
+
+ private:
+  /// Voxels are kept by bricks of 4 x 4 x 4 and the next layer on the far sides, so that eight neighbours always lie in
+  /// one brick, and one look into the hash finds them.
+  static constexpr int own = 4, edge = own + 1;
+  struct Brick {
+    std::array<std::uint32_t, edge * edge * edge> voxels{};  // 0: empty
+  };
+  struct Slot {
+    std::uint64_t key = 0;
+    std::uint32_t brick = none;
+  };
+  static constexpr std::uint32_t none = 0xFFFFFFFF;
+
+  static std::size_t offset(const Eigen::Vector3i& local);  // of a cell within its brick
+  std::uint32_t& voxel_at(const Eigen::Vector3i& cell);
+  void share(const Eigen::Vector3i& cell, std::uint32_t voxel);
+  Brick& brick_at(const Eigen::Vector3i& brick);
+  std::size_t slot_of(std::uint64_t key) const;
+  void grow();
+
+  float leaf_m_ = 1;
+  std::vector<Voxel> voxels_;  // the first stands for "empty", far away
+  std::vector<Brick> bricks_;
+  std::vector<Slot> slots_;  // open addressing, a power of two, at most half full
+};
+
+}  // namespace headframe
