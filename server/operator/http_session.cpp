@@ -9,6 +9,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <sstream>
 
 namespace headframe {
@@ -110,12 +111,27 @@ void HttpSession::refuse(Code code) {
 
 void HttpSession::perform(Reply reply) {
   if (auto* ready = std::get_if<Ready>(&reply)) return send(std::move(*ready));
+  if (std::holds_alternative<Upgrade>(reply)) return upgrade();
   if (const auto* later = std::get_if<Later>(&reply)) return answer_later(*later);
   if (parser_->get().version() < 11)
     return send(error_reply(505, {ErrorCode::incompatible, "this resource is sent in chunks; ask with HTTP/1.1"}));
   body_ = std::make_unique<Stream>(std::move(std::get<Stream>(reply)));
   head_sent_ = false;
   pull();
+}
+
+/// The connection goes over to the event feed.
+void HttpSession::upgrade() {
+  const auto& request = parser_->get();
+  const auto text = [](beast::string_view view) { return std::string_view(view.data(), view.size()); };
+  if (!beast::websocket::is_upgrade(request))
+    return send(error_reply(426, {ErrorCode::invalid_argument, "events are told over WebSocket; ask for an upgrade"}));
+  if (!same_origin(text(request[http::field::origin]), text(request[http::field::host])))
+    return send(error_reply({ErrorCode::refused, "a page of another origin may not listen"}));
+  if (!shared_->events->take_place())
+    return send(error_reply({ErrorCode::unavailable, "too many listen already; close some pages"}));
+  shared_->events->serve(beast::tcp_stream(stream_.release_socket()), parser_->release());
+  shared_->forget(shared_from_this());
 }
 
 void HttpSession::send(Ready ready) {

@@ -15,6 +15,7 @@
 #include <set>
 #include <string>
 
+#include "server/operator/event_feed.hpp"
 #include "server/operator/router.hpp"
 
 namespace headframe {
@@ -24,11 +25,15 @@ class HttpSession;
 /// What all connections share. Thread safe.
 class HttpShared : public std::enable_shared_from_this<HttpShared> {
  public:
-  HttpShared(Station& the_station, const OperatorLimits& the_limits) : station(the_station), limits(the_limits) {}
+  HttpShared(boost::asio::io_context& io, Station& the_station, const OperatorLimits& the_limits)
+      : station(the_station),
+        limits(the_limits),
+        events(std::make_shared<EventFeed>(io, the_station, the_limits.events)) {}
 
   Station& station;
   const OperatorLimits limits;
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  const std::shared_ptr<EventFeed> events;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
   /// Starts a connection: told 503 when limits.connections are served, dropped when as many are being told so.
@@ -60,6 +65,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_read(Code code);
   void refuse(Code code);
   void perform(Reply reply);
+  void upgrade();
   void send(Ready ready);
   void answer_later(const Later& later);
   void pull();

@@ -93,6 +93,8 @@ Result<Reply> explain_pair(const Query& query, const Context& context) {
   return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
 }
 
+Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }
+
 Result<CloudFormat> cloud_format(const Query& query) {
   const auto format = query.find("format");
   if (format == query.end() || format->second == "ply") return CloudFormat::ply;
@@ -143,13 +145,14 @@ struct Route {
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 10> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 11> routes{{{"GET", "/healthz", {}, healthz},
                                         {"GET", "/api/v1/status", {}, status},
                                         {"GET", "/api/v1/sessions", {}, sessions},
                                         {"GET", "/api/v1/atlas", {"wait"}, atlas},
                                         {"GET", "/api/v1/alignments", {}, alignments},
                                         {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                                         {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
+                                        {"GET", "/api/v1/events", {}, events},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
                                         {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};

@@ -9,18 +9,10 @@
 #include <variant>
 
 #include "server/operator/body_source.hpp"
+#include "server/operator/operator_limits.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
-
-struct OperatorLimits {
-  std::size_t header_bytes = 8 * 1024;
-  std::size_t body_bytes = 64 * 1024;
-  std::size_t connections = 64;  // further ones are told 503
-  double idle_s = 30;            // for a request to come, from the end of the one before it
-  double write_s = 30;           // for each piece of a response to leave
-  double wait_s = 3600;          // the most that ?wait= may ask for
-};
 
 /// A response that is known at once.
 struct Ready {
@@ -37,7 +29,9 @@ struct Stream {
   std::string content_type;
   std::unique_ptr<BodySource> body;
 };
-using Reply = std::variant<Ready, Later, Stream>;
+/// The connection becomes a WebSocket that is told events.
+struct Upgrade {};
+using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 
 /// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station.
 Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,

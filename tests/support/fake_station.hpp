@@ -45,8 +45,20 @@ class FakeStation : public Station {
     if (timer_.joinable()) timer_.join();
   }
 
-  std::vector<SessionRow> sessions() const override { return rows; }
-  AtlasView atlas() const override { return view; }
+  std::vector<SessionRow> sessions() const override {
+    const std::lock_guard lock(mutex_);
+    return rows;
+  }
+  AtlasView atlas() const override {
+    const std::lock_guard lock(mutex_);
+    return view;
+  }
+  /// Changes rows or view while the server looks at them.
+  template <class Change>
+  void change(Change what) {
+    const std::lock_guard lock(mutex_);
+    what();
+  }
   MergeConfig merge_config() const override { return {}; }
   Pending pending() const override {
     const std::lock_guard lock(mutex_);
