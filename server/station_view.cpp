@@ -58,6 +58,18 @@ Pending StationView::pending() const {
   return pending;
 }
 
+Workload StationView::workload() const {
+  const StoreLoad load = store_.load();
+  const auto [attempts, stages] = worker_.effort();
+  return {load.queued_writes,
+          load.queued_bytes,
+          load.durable_writes,
+          load.failed_writes,
+          load.last_error,
+          attempts,
+          stages};
+}
+
 void StationView::when_idle(double timeout_s, std::function<void(Pending)> callback) {
   auto wait = std::make_shared<Wait>(io_, *this);
   wait->deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));

@@ -7,6 +7,7 @@
 #include "server/operator/api_json.hpp"
 #include "server/operator/explain_request.hpp"
 #include "server/operator/map_export.hpp"
+#include "server/operator/metrics.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/trajectory_export.hpp"
 
@@ -24,6 +25,21 @@ struct Context {
 Ready json(std::string body, int status = 200) { return {status, "application/json", std::move(body), {}}; }
 
 Result<Reply> healthz(const Query&, const Context&) { return json("{\"status\":\"ok\"}\n"); }
+
+Result<Reply> readyz(const Query&, const Context& context) {
+  const std::string error = context.station.workload().disk_error;
+  if (error.empty()) return json("{\"status\":\"ready\"}\n");
+  return failure(ErrorCode::unavailable, "the disk refuses writes: " + error);
+}
+
+Result<Reply> metrics(const Query&, const Context& context) {
+  const Station& station = context.station;
+  return Ready{
+      200,
+      "text/plain; version=0.0.4; charset=utf-8",
+      metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(), context.uptime_s),
+      {}};
+}
 
 Result<Reply> status(const Query&, const Context& context) {
   const Station& station = context.station;
@@ -145,7 +161,9 @@ struct Route {
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 11> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 13> routes{{{"GET", "/healthz", {}, healthz},
+                                        {"GET", "/readyz", {}, readyz},
+                                        {"GET", "/metrics", {}, metrics},
                                         {"GET", "/api/v1/status", {}, status},
                                         {"GET", "/api/v1/sessions", {}, sessions},
                                         {"GET", "/api/v1/atlas", {"wait"}, atlas},

@@ -59,6 +59,10 @@ class FakeStation : public Station {
     const std::lock_guard lock(mutex_);
     what();
   }
+  Workload workload() const override {
+    const std::lock_guard lock(mutex_);
+    return work;
+  }
   MergeConfig merge_config() const override { return {}; }
   Pending pending() const override {
     const std::lock_guard lock(mutex_);
@@ -132,6 +136,7 @@ class FakeStation : public Station {
 
   std::vector<SessionRow> rows;
   AtlasView view;
+  Workload work;
   int points = 10;
   bool broken_trajectory = false;
   int cloud_that_breaks = 0;  // the n-th that is read

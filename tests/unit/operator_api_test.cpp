@@ -43,6 +43,36 @@ TEST_F(OperatorApiTest, SaysThatItIsThere) {
   EXPECT_EQ(status["pending"], (Json{{"attempts", 0}, {"keyframes", 0}, {"awaited_submaps", 0}}));
 }
 
+TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
+  server.station.work.attempts = 5;
+  server.station.work.stages.registration_ms = 1500;
+  const HttpResponse response = get("/metrics");
+  EXPECT_EQ(response.status, 200);
+  std::istringstream lines(response.body);
+  std::map<std::string, double> samples;
+  std::set<std::string> described;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("# TYPE ", 0) == 0) described.insert(line.substr(7, line.find(' ', 7) - 7));
+    if (line.empty() || line[0] == '#') continue;
+    const std::size_t space = line.rfind(' ');
+    EXPECT_TRUE(samples.emplace(line.substr(0, space), std::stod(line.substr(space + 1))).second) << line;
+    EXPECT_TRUE(described.contains(line.substr(0, line.find_first_of("{ ")))) << line;
+  }
+  EXPECT_EQ(samples["headframe_robots_connected"], 2);
+  EXPECT_EQ(samples["headframe_keyframes"], 9);
+  EXPECT_EQ(samples["headframe_alignments{state=\"published\"}"], 1);
+  EXPECT_EQ(samples["headframe_alignments{state=\"candidate\"}"], 0);
+  EXPECT_EQ(samples["headframe_merge_attempts_total"], 5);
+  EXPECT_EQ(samples["headframe_merge_seconds_total{stage=\"registration\"}"], 1.5);
+}
+
+TEST_F(OperatorApiTest, IsReadyUnlessTheDiskRefuses) {
+  EXPECT_EQ(get("/readyz").status, 200);
+  server.station.change([&] { server.station.work.disk_error = "disk is full"; });
+  expect_error(get("/readyz"), 503, "unavailable", "disk is full");
+  EXPECT_EQ(get("/healthz").status, 200) << "alive all the same";
+}
+
 TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
   const Json rows = Json::parse(get("/api/v1/sessions").body)["sessions"];
   ASSERT_EQ(rows.size(), 3U);
