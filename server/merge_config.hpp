@@ -11,8 +11,8 @@ struct MergeConfig {
   double runner_up_probability = 0.5;  // ... when its best different hypothesis stays below this
   double candidate_probability = 0.2;  // shown as a candidate at or above this
   double least_path_m = 50;            // a growing session waits until it has come so far, or its robot asks
-  int hypotheses = 6;                  // judged for each pair of sessions in one attempt
-  int correlations = 16;               // new pairs of map pieces correlated for each pair of sessions in one attempt
+  int hypotheses = 8;                  // glanced at for each pair of sessions in one attempt
+  int searches = 4;                    // pairs of sessions whose walls are searched anew in one attempt
   int clouds_requested = 10;           // of each session, at most, for one hypothesis
   int clouds_kept = 2000;              // prepared clouds held in memory, about 0.2 MB each
 };

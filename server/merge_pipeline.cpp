@@ -1,108 +1,30 @@
 #include "server/merge_pipeline.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <map>
-#include <numbers>
 
-#include "common/descriptor/family.hpp"
 #include "server/atlas/merge_graph.hpp"
-#include "server/place/hypotheses.hpp"
-#include "server/prepared_clouds.hpp"
-#include "server/registration/verification.hpp"
+#include "server/merge_state.hpp"
 
 namespace headframe {
 namespace {
 
-constexpr std::size_t neighbours = 5;          // of each keyframe, in the votes
-constexpr std::size_t exact_up_to = 20000;     // keyframes of a family; FLANN beyond
-constexpr std::size_t hypotheses_awaited = 2;  // that may wait for clouds at a time
-constexpr double rival_share = 0.7;            // of the support: weaker rivals of an accepted one ask for no clouds
+constexpr std::size_t cases_awaited = 2;  // that may wait for clouds at a time
+constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
 constexpr double news_m = 0.05, news_rad = 0.2 * std::numbers::pi / 180;  // smaller changes of a transform are not told
-
-struct Session {
-  FamilyId family;
-  std::vector<Keyframe> keyframes;
-  double path_m = 0;
-  bool complete = false;
-};
-
-struct Family {
-  std::unique_ptr<DescriptorFamily> compare;  // null: not known here; wall maps still work
-  std::unique_ptr<DescriptorIndex> index;
-};
-
-/// A hypothesis that was judged, and on how many clouds: judged again only when there are more.
-struct Judged {
-  Pose T_0;
-  std::size_t clouds = 0;
-  Judgement result;
-};
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total_ms) : total_ms_(total_ms), start_(Clock::now()) {}
-  ~Stopwatch() { total_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  using Clock = std::chrono::steady_clock;
-  double& total_ms_;
-  Clock::time_point start_;
-};
-
-bool differ(const Pose& T, const Pose& U, double metres, double radians) {
-  const Pose error = T.inverse() * U;
-  return error.translation().norm() > metres || rotation_angle_rad(error) > radians;
-}
+constexpr double rival_m = 2, rival_rad = 0.17;                           // nearer than this it is the same placement
 
 }  // namespace
-
-struct MergePipeline::State {
-  MergeConfig config;
-  std::map<SessionId, Session> sessions;
-  std::map<FamilyId, Family> families;
-  std::vector<Alignment> alignments;
-  DecisionBook decisions;
-  Atlas atlas;
-  HypothesisFinder finder;
-  PreparedClouds prepared;
-  std::map<std::pair<SessionId, SessionId>, std::vector<Judged>> judged;
-
-  explicit State(const MergeConfig& c)
-      : config(c),
-        finder({.most = static_cast<std::size_t>(c.hypotheses),
-                .correlations = static_cast<std::size_t>(c.correlations),
-                .threads = c.threads}),
-        prepared(static_cast<std::size_t>(c.clouds_kept)) {}
-
-  void merge_pair(SessionId a, SessionId b, CloudSource& clouds, AttemptReport& report);
-  bool still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report);
-  std::vector<MatchedPair> match_descriptors(SessionId a, SessionId b);
-  std::vector<PlacedCloud> clouds_near(SessionId id, SessionId other, const Pose& T_id_other, CloudSource& clouds,
-                                       std::vector<KeyframeRef>& missing);
-  const Judged& judge_once(SessionId a, SessionId b, const Pose& T_0, std::span<const PlacedCloud> clouds_a,
-                           std::span<const PlacedCloud> clouds_b, AttemptReport& report);
-  void record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report);
-  void update_atlas(AttemptReport& report);
-  Alignment* find(SessionId a, SessionId b);
-  void move_to_flann(const FamilyId& id, std::size_t q_size);
-  /// A few metres of drift look like many others: a growing session waits until it has seen more.
-  bool may_merge(SessionId id) { return sessions[id].complete || sessions[id].path_m >= config.least_path_m; }
-};
 
 // ---- The page: one attempt to merge one session with all others (FRAME, section on map merging; numbers of its steps)
 
 AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   AttemptReport report;
-  const auto self = state_->sessions.find(id);
-  if (self == state_->sessions.end()) return report;
-  for (const auto& [other, session] : state_->sessions)
-    if (other != id && session.family == self->second.family)
-      state_->merge_pair(std::min(id, other), std::max(id, other), clouds, report);
-  state_->update_atlas(report);  // 9: maps merge one after another
+  State& s = *state_;
+  if (!s.sessions.contains(id)) return report;
+  s.finder.allow(static_cast<std::size_t>(s.config.searches));
+  for (const SessionId other : s.partners(id)) s.merge_pair(std::min(id, other), std::max(id, other), clouds, report);
+  s.update_atlas(report);  // 9: maps merge one after another
   return report;
 }
 
@@ -112,63 +34,72 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   if (in_force && still_holds(*known, clouds, report)) return;
 
   // 5, 6: where could b lie on a? Not one nearest pair, but all that the descriptors and the wall maps propose.
-  std::vector<Hypothesis> hypotheses;
+  const Found* found = nullptr;
   {
     const Stopwatch watch(report.times.hypotheses_ms);
-    bool exhausted = true;
-    hypotheses = finder.find(a, sessions[a].keyframes, b, sessions[b].keyframes, match_descriptors(a, b),
-                             families[sessions[a].family].compare.get(), exhausted);
-    report.unfinished |= !exhausted;
+    found = finder.find({a, sessions[a].keyframes}, {b, sessions[b].keyframes},
+                        families[sessions[a].family].compare.get(), [&] { return match_descriptors(a, b); });
   }
-  // 7, 8: the spheres and their registration, then what the paper lacks: evidence, and a runner-up.
-  Judgement best;
-  std::vector<std::pair<Pose, double>> rivals;
+  if (!found) {
+    report.unfinished = true;  // enough searched for one attempt
+    return;
+  }
+  // 7: the clouds around each; what is not here is asked for, the likeliest first.
+  std::vector<Case> cases;
+  std::vector<std::size_t> judged_now{found->version};
   std::size_t awaited = 0;
-  for (const Hypothesis& h : hypotheses) {
-    std::vector<KeyframeRef> missing;
-    std::vector<PlacedCloud> clouds_a, clouds_b;
-    {
-      const Stopwatch watch(report.times.sampling_ms);
-      clouds_a = clouds_near(a, b, h.T_a_b, clouds, missing);
-      clouds_b = clouds_near(b, a, h.T_a_b.inverse(), clouds, missing);
+  const bool accepted = known && known->evidence.probability >= config.accept_probability;
+  {
+    const Stopwatch watch(report.times.sampling_ms);
+    for (const Hypothesis& h : found->hypotheses) {
+      Case made = make_case(a, b, h, clouds);
+      const bool weak_rival = accepted && h.score < rival_share * known->evidence.support;
+      if (!made.missing.empty() && awaited < cases_awaited && !weak_rival) {
+        ++awaited;
+        report.wanted.insert(report.wanted.end(), made.missing.begin(), made.missing.end());
+        continue;
+      }
+      judged_now.push_back(made.a.size() + made.b.size());
+      cases.push_back(std::move(made));
     }
-    const bool weak_rival =
-        best.evidence.probability >= config.accept_probability && h.score < rival_share * best.evidence.support;
-    if (!missing.empty() && awaited < hypotheses_awaited && !weak_rival) {
-      ++awaited;
-      report.wanted.insert(report.wanted.end(), missing.begin(), missing.end());
-      continue;
-    }
-    Judgement judgement = judge_once(a, b, h.T_a_b, clouds_a, clouds_b, report).result;
-    judgement.evidence.support = h.score;
-    if (known && decisions.proposal(known->id, judgement.T_a_b, judgement.evidence.seen_points) == Proposal::suppressed)
-      continue;
-    rivals.emplace_back(judgement.T_a_b, judgement.evidence.probability);
-    if (rivals.size() == 1 || judgement.evidence.probability > best.evidence.probability) best = judgement;
   }
-  for (const auto& [T, p] : rivals)
-    if (differ(T, best.T_a_b, 2.0, 0.17)) best.evidence.runner_up = std::max(best.evidence.runner_up, p);
-  if (!rivals.empty() && (awaited == 0 || best.evidence.probability < config.accept_probability))
+  if (auto& before = judged_on[{a, b}]; before == judged_now)
+    return;
+  else
+    before = judged_now;
+
+  // 8: registration, then what the paper lacks: evidence, and a runner-up.
+  std::vector<Verdict> verdicts = judge_cases(cases, report);
+  if (known)
+    std::erase_if(verdicts, [&](const Verdict& v) {
+      return decisions.proposal(known->id, v.judgement.T_a_b, v.judgement.evidence.seen_points) == Proposal::suppressed;
+    });
+  if (verdicts.empty()) verdicts.emplace_back();
+  Judgement best = verdicts.front().judgement;
+  for (const Verdict& v : verdicts)
+    if (differ(v.judgement.T_a_b, best.T_a_b, v.p_b, rival_m, rival_rad))
+      best.evidence.runner_up = std::max(best.evidence.runner_up, v.judgement.evidence.probability);
+  if (!cases.empty() && (awaited == 0 || best.evidence.probability < config.accept_probability))
     record(a, b, best, report);
 }
 
 /// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
 /// one that the operator confirmed always does.
 bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report) {
-  std::vector<KeyframeRef> missing;  // not asked for: the merge stands, more clouds may come in the background
-  const auto clouds_a = clouds_near(published.a, published.b, published.T_a_b, clouds, missing);
-  const auto clouds_b = clouds_near(published.b, published.a, published.T_a_b.inverse(), clouds, missing);
-  if (clouds_a.empty() || clouds_b.empty()) return true;
-  auto& memory = judged[{published.a, published.b}];
-  const std::size_t count = clouds_a.size() + clouds_b.size();
-  for (const Judged& j : memory)
-    if (j.clouds == count && !differ(j.T_0, published.T_a_b, 1e-9, 1e-9)) return true;
+  // Missing clouds are not asked for: the merge stands, more may come in the background.
+  const Case now = make_case(published.a, published.b, {published.T_a_b, 0, {}}, clouds);
+  if (now.a.empty() || now.b.empty()) return true;
+  const std::vector<std::size_t> judged_now{now.a.size(), now.b.size()};
+  if (auto& before = judged_on[{published.a, published.b}]; before == judged_now)
+    return true;
+  else
+    before = judged_now;
   const Stopwatch watch(report.times.verification_ms);
-  const JudgeConfig judge_config{.threads = config.threads};
-  const Judgement again = judge_again(clouds_a, clouds_b, published.T_a_b, judge_config);
+  const Judgement again = judge_again(now.a, now.b, published.T_a_b, judge_config());
   if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
+  const Eigen::Vector3d middle = now.b[now.b.size() / 2].T_local_sensor.translation();
   if (again.evidence.probability >= config.accept_probability &&
-      differ(again.T_a_b, published.T_a_b, news_m, news_rad)) {
+      differ(again.T_a_b, published.T_a_b, middle, news_m, news_rad)) {
     const double support = published.evidence.support, runner_up = published.evidence.runner_up;
     published.T_a_b = again.T_a_b;
     published.evidence = again.evidence;
@@ -176,7 +107,6 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
     published.evidence.runner_up = runner_up;
     report.changed.push_back(published);
   }
-  memory.assign(1, {published.T_a_b, count, again});
   return true;
 }
 
@@ -200,7 +130,7 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
   known->verdict = now;
   if (known->state == AlignmentState::published && now != AlignmentState::verified) now = AlignmentState::retracted;
   if (known->state == AlignmentState::retracted && now == AlignmentState::rejected) now = AlignmentState::retracted;
-  const bool news = known->state != now || differ(known->T_a_b, best.T_a_b, 1e-6, 1e-6);
+  const bool news = known->state != now || differ(known->T_a_b, best.T_a_b, Eigen::Vector3d::Zero(), 1e-6, 1e-6);
   known->state = now;
   known->T_a_b = best.T_a_b;
   known->evidence = e;
@@ -233,85 +163,10 @@ void MergePipeline::State::update_atlas(AttemptReport& report) {
       const bool alone = was == before.end() && component.placements.size() == 1;  // a new session moves no transform
       if (alone) continue;
       report.atlas_changed |= was == before.end() || was->second.first != component.id ||
-                              differ(was->second.second, p.T_component_session, 1e-6, 1e-6);
+                              differ(was->second.second, p.T_component_session, Eigen::Vector3d::Zero(), 1e-6, 1e-6);
     }
   atlas.components = merged.components;
   if (report.atlas_changed) ++atlas.revision;
-}
-
-// ---- Details
-
-std::vector<MatchedPair> MergePipeline::State::match_descriptors(SessionId a, SessionId b) {
-  std::vector<MatchedPair> matches;
-  const Family& family = families[sessions[a].family];
-  if (!family.index) return matches;
-  const std::size_t asked = neighbours * std::max<std::size_t>(2, sessions.size());
-  for (std::size_t j = 0; j < sessions[b].keyframes.size(); ++j) {
-    std::size_t taken = 0;
-    for (const PlaceNeighbour& n : family.index->nearest(sessions[b].keyframes[j].descriptor.q, asked)) {
-      if (n.keyframe.session != a || taken == neighbours) continue;
-      ++taken;
-      matches.push_back({static_cast<std::size_t>(n.keyframe.sequence - 1), j, n.squared_distance});
-    }
-  }
-  return matches;
-}
-
-/// Clouds of `id` that lie within reach of the other session; what is missing of them and can be had is listed, the
-/// nearest first.
-std::vector<PlacedCloud> MergePipeline::State::clouds_near(SessionId id, SessionId other, const Pose& T_id_other,
-                                                           CloudSource& clouds, std::vector<KeyframeRef>& missing) {
-  const double reach_m = JudgeConfig{}.look_m, needed_m = JudgeConfig{}.meet_m;
-  std::vector<PlacedCloud> near;
-  std::vector<std::pair<double, KeyframeRef>> absent;
-  for (const Keyframe& k : sessions[id].keyframes) {
-    double distance = reach_m;
-    for (const Keyframe& l : sessions[other].keyframes)
-      distance =
-          std::min(distance, (k.T_local_sensor.translation() - T_id_other * l.T_local_sensor.translation()).norm());
-    if (distance >= reach_m || k.point_count == 0) continue;
-    const KeyframeRef ref{id, k.sequence};
-    if (auto cloud = prepared.get(ref, clouds))
-      near.push_back({k.sequence, k.T_local_sensor, std::move(cloud)});
-    else if (distance < needed_m && clouds.state(ref) == CloudState::obtainable)
-      absent.emplace_back(distance, ref);
-  }
-  std::sort(absent.begin(), absent.end());
-  if (absent.size() > static_cast<std::size_t>(config.clouds_requested))
-    absent.resize(static_cast<std::size_t>(config.clouds_requested));
-  // Enough is there when the request limit's worth of clouds is: the rest comes in the background.
-  if (near.size() < static_cast<std::size_t>(config.clouds_requested))
-    for (const auto& [distance, ref] : absent) missing.push_back(ref);
-  return near;
-}
-
-const Judged& MergePipeline::State::judge_once(SessionId a, SessionId b, const Pose& T_0,
-                                               std::span<const PlacedCloud> clouds_a,
-                                               std::span<const PlacedCloud> clouds_b, AttemptReport& report) {
-  auto& memory = judged[{a, b}];
-  const std::size_t count = clouds_a.size() + clouds_b.size();
-  for (const Judged& j : memory)
-    if (j.clouds == count && !differ(j.T_0, T_0, 1e-9, 1e-9)) return j;
-  const Stopwatch watch(report.times.registration_ms);
-  const JudgeConfig judge_config{.threads = config.threads};
-  if (memory.size() >= 4 * static_cast<std::size_t>(config.hypotheses)) memory.erase(memory.begin());
-  memory.push_back({T_0, count, judge(clouds_a, clouds_b, T_0, judge_config)});
-  return memory.back();
-}
-
-Alignment* MergePipeline::State::find(SessionId a, SessionId b) {
-  for (Alignment& alignment : alignments)
-    if (alignment.a == a && alignment.b == b) return &alignment;
-  return nullptr;
-}
-
-void MergePipeline::State::move_to_flann(const FamilyId& id, std::size_t q_size) {
-  auto index = make_flann_index(q_size);
-  for (const auto& [session_id, session] : sessions)
-    if (session.family == id)
-      for (const Keyframe& k : session.keyframes)
-        if (!k.descriptor.q.empty()) index->add({session_id, k.sequence}, k.descriptor.q);
-  families[id].index = std::move(index);
 }
 
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -326,17 +181,15 @@ void MergePipeline::add_session(SessionId id, const FamilyId& family) {
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   Session& session = state_->sessions[id];
-  Family& family = state_->families[session.family];
-  const auto& q = keyframe.descriptor.q;
-  if (!q.empty()) {
-    if (!family.index) family.index = make_exact_index(q.size());
-    if (family.index->size() == exact_up_to) state_->move_to_flann(session.family, q.size());
-    family.index->add({id, keyframe.sequence}, q);
-  }
+  state_->index_keyframe(id, keyframe);
   if (!session.keyframes.empty())
     session.path_m +=
         (keyframe.T_local_sensor.translation() - session.keyframes.back().T_local_sensor.translation()).norm();
   session.keyframes.push_back(std::move(keyframe));
+}
+
+void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {
+  state_->prepared.get(keyframe, clouds);
 }
 
 void MergePipeline::complete_session(SessionId id) { state_->sessions[id].complete = true; }

@@ -53,6 +53,9 @@ class MergePipeline {
   void add_session(SessionId id, const FamilyId& family);
   void add_keyframe(SessionId id, Keyframe keyframe);
 
+  /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
+  void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds);
+
   /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
   void complete_session(SessionId id);
 

@@ -10,7 +10,7 @@ std::shared_ptr<const PreparedCloud> PreparedClouds::get(const KeyframeRef& keyf
   if (source.state(keyframe) != CloudState::stored) return nullptr;
   const auto cloud = source.load(keyframe);
   if (!cloud) return nullptr;
-  auto prepared = std::make_shared<const PreparedCloud>(prepare(*cloud, threads));
+  auto prepared = std::make_shared<const PreparedCloud>(prepare(*cloud, threads_));
   ages_.push_front(keyframe);
   entries_[keyframe] = {prepared, ages_.begin()};
   if (entries_.size() > capacity_) {

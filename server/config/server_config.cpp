@@ -36,7 +36,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "candidate_probability", &c.merge.candidate_probability, 0, 1},
       {"merge", "least_path_m", &c.merge.least_path_m, 0, 1e5},
       {"merge", "hypotheses", &c.merge.hypotheses, 1, 1000},
-      {"merge", "correlations", &c.merge.correlations, 1, 10000},
+      {"merge", "searches", &c.merge.searches, 1, 10000},
       {"merge", "clouds_requested", &c.merge.clouds_requested, 1, 1000},
       {"merge", "clouds_kept", &c.merge.clouds_kept, 1, 1e6},
   };

@@ -107,6 +107,7 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   for (const std::uint64_t sequence : news.clouds_came) {
     known.stored.insert(sequence);
     schedule_.cloud_came({session, sequence}, now);
+    pipeline_->prepare_cloud({session, sequence}, *this);  // so that a merge pays for alignment alone
   }
   for (const std::uint64_t sequence : news.clouds_gone) schedule_.cloud_will_not_come({session, sequence});
   if (news.left) {

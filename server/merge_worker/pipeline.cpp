@@ -8,6 +8,9 @@ class RealPipeline : public Pipeline {
   explicit RealPipeline(const MergeConfig& config) : pipeline_(config) {}
   void add_session(SessionId id, const FamilyId& family) override { pipeline_.add_session(id, family); }
   void add_keyframe(SessionId id, Keyframe keyframe) override { pipeline_.add_keyframe(id, std::move(keyframe)); }
+  void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) override {
+    pipeline_.prepare_cloud(keyframe, clouds);
+  }
   void complete_session(SessionId id) override { pipeline_.complete_session(id); }
   void restore(std::vector<Alignment> alignments, std::uint64_t revision,
                std::vector<DecisionRecord> decisions) override {

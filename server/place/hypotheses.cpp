@@ -106,7 +106,7 @@ void best_first(std::vector<Lead>& leads) {
 
 /// The levels of both sessions on each other, and the descriptors' transforms on every level they fit: refined by the
 /// walls, a few metres first, then the best to half a cell.
-std::vector<Lead> search(const SessionWalls& a, const SessionWalls& b, std::span<const Pose> proposed,
+std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::span<const Pose> proposed,
                          const HypothesisFinder::Config& config) {
   std::vector<Lead> leads;
   for (const auto& level_a : a.levels)
@@ -140,38 +140,44 @@ std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, const
   return out;
 }
 
-const SessionWalls& HypothesisFinder::walls(SessionId id, std::span<const Keyframe> keyframes) {
-  auto& known = walls_[id];
-  if (!known || known->path_m != path_m(keyframes)) known = std::make_unique<SessionWalls>(keyframes);
+const SessionWalls& HypothesisFinder::walls(const SessionView& session) {
+  auto& known = walls_[session.id];
+  if (!known || known->path_m != path_m(session.keyframes)) known = std::make_unique<SessionWalls>(session.keyframes);
   return *known;
 }
 
-std::vector<Hypothesis> HypothesisFinder::find(SessionId id_a, std::span<const Keyframe> a, SessionId id_b,
-                                               std::span<const Keyframe> b, std::span<const MatchedPair> matches,
-                                               const DescriptorFamily* family) {
-  if (a.empty() || b.empty()) return {};
-  Found& known = found_[{id_a, id_b}];
-  const double path_a = path_m(a), path_b = path_m(b);
-  if (known.path_a_m > 0 && path_a - known.path_a_m < config_.news_m && path_b - known.path_b_m < config_.news_m)
-    return known.hypotheses;
-  const SessionWalls &walls_a = walls(id_a, a), &walls_b = walls(id_b, b);
-  std::vector<Pose> proposed;
-  if (family && !matches.empty()) proposed = from_descriptors(a, b, matches, *family);
-
-  known = {path_a, path_b, {}};
-  for (const Lead& lead : search(walls_a, walls_b, proposed, config_)) {
+std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
+                                                 const std::vector<Pose>& proposed) {
+  const SessionWalls &walls_a = walls(a), &walls_b = walls(b);
+  std::vector<Hypothesis> out;
+  for (const Lead& lead : leads_of(walls_a, walls_b, proposed, config_)) {
+    if (out.size() == config_.most) break;
     const Piece piece_a = lead.a->piece, piece_b = lead.part->piece;
     Hypothesis h{pose_from_yaw(lead.match.yaw_rad, {lead.match.shift_m.x(), lead.match.shift_m.y(), 0}),
-                 lead.match.score, (piece_b.begin + piece_b.end) / 2};
-    h.T_a_b.translation().z() = height_m(a.subspan(piece_a.begin, piece_a.end - piece_a.begin),
-                                         b.subspan(piece_b.begin, piece_b.end - piece_b.begin), h.T_a_b);
-    const Eigen::Vector3d at = place(b[h.centre_b]);
-    if (std::none_of(known.hypotheses.begin(), known.hypotheses.end(),
-                     [&](const auto& g) { return same(g.T_a_b, h.T_a_b, at); }))
-      known.hypotheses.push_back(h);
-    if (known.hypotheses.size() == config_.most) break;
+                 lead.match.score, place(b.keyframes[(piece_b.begin + piece_b.end) / 2])};
+    h.T_a_b.translation().z() = height_m(a.keyframes.subspan(piece_a.begin, piece_a.end - piece_a.begin),
+                                         b.keyframes.subspan(piece_b.begin, piece_b.end - piece_b.begin), h.T_a_b);
+    if (std::none_of(out.begin(), out.end(), [&](const auto& g) { return same(g.T_a_b, h.T_a_b, h.place_b); }))
+      out.push_back(h);
   }
-  return known.hypotheses;
+  return out;
+}
+
+const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
+                                    const std::function<std::vector<MatchedPair>()>& matches) {
+  Found& known = found_[{a.id, b.id}];
+  const double path_a = path_m(a.keyframes), path_b = path_m(b.keyframes);
+  const bool grown = path_a - known.path_a_m >= config_.news_m || path_b - known.path_b_m >= config_.news_m;
+  if (known.version > 0 && !grown) return &known;
+  if (a.keyframes.empty() || b.keyframes.empty()) return &known;
+  if (allowed_ == 0) return nullptr;
+  --allowed_;
+  std::vector<Pose> proposed;
+  if (family)
+    if (const auto matched = matches(); !matched.empty())
+      proposed = from_descriptors(a.keyframes, b.keyframes, matched, *family);
+  known = {known.version + 1, search(a, b, proposed), path_a, path_b};
+  return &known;
 }
 
 }  // namespace headframe

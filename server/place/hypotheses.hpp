@@ -1,6 +1,8 @@
 #pragma once
 // Where could two sessions lie on each other? One list from several sources, best first, for the registration to judge.
 
+#include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -16,7 +18,7 @@ namespace headframe {
 struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
   double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
-  std::size_t centre_b = 0;       // index of the keyframe of b in the middle of that piece
+  Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of that piece of b's path, in b's frame
 };
 
 /// A neighbour of a keyframe of b among the keyframes of a, by index, from the descriptor index.
@@ -24,6 +26,19 @@ struct MatchedPair {
   std::size_t a = 0;
   std::size_t b = 0;
   float squared_distance = 0;
+};
+
+/// A session as the finder sees it.
+struct SessionView {
+  SessionId id = 0;
+  std::span<const Keyframe> keyframes;
+};
+
+/// What was found for a pair of sessions, best first. The version changes with every new search.
+struct Found {
+  std::size_t version = 0;
+  std::vector<Hypothesis> hypotheses;
+  double path_a_m = 0, path_b_m = 0;  // of the sessions when it was searched
 };
 
 /// Finds hypotheses for pairs of sessions, and remembers what it drew and found: a pair is searched again when one of
@@ -39,17 +54,20 @@ class HypothesisFinder {
   };
   explicit HypothesisFinder(const Config& config) : config_(config) {}
 
-  std::vector<Hypothesis> find(SessionId id_a, std::span<const Keyframe> a, SessionId id_b, std::span<const Keyframe> b,
-                               std::span<const MatchedPair> matches, const DescriptorFamily* family);
+  /// New searches until the next call of allow().
+  void allow(std::size_t searches) { allowed_ = searches; }
+
+  /// Null when it would take a search and none is allowed any more. The pointer holds until the next call. `matches` is
+  /// called for a new search only.
+  const Found* find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
+                    const std::function<std::vector<MatchedPair>()>& matches);
 
  private:
-  struct Found {
-    double path_a_m = 0, path_b_m = 0;
-    std::vector<Hypothesis> hypotheses;
-  };
-  const SessionWalls& walls(SessionId id, std::span<const Keyframe> keyframes);
+  const SessionWalls& walls(const SessionView& session);
+  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<Pose>& proposed);
 
   Config config_;
+  std::size_t allowed_ = std::numeric_limits<std::size_t>::max();
   std::map<SessionId, std::unique_ptr<SessionWalls>> walls_;
   std::map<std::pair<SessionId, SessionId>, Found> found_;
 };

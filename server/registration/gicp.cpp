@@ -10,14 +10,13 @@ namespace {
 
 /// `partners`: of every source point, the partner of the last pass: the search starts from there, and finds the same.
 NormalEquations linearise(const Surfels& target, const Surfels& source, const Pose& T, const Eigen::Vector3d& centre,
-                          double reach_m, int threads, std::vector<std::uint32_t>& partners) {
+                          double reach_m, const GicpConfig& config, std::vector<std::uint32_t>& partners) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
   const auto squared_reach = static_cast<float>(reach_m * reach_m);
-  const float kernel = kernel_of_reach(reach_m);
   constexpr std::size_t size = FactorBlock::capacity;
   std::vector<NormalEquations> sums((source.size() + size - 1) / size);
-  for_blocks(source.size(), size, threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
+  for_blocks(source.size(), size, config.threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
     FactorBlock factors;
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3f p = R * source.points[i] + t;
@@ -31,7 +30,7 @@ NormalEquations linearise(const Surfels& target, const Surfels& source, const Po
       if (partner.index == KdTree::nobody) continue;
       factors.add(p - c, p - target.points[partner.index], outer(target.normals[partner.index]), R * source.normals[i]);
     }
-    sums[block] = factors.sum(kernel);
+    sums[block] = factors.sum(config.factor, reach_m);
   });
   NormalEquations total;
   for (const NormalEquations& s : sums) total += s;
@@ -48,7 +47,7 @@ Registration align(const Surfels& target, const Surfels& source, const Pose& T_0
     const double share = config.stages > 1 ? static_cast<double>(i) / (config.stages - 1) : 1;
     const double reach = config.coarse_reach_m * std::pow(config.fine_reach_m / config.coarse_reach_m, share);
     stages.push_back({[&, reach](const Pose& T, const Eigen::Vector3d& centre) {
-                        return linearise(target, source, T, centre, reach, config.threads, partners);
+                        return linearise(target, source, T, centre, reach, config, partners);
                       },
                       static_cast<double>(source.size())});
   }

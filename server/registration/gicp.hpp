@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/registration/registration.hpp"
+#include "server/registration/normal_equations.hpp"
 #include "server/registration/surfels.hpp"
 
 namespace headframe {
@@ -13,6 +13,7 @@ struct GicpConfig {
   double least_inliers = 0.1;   // of the source points
   double degenerate_below = 0.012;
   double gravity_stiffness = 0.5;  // of the spring that keeps z along gravity until the last stage; 0: none
+  FactorModel factor;
   int threads = 1;
 };
 

@@ -46,12 +46,11 @@ Symmetric inverse(const Symmetric& C) {
   return M;
 }
 
-/// (C_t + C_s)^-1 for C = I - (1 - eps) N.
-Symmetric information(const Symmetric& N_t, const Vector& n_s) {
+/// (C_t + C_s)^-1 for C = I - flat N; flat is 1 - epsilon.
+Symmetric information(const Symmetric& N_t, const Vector& n_s, float flat) {
   Symmetric C;
   for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = r; c < 3; ++c)
-      C[at[r][c]] = (r == c ? 2.0F : 0.0F) - (1 - plane_epsilon) * (N_t[at[r][c]] + n_s[r] * n_s[c]);
+    for (std::size_t c = r; c < 3; ++c) C[at[r][c]] = (r == c ? 2.0F : 0.0F) - flat * (N_t[at[r][c]] + n_s[r] * n_s[c]);
   return inverse(C);
 }
 
@@ -73,8 +72,9 @@ struct Sums {
   }
 
   /// J = [-[q]x I], so H = w [[q]x M [q]x^T, [q]x M; ., M] and b = w [q x M e; M e].
-  void add(const Vector& q, const Vector& e, const Symmetric& N_t, const Vector& n_s, const Lanes& used, float kernel) {
-    Symmetric M = information(N_t, n_s);
+  void add(const Vector& q, const Vector& e, const Symmetric& N_t, const Vector& n_s, const Lanes& used, float kernel,
+           float flat) {
+    Symmetric M = information(N_t, n_s, flat);
     const Vector N_n = product(N_t, n_s), N_e = product(N_t, e);
     const Lanes agree = (dot(n_s, N_n) >= least_squared_dot).select(used, Lanes::Zero());
     const Lanes ratio = kernel / (kernel + dot(e, product(M, e)));
@@ -133,7 +133,9 @@ Symmetric3f outer(const Eigen::Vector3f& n) {
   return {n.x() * n.x(), n.x() * n.y(), n.x() * n.z(), n.y() * n.y(), n.y() * n.z(), n.z() * n.z()};
 }
 
-NormalEquations FactorBlock::sum(float kernel) {
+NormalEquations FactorBlock::sum(const FactorModel& model, double reach_m) {
+  const auto kernel = static_cast<float>(std::pow(model.kernel_share * reach_m, 2) / (2 * model.plane_epsilon));
+  const auto flat = static_cast<float>(1 - model.plane_epsilon);
   const std::size_t full = (count_ + lanes - 1) / lanes * lanes;
   for (std::size_t i = count_; i < full; ++i) {  // finite fillers, not used
     for (std::size_t a = 0; a < 3; ++a) q_[a][i] = e_[a][i] = n_s_[a][i] = 0;
@@ -143,13 +145,9 @@ NormalEquations FactorBlock::sum(float kernel) {
   for (std::size_t i = 0; i < full; i += lanes) {
     Lanes used = Lanes::Ones();
     for (std::size_t l = count_ - std::min(count_, i); l < lanes; ++l) used[static_cast<Eigen::Index>(l)] = 0;
-    sums.add(load<3>(q_, i), load<3>(e_, i), load<6>(N_t_, i), load<3>(n_s_, i), used, kernel);
+    sums.add(load<3>(q_, i), load<3>(e_, i), load<6>(N_t_, i), load<3>(n_s_, i), used, kernel, flat);
   }
   return sums.total();
-}
-
-float kernel_of_reach(double reach_m) {
-  return static_cast<float>(std::pow(0.2 * reach_m, 2) / (2 * static_cast<double>(plane_epsilon)));
 }
 
 }  // namespace headframe

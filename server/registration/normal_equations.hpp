@@ -18,6 +18,15 @@ struct NormalEquations {
   NormalEquations& operator+=(const NormalEquations& o);
 };
 
+/// What a pair of points is taken to say.
+struct FactorModel {
+  /// Variance along the normal over the variance along the plane: how rough the rock is against how far apart the
+  /// points are, squared. Larger values tell less of planes and hold a slide back.
+  double plane_epsilon = 1e-3;
+  /// A plane distance of this part of the reach quarters a pair's weight: far partners guide, near ones decide.
+  double kernel_share = 0.2;
+};
+
 /// A symmetric 3x3 matrix as xx, xy, xz, yy, yz, zz.
 using Symmetric3f = std::array<float, 6>;
 Symmetric3f outer(const Eigen::Vector3f& n);
@@ -43,9 +52,9 @@ class FactorBlock {
     ++count_;
   }
 
-  /// The sum of e^T (C_t + C_s)^-1 e under a Geman-McClure weight whose scale is `kernel` (squared Mahalanobis),
-  /// without the pairs whose normals differ by over 60 deg.
-  NormalEquations sum(float kernel);
+  /// The sum of e^T (C_t + C_s)^-1 e under a Geman-McClure weight, without the pairs whose normals differ by over 60
+  /// deg.
+  NormalEquations sum(const FactorModel& model, double reach_m);
 
  private:
   using Row = std::array<float, capacity>;
@@ -53,12 +62,5 @@ class FactorBlock {
   alignas(32) std::array<Row, 6> N_t_;
   std::size_t count_ = 0;
 };
-
-/// Of the kernel: a plane distance of a fifth of the reach quarters the weight, so far partners guide, near ones
-/// decide.
-float kernel_of_reach(double reach_m);
-
-/// Variance along the normal over the variance along the plane.
-inline constexpr float plane_epsilon = 1e-3F;
 
 }  // namespace headframe

@@ -41,11 +41,26 @@ double median_residual_m(const VoxelMap& map, const Points& points, const Pose& 
   return static_cast<double>(*middle);
 }
 
-Visibility own_visibility(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const PlaceConfig& config) {
-  std::vector<PlacedCloud> even, odd;
-  for (std::size_t i = 0; i < clouds.size(); ++i) (i % 2 == 0 ? even : odd).push_back(clouds[i]);
-  return look_from(views_near(odd, p, config.view_reach_m), sphere(even, p, config.look_m, config.look_leaf_m).points,
-                   Pose::Identity(), static_cast<float>(config.view_reach_m), config.look_leaf_m);
+/// A session's rock around a place, and the sweeps it was seen from.
+struct Surroundings {
+  Submap rock;
+  std::vector<PlacedView> views;
+};
+
+Surroundings surroundings(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const PlaceConfig& config) {
+  Surroundings out{{}, views_near(clouds, p, config.view_reach_m)};
+  out.rock = without_transients(sphere(clouds, p, config.look_m, config.look_leaf_m), out.views,
+                                static_cast<float>(config.view_reach_m));
+  return out;
+}
+
+/// A session against itself: every other sweep on the points that the ones between kept.
+Visibility own_visibility(const Surroundings& self, std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p,
+                          const PlaceConfig& config) {
+  std::vector<PlacedCloud> odd;
+  for (std::size_t i = 1; i < clouds.size(); i += 2) odd.push_back(clouds[i]);
+  return look_from(views_near(odd, p, config.view_reach_m), self.rock, Pose::Identity(),
+                   static_cast<float>(config.view_reach_m), config.look_leaf_m);
 }
 
 }  // namespace
@@ -76,13 +91,11 @@ void look_at_place(PlaceCheck& place, std::span<const PlacedCloud> a, std::span<
                    const PlaceConfig& config) {
   const Eigen::Vector3d p_a = T_a_b * place.p_b;
   const auto reach = static_cast<float>(config.view_reach_m);
-  const auto views_a = views_near(a, p_a, config.view_reach_m), views_b = views_near(b, place.p_b, config.view_reach_m);
-  const Points points_a = sphere(a, p_a, config.look_m, config.look_leaf_m).points,
-               points_b = sphere(b, place.p_b, config.look_m, config.look_leaf_m).points;
-  place.between = look_from(views_a, points_b, T_a_b, reach, config.look_leaf_m);
-  place.between += look_from(views_b, points_a, T_a_b.inverse(), reach, config.look_leaf_m);
-  place.own = own_visibility(a, p_a, config);
-  place.own += own_visibility(b, place.p_b, config);
+  const Surroundings of_a = surroundings(a, p_a, config), of_b = surroundings(b, place.p_b, config);
+  place.between = look_from(of_a.views, of_b.rock, T_a_b, reach, config.look_leaf_m);
+  place.between += look_from(of_b.views, of_a.rock, T_a_b.inverse(), reach, config.look_leaf_m);
+  place.own = own_visibility(of_a, a, p_a, config);
+  place.own += own_visibility(of_b, b, place.p_b, config);
 }
 
 }  // namespace headframe

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/registration/kd_tree.hpp"
 #include "server/registration/surfels.hpp"
 
 namespace headframe {
@@ -10,7 +11,24 @@ namespace {
 constexpr float view_reach_m = 20;
 constexpr std::size_t normal_neighbours = 12;
 
-/// Dust is met once, by the sweep that made it: what the others see through as often as they meet it is left out.
+/// Dust and stray returns stand alone: a point stays when three others of its sweep lie within 4 % of its range, or
+/// 0.25 m (dynamic radius outlier removal: Charron, Phillips, Waslander, CRV 2018). Seen from the sweep's origin.
+Points without_strays(const Points& points) {
+  constexpr std::size_t companions = 3;
+  constexpr float least_reach_m = 0.25F, reach_share = 0.04F;
+  const KdTree tree(points);
+  std::vector<Neighbour> around;
+  Points kept;
+  kept.reserve(points.size());
+  for (const auto& p : points) {
+    tree.nearest_k(p, companions + 1, around);  // itself among them
+    const float reach = std::max(least_reach_m, reach_share * p.norm());
+    if (around.size() > companions && around.back().squared_m < reach * reach) kept.push_back(p);
+  }
+  return kept;
+}
+
+/// What is left of dust is met once, by the sweep that made it: what the others see through as often as they meet it is left out.
 Points without_transients(Points points, const std::vector<PreparedCloud::View>& views) {
   std::erase_if(points, [&](const Eigen::Vector3f& p) {
     int through = 0, hits = 0;
@@ -74,11 +92,10 @@ PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
   Points all;
   for (const Sweep& sweep : cloud.sweeps) {
     Points seen_from_origin;
-    for (const auto& p : sweep.points) {
-      if (!p.allFinite() || p.squaredNorm() > 1e6F) continue;
-      all.push_back(p);
-      seen_from_origin.push_back(p - sweep.origin);
-    }
+    for (const auto& p : sweep.points)
+      if (p.allFinite() && p.squaredNorm() < 1e6F) seen_from_origin.push_back(p - sweep.origin);
+    seen_from_origin = without_strays(seen_from_origin);
+    for (const auto& p : seen_from_origin) all.push_back(p + sweep.origin);
     out.views.push_back({sweep.origin, RangeImage(seen_from_origin)});
   }
   Surfels surfels =

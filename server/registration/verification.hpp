@@ -16,7 +16,7 @@ struct JudgeConfig {
   double place_drift_m = 1.5;  // how far a place may move by itself: the drift of both sessions ...
   double place_drift_share = 0.02;  // ... and this much of its distance from the first place
   double place_drift_rad = 0.07;
-  double hopeless_inliers = 0.5;  // at the first place: not looked at any closer
+  double hopeless_inliers = 0.2;  // at the first place: not looked at any closer
   double hopeless_violation = 0.08;
   PlaceConfig place;
   int threads = 1;

@@ -27,20 +27,19 @@ struct Source {
 };
 
 NormalEquations linearise(const VoxelMap& target, const Source& source, const Pose& T, const Eigen::Vector3d& centre,
-                          int threads) {
+                          const VgicpConfig& config) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
-  const float kernel = kernel_of_reach(target.leaf_m());
   constexpr std::size_t size = FactorBlock::capacity;
   std::vector<NormalEquations> sums((source.taken.size() + size - 1) / size);
-  for_blocks(source.taken.size(), size, threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
+  for_blocks(source.taken.size(), size, config.threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
     FactorBlock factors;
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = source.taken[k];
       const Eigen::Vector3f p = R * source.points[i] + t;
       if (const Voxel* v = target.nearest(p)) factors.add(p - c, p - v->mean, v->N, R * source.normals[i]);
     }
-    sums[block] = factors.sum(kernel);
+    sums[block] = factors.sum(config.factor, target.leaf_m());
   });
   NormalEquations total;
   for (const NormalEquations& s : sums) total += s;
@@ -67,7 +66,7 @@ Registration align(const VoxelMaps& target, const Points& source, const Points& 
     Source taken{source, source_normals, scattered(source.size(), level.source_points)};
     const auto count = static_cast<double>(taken.taken.size());
     stages.push_back({[&map = *map, taken = std::move(taken), &config](const Pose& T, const Eigen::Vector3d& centre) {
-                        return linearise(map, taken, T, centre, config.threads);
+                        return linearise(map, taken, T, centre, config);
                       },
                       count});
   }

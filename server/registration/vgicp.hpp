@@ -18,6 +18,7 @@ struct VgicpConfig {
   double least_inliers = 0.1;                                                // of the level's source points
   double degenerate_below = 0.012;
   double gravity_stiffness = 0.5;  // of the spring that keeps z along gravity until the last level; 0: none
+  FactorModel factor;
   int threads = 1;
 };
 

@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t companions = 3;
 constexpr float companion_leaves = 1.8F;
 constexpr int views_asked = 8;
+constexpr float least_cosine = 0.3F;  // of a ray that may go through a surface, to its normal
 
 /// Whose violations have companions within reach is a patch.
 void count_violations(const Points& violated, float reach_m, Visibility& total) {
@@ -48,34 +49,66 @@ std::vector<PlacedView> views_near(std::span<const PlacedCloud> clouds, const Ei
   return views;
 }
 
-Visibility look_from(std::span<const PlacedView> a, const Points& points_b, const Pose& T_a_b, float reach_m,
-                     float leaf_m) {
-  struct View {
-    Eigen::Isometry3f T_view_b;
-    Eigen::Vector3f origin_b;
-    const RangeImage* image;
-  };
+namespace {
+
+struct View {
+  Eigen::Isometry3f T_view_points;
+  Eigen::Vector3f origin;
+  const RangeImage* image;
+};
+
+std::vector<View> seen_from(std::span<const PlacedView> placed, const Pose& T_placed_points) {
   std::vector<View> views;
-  views.reserve(a.size());
-  for (const PlacedView& view : a) {
-    const Pose T_b_view = T_a_b.inverse() * view.T_local_view;
-    views.push_back({T_b_view.inverse().cast<float>(), T_b_view.translation().cast<float>(), view.image});
+  views.reserve(placed.size());
+  for (const PlacedView& view : placed) {
+    const Pose T_points_view = T_placed_points.inverse() * view.T_local_view;
+    views.push_back({T_points_view.inverse().cast<float>(), T_points_view.translation().cast<float>(), view.image});
   }
+  return views;
+}
+
+struct Answer {
+  int hits = 0, through = 0;
+};
+
+Answer ask(const std::vector<View>& views, const Eigen::Vector3f& p, const Eigen::Vector3f& normal, float reach_m) {
+  Answer answer;
+  for (const View& view : views) {
+    const Eigen::Vector3f ray = p - view.origin;
+    const float range = ray.norm();
+    if (range > reach_m) continue;
+    const Sight sight = view.image->look(view.T_view_points * p, reach_m);
+    answer.hits += sight == Sight::hit;
+    answer.through += sight == Sight::through && std::abs(normal.dot(ray)) > least_cosine * range;
+    if (answer.hits + answer.through == views_asked) break;
+  }
+  return answer;
+}
+
+}  // namespace
+
+Submap without_transients(const Submap& surfels, std::span<const PlacedView> own, float reach_m) {
+  const std::vector<View> views = seen_from(own, Pose::Identity());
+  Submap kept;
+  for (std::size_t i = 0; i < surfels.points.size(); ++i) {
+    const Answer answer = ask(views, surfels.points[i], surfels.normals[i], reach_m);
+    if (answer.through > 0 && answer.through >= answer.hits) continue;
+    kept.points.push_back(surfels.points[i]);
+    kept.normals.push_back(surfels.normals[i]);
+  }
+  return kept;
+}
+
+Visibility look_from(std::span<const PlacedView> a, const Submap& b, const Pose& T_a_b, float reach_m, float leaf_m) {
+  const std::vector<View> views = seen_from(a, T_a_b);
   Visibility total;
   Points violated;
-  for (const auto& p : points_b) {
-    int hits = 0, through = 0;
-    for (const View& view : views) {
-      if ((view.origin_b - p).squaredNorm() > reach_m * reach_m) continue;
-      const Sight sight = view.image->look(view.T_view_b * p, reach_m);
-      hits += sight == Sight::hit;
-      through += sight == Sight::through;
-      if (hits + through == views_asked) break;
-    }
-    if (hits + through == 0)
+  for (std::size_t i = 0; i < b.points.size(); ++i) {
+    const Answer answer = ask(views, b.points[i], b.normals[i], reach_m);
+    if (answer.hits + answer.through == 0)
       total.unknown += 1;
-    else if (through > hits)
-      violated.push_back(p);
+    else if (answer.through > answer.hits)
+      violated.push_back(b.points[i]);
     else
       total.seen += 1;
   }

@@ -26,9 +26,12 @@ struct PlacedView {
 /// The sweeps of these clouds within reach of the centre, the nearest first.
 std::vector<PlacedView> views_near(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double reach_m);
 
-/// points_b in b's local frame, one per leaf_m, viewed from a's sweeps, up to reach_m. The first eight sweeps that know
-/// something of a point decide on it.
-Visibility look_from(std::span<const PlacedView> a, const Points& points_b, const Pose& T_a_b, float reach_m,
-                     float leaf_m);
+/// Surfels of a session without what its own sweeps see through as often as they meet it: dust, people, vehicles that
+/// drove on. All in the session's local frame.
+Submap without_transients(const Submap& surfels, std::span<const PlacedView> own, float reach_m);
+
+/// Surfels in b's local frame, one per leaf_m, viewed from a's sweeps, up to reach_m. The first eight sweeps that know
+/// something of a point decide on it. A ray that would only graze the surface says nothing when it goes on behind it.
+Visibility look_from(std::span<const PlacedView> a, const Submap& b, const Pose& T_a_b, float reach_m, float leaf_m);
 
 }  // namespace headframe
