@@ -87,8 +87,8 @@ void HttpSession::on_read(Code code) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   const auto text = [](beast::string_view view) { return std::string_view(view.data(), view.size()); };
   try {
-    perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->limits,
-                  uptime.count()));
+    perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->tiles,
+                  shared_->limits, uptime.count()));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }

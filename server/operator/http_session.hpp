@@ -28,11 +28,13 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   HttpShared(boost::asio::io_context& io, Station& the_station, const OperatorLimits& the_limits)
       : station(the_station),
         limits(the_limits),
+        tiles(the_station),
         events(std::make_shared<EventFeed>(io, the_station, the_limits.events)) {}
 
   Station& station;
   const OperatorLimits limits;
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  PointTiles tiles;
   const std::shared_ptr<EventFeed> events;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 

@@ -18,6 +18,7 @@ using Query = std::map<std::string, std::string>;
 
 struct Context {
   Station& station;
+  PointTiles& tiles;
   const OperatorLimits& limits;
   double uptime_s;
 };
@@ -155,13 +156,49 @@ Result<Reply> trajectory(const Query& query, const Context& context) {
                 std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session})};
 }
 
+/// The session whose id is in the path.
+Result<SessionRow> session_in_path(const Query& query, const Context& context) {
+  const std::string& text = query.at("id");
+  SessionId id = 0;
+  const char* end = text.data() + text.size();
+  const bool number = std::from_chars(text.data(), end, id).ptr == end;
+  for (SessionRow& row : context.station.sessions())
+    if (number && row.id == id) return std::move(row);
+  return failure(ErrorCode::not_found, "there is no session " + text + "; GET /api/v1/sessions lists their ids");
+}
+
+Result<std::size_t> whole_number(const Query& query, const char* name, double otherwise, double most) {
+  const auto found = query.find(name);
+  if (found == query.end()) return static_cast<std::size_t>(otherwise);
+  return parse_number(name, found->second, 0, most).map([](double value) { return static_cast<std::size_t>(value); });
+}
+
+Result<Reply> points(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  const auto level = whole_number(query, "level", 2, static_cast<double>(level_cube_m.size() - 1));
+  const auto first = whole_number(query, "from", 0, 1e9), most = whole_number(query, "most", 1e6, 1e7);
+  for (const auto* number : {&level, &first, &most})
+    if (!*number) return tl::unexpected(number->error());
+  return Stream{"application/octet-stream",
+                std::make_unique<PointStream>(context.tiles.tile(row->id, *level), *first, *most)};
+}
+
+Result<Reply> path(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  const auto first = whole_number(query, "from", 1, 1e15);
+  if (!first) return tl::unexpected(first.error());
+  return Stream{"application/json", std::make_unique<PathJson>(context.station, row->id, *first)};
+}
+
 struct Route {
   std::string_view method;
   std::string_view path;
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 13> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 15> routes{{{"GET", "/healthz", {}, healthz},
                                         {"GET", "/readyz", {}, readyz},
                                         {"GET", "/metrics", {}, metrics},
                                         {"GET", "/api/v1/status", {}, status},
@@ -171,6 +208,8 @@ constexpr std::array<Route, 13> routes{{{"GET", "/healthz", {}, healthz},
                                         {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                                         {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
                                         {"GET", "/api/v1/events", {}, events},
+                                        {"GET", "/api/v1/sessions/{id}/points", {"level", "from", "most"}, points},
+                                        {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
                                         {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};
@@ -225,9 +264,20 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
 
 }  // namespace
 
-Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s) {
-  auto reply = routed(method, target, {station, limits, uptime_s});
+std::vector<RouteName> route_names() {
+  std::vector<RouteName> names;
+  names.reserve(routes.size());
+  for (const Route& route : routes) {
+    names.push_back({route.method, route.path, {}});
+    for (const std::string_view parameter : route.parameters)
+      if (!parameter.empty()) names.back().parameters.push_back(parameter);
+  }
+  return names;
+}
+
+Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
+            const OperatorLimits& limits, double uptime_s) {
+  auto reply = routed(method, target, {station, tiles, limits, uptime_s});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
 }

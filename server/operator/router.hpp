@@ -10,6 +10,7 @@
 
 #include "server/operator/body_source.hpp"
 #include "server/operator/operator_limits.hpp"
+#include "server/operator/point_tiles.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
@@ -34,8 +35,15 @@ struct Upgrade {};
 using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 
 /// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station.
-Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s);
+Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
+            const OperatorLimits& limits, double uptime_s);
+
+/// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
+struct RouteName {
+  std::string_view method, path;
+  std::vector<std::string_view> parameters;
+};
+std::vector<RouteName> route_names();
 
 /// An error as JSON, with the HTTP status that fits its code, or with the one given.
 Ready error_reply(const Error& error);

@@ -53,4 +53,24 @@ Result<std::string> TrajectoryExport::text() const {
   return out;
 }
 
+Result<std::optional<std::string>> PathJson::next() {
+  if (std::exchange(done_, true)) return std::nullopt;
+  const auto keyframes = station_.trajectory(session_);
+  if (!keyframes) return tl::unexpected(keyframes.error());
+  std::string out = R"({"columns":["sequence","stamp_s","x_m","y_m","z_m","qx","qy","qz","qw"],"keyframes":[)";
+  const char* comma = "";
+  for (const Keyframe& keyframe : *keyframes) {
+    if (keyframe.sequence < first_) continue;
+    const Eigen::Vector3d t = keyframe.T_local_sensor.translation();
+    const Eigen::Quaterniond q(keyframe.T_local_sensor.rotation());
+    std::array<char, 320> row;
+    const int size = std::snprintf(row.data(), row.size(), "%s[%llu,%.6f,%.3f,%.3f,%.3f,%.6f,%.6f,%.6f,%.6f]", comma,
+                                   static_cast<unsigned long long>(keyframe.sequence), keyframe.stamp_s, t.x(), t.y(),
+                                   t.z(), q.x(), q.y(), q.z(), q.w());
+    out.append(row.data(), std::min(static_cast<std::size_t>(std::max(size, 0)), row.size() - 1));
+    comma = ",";
+  }
+  return out + "]}\n";
+}
+
 }  // namespace headframe

@@ -22,4 +22,19 @@ class TrajectoryExport : public BodySource {
   bool done_ = false;
 };
 
+/// Keyframes from sequence `first` on in the session's own frame, as JSON: {"columns": [...], "keyframes": [[...],
+/// ...]}.
+class PathJson : public BodySource {
+ public:
+  PathJson(const Station& station, SessionId session, std::uint64_t first)
+      : station_(station), session_(session), first_(first) {}
+  Result<std::optional<std::string>> next() override;
+
+ private:
+  const Station& station_;
+  SessionId session_;
+  std::uint64_t first_;
+  bool done_ = false;
+};
+
 }  // namespace headframe

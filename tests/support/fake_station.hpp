@@ -124,7 +124,7 @@ class FakeStation : public Station {
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override {
     ++clouds_read;
     const std::lock_guard gate(cloud_gate);
-    if (sequence == 3) return failure(ErrorCode::not_found, "no cloud");
+    if (sequence == 3 || sequence == withheld) return failure(ErrorCode::not_found, "no cloud");
     if (cloud_that_breaks == clouds_read) return failure(ErrorCode::bad_input, "a damaged cloud");
     KeyframeCloud out{{Sweep{}, Sweep{}}};
     for (int i = 0; i < points; ++i)
@@ -138,6 +138,7 @@ class FakeStation : public Station {
   AtlasView view;
   Workload work;
   int points = 10;
+  std::uint64_t withheld = 0;  // the keyframe whose cloud has not come
   bool broken_trajectory = false;
   int cloud_that_breaks = 0;  // the n-th that is read
   bool merge_makes_work = false;
