@@ -137,7 +137,13 @@ std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& 
     });
     if (known || verdicts.size() == judged_closely) continue;
     Verdict verdict{judge(cases[i].a, cases[i].b, glances[i], config_now), place.p_b};
-    verdict.judgement.evidence.support = cases[i].hypothesis.score;
+    Evidence& e = verdict.judgement.evidence;
+    e.support = cases[i].hypothesis.score;
+    e.aliases = static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
+      return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b, g.place.p_b,
+                                     same_placement_m, same_placement_rad);
+    }));
+    e.probability = probability(verdict.judgement.status, e);
     verdicts.push_back(verdict);
   }
   std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {

@@ -9,7 +9,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 18> fields{{
+constexpr std::array<EvidenceField, 20> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -18,6 +18,8 @@ constexpr std::array<EvidenceField, 18> fields{{
     {"rmse_m", &Evidence::rmse_m},
     {"residual_m", &Evidence::residual_m},
     {"spread_m", &Evidence::spread_m},
+    {"overlap_m", &Evidence::overlap_m},
+    {"aliases", &Evidence::aliases},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},

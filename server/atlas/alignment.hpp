@@ -29,6 +29,8 @@ struct Evidence {
   double rmse_m = 0;           // of the inliers, along the normals
   double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square
+  double overlap_m = 0;        // path of b along those pairs
+  double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
   double seen_points = 0;          // that speak for it, both ways

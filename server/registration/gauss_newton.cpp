@@ -1,10 +1,10 @@
 #include "server/registration/gauss_newton.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "server/registration/fit_report.hpp"
 
 namespace headframe {
 namespace {
@@ -28,15 +28,6 @@ Pose apply(const Vector6d& d, const Eigen::Vector3d& centre, const Pose& T) {
   return Eigen::Translation3d(centre) * se3_exp(d) * Eigen::Translation3d(-centre) * T;
 }
 
-void describe(Registration& r, const NormalEquations& sums, double source_points) {
-  r.information = sums.H;
-  r.inlier_fraction = sums.inliers / source_points;
-  r.rmse_m = std::sqrt(sums.squared_plane_m2 / std::max(1.0, sums.inliers));
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sums.normals / std::max(1.0, sums.inliers));
-  r.direction_hold = eigen.eigenvalues();
-  r.weakest_direction = eigen.eigenvectors().col(0);
-}
-
 }  // namespace
 
 std::string_view to_string(RegistrationStatus status) {
@@ -57,7 +48,7 @@ Registration gauss_newton(const std::vector<Stage>& stages, const Pose& T_0, con
     settled = false;
     for (int i = 0; i < config.iterations && !settled; ++i, ++r.iterations) {
       const Eigen::Vector3d centre = r.T_target_source * mean;
-      NormalEquations sums = stage.linearise(r.T_target_source, centre);
+      NormalEquations sums = stage.linearise(r.T_target_source, centre, nullptr);
       if (sums.inliers < enough(stage)) return r;
       if (!last) add_gravity(sums, r.T_target_source, config.gravity_stiffness);
       sums.H.diagonal() *= 1 + 1e-6;
@@ -69,12 +60,13 @@ Registration gauss_newton(const std::vector<Stage>& stages, const Pose& T_0, con
     }
   }
   r.T_target_source = orthonormalised(r.T_target_source);
-  const NormalEquations sums = stages.back().linearise(r.T_target_source, r.T_target_source * mean);
-  describe(r, sums, stages.back().source_points);
+  std::vector<float> distances_m;
+  const NormalEquations sums = stages.back().linearise(r.T_target_source, r.T_target_source * mean, &distances_m);
+  report_fit(r, sums, stages.back().source_points, config.degenerate_below, std::move(distances_m));
   if (sums.inliers < enough(stages.back())) return r;
-  r.status = !settled                                        ? RegistrationStatus::not_converged
-             : r.direction_hold[0] < config.degenerate_below ? RegistrationStatus::degenerate
-                                                             : RegistrationStatus::converged;
+  r.status = !settled                    ? RegistrationStatus::not_converged
+             : r.free_directions.empty() ? RegistrationStatus::converged
+                                         : RegistrationStatus::degenerate;
   return r;
 }
 

@@ -9,7 +9,9 @@
 namespace headframe {
 
 /// One pass over the source points with the pose T; `centre` is what the increment turns about, in the target frame.
-using Linearise = std::function<NormalEquations(const Pose& T, const Eigen::Vector3d& centre)>;
+/// `distances_m`, where not null, gets the inliers' distances from their partners' planes.
+using Linearise =
+    std::function<NormalEquations(const Pose& T, const Eigen::Vector3d& centre, std::vector<float>* distances_m)>;
 
 /// A step of coarse to fine.
 struct Stage {

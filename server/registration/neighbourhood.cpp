@@ -35,7 +35,7 @@ std::array<Neighbourhood, KdTree::leaf_points> NeighbourhoodFinder::find(std::si
     const Box here{place, place};
     group_count_ = 0;
     for (const std::uint32_t n : near_)
-      if (squared_gap(leaves[n].box, here) <= bounds[i]) gather(leaves[n], query, bounds[i]);
+      if (squared_gap(leaves[n].box, here) <= bounds[i] && !gather(leaves[n], query, bounds[i])) break;
     out[i] = moments(kth_squared(bounds[i]));
   }
   return out;
@@ -53,15 +53,15 @@ float NeighbourhoodFinder::first_bound(std::size_t leaf, const Eigen::Vector3f& 
 }
 
 /// Keeps the groups of four that have a point within the bound. Lowers the bound when there is no room left; points as
-/// far as the k-th that find no room even then are left out.
-void NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound) {
+/// far as the k-th that find no room even then are left out: false.
+bool NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound) {
   if (group_count_ + KdTree::leaf_groups > most_groups) {
     bound = kth_squared(bound);
     const auto out = [&](const Group& g) { return !any(g.squared_m <= bound); };
     group_count_ = static_cast<std::size_t>(
         std::remove_if(groups_.begin(), groups_.begin() + static_cast<std::ptrdiff_t>(group_count_), out) -
         groups_.begin());
-    if (group_count_ + KdTree::leaf_groups > most_groups) return;
+    if (group_count_ + KdTree::leaf_groups > most_groups) return false;
   }
   for (std::size_t g = 0; g < KdTree::leaf_groups; ++g) {
     const Float4 dx = leaf.x[g] - query.x(), dy = leaf.y[g] - query.y(), dz = leaf.z[g] - query.z();
@@ -69,6 +69,7 @@ void NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f
     groups_[group_count_] = {dx, dy, dz, squared_m};
     group_count_ += any(squared_m <= bound) ? 1 : 0;
   }
+  return true;
 }
 
 /// Squared distance that k to k + slack points do not exceed, or more when several are as far as the k-th: the bound
@@ -81,6 +82,7 @@ float NeighbourhoodFinder::kth_squared(float bound, int slack) const {
     return count_of_lanes(ones);
   };
   float low = 0, high = bound;
+  const int aim = k_ + slack / 2;
   int below = 0, above = count(high);
   if (above <= k_ + slack) return bound;
   if (high == unbounded) {
@@ -92,7 +94,7 @@ float NeighbourhoodFinder::kth_squared(float bound, int slack) const {
     high = std::max(std::max(farthest[0], farthest[1]), std::max(farthest[2], farthest[3]));
   }
   for (int i = 0; above > k_ + slack; ++i) {
-    const float share = static_cast<float>(k_ + slack / 2 - below) / static_cast<float>(above - below);
+    const float share = static_cast<float>(aim - below) / static_cast<float>(above - below);
     float middle = low + (high - low) * (i % 3 == 2 ? 0.5F : share);
     if (!(middle > low && middle < high)) middle = low + (high - low) / 2;
     if (!(middle > low && middle < high)) break;  // ties

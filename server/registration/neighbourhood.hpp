@@ -28,7 +28,7 @@ class NeighbourhoodFinder {
     Float4 dx, dy, dz, squared_m;  // from the query
   };
   float first_bound(std::size_t leaf, const Eigen::Vector3f& query);
-  void gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound);
+  bool gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound);
   float kth_squared(float bound, int slack = 0) const;
   Neighbourhood moments(float bound) const;
 

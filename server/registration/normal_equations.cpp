@@ -56,7 +56,7 @@ Symmetric information(const Symmetric& N_t, const Vector& n_s, float flat) {
 
 /// Sums over lanes of the upper triangle of H by blocks: rotation, mixed (q x M, all nine), translation.
 struct Sums {
-  Symmetric rotation, translation, normals;
+  Symmetric rotation, translation, normals, levers;
   std::array<Vector, 3> mixed;
   Vector turn, push;
   Lanes inliers, squared_plane;
@@ -65,7 +65,7 @@ struct Sums {
     const auto zero = [](auto& array) {
       for (Lanes& x : array) x.setZero();
     };
-    zero(rotation), zero(translation), zero(normals), zero(turn), zero(push);
+    zero(rotation), zero(translation), zero(normals), zero(levers), zero(turn), zero(push);
     for (Vector& row : mixed) zero(row);
     inliers.setZero();
     squared_plane.setZero();
@@ -89,6 +89,7 @@ struct Sums {
       const Vector row = cross(q, {A[0][r], A[1][r], A[2][r]});  // row r of A [q]x^T
       for (std::size_t c = r; c < 3; ++c) rotation[at[r][c]] += row[c];
       for (std::size_t c = 0; c < 3; ++c) mixed[r][c] += A[c][r];
+      for (std::size_t c = r; c < 3; ++c) levers[at[r][c]] += agree * q[r] * q[c];
     }
     for (std::size_t k = 0; k < 6; ++k) {
       translation[k] += M[k];
@@ -110,6 +111,7 @@ struct Sums {
         out.H(i + 3, j + 3) = translation[at[r][c]].sum();
         out.H(i, j + 3) = out.H(j + 3, i) = mixed[r][c].sum();
         out.normals(i, j) = normals[at[r][c]].sum();
+        out.levers(i, j) = levers[at[r][c]].sum();
       }
     }
     out.inliers = inliers.sum();
@@ -126,6 +128,7 @@ NormalEquations& NormalEquations::operator+=(const NormalEquations& o) {
   inliers += o.inliers;
   squared_plane_m2 += o.squared_plane_m2;
   normals += o.normals;
+  levers += o.levers;
   return *this;
 }
 
@@ -148,6 +151,18 @@ NormalEquations FactorBlock::sum(const FactorModel& model, double reach_m) {
     sums.add(load<3>(q_, i), load<3>(e_, i), load<6>(N_t_, i), load<3>(n_s_, i), used, kernel, flat);
   }
   return sums.total();
+}
+
+void FactorBlock::append_distances(std::vector<float>& distances_m) const {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const auto vector = [i](const auto& rows) { return Eigen::Vector3f(rows[0][i], rows[1][i], rows[2][i]); };
+    Eigen::Matrix3f N;
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t c = 0; c < 3; ++c)
+        N(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) = N_t_[at[r][c]][i];
+    const Eigen::Vector3f n = vector(n_s_), e = vector(e_);
+    if (n.dot(N * n) >= least_squared_dot) distances_m.push_back(std::sqrt(std::max(0.0F, e.dot(N * e))));
+  }
 }
 
 }  // namespace headframe

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "server/registration/registration.hpp"
 
@@ -15,6 +16,7 @@ struct NormalEquations {
   double inliers = 0;
   double squared_plane_m2 = 0;
   Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();  // sum of the partners' N
+  Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();   // sum of q q^T; q: from the centre
   NormalEquations& operator+=(const NormalEquations& o);
 };
 
@@ -55,6 +57,9 @@ class FactorBlock {
   /// The sum of e^T (C_t + C_s)^-1 e under a Geman-McClure weight, without the pairs whose normals differ by over 60
   /// deg.
   NormalEquations sum(const FactorModel& model, double reach_m);
+
+  /// Appends the distances of the pairs from their partners' planes, m, leaving out the same pairs.
+  void append_distances(std::vector<float>& distances_m) const;
 
  private:
   using Row = std::array<float, capacity>;

@@ -27,13 +27,17 @@ double share_on_surface(const VoxelMap& map, const Points& points, const Pose& T
   return points.empty() ? 0 : static_cast<double>(on) / static_cast<double>(points.size());
 }
 
-double median_residual_m(const VoxelMap& map, const Points& points, const Pose& T) {
+/// Both submaps summed up by cubes, so that a lidar's noise averages out and what is left is the shape of the rock: how
+/// far apart the sums lie along the normals, median.
+double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Pose& T) {
+  constexpr float least_surfels = 3;
   const Eigen::Isometry3f T_f = T.cast<float>();
   std::vector<float> distances;
-  distances.reserve(points.size());
-  for (const auto& p : points) {
-    const Eigen::Vector3f q = T_f * p;
-    if (const Voxel* v = map.nearest(q)) distances.push_back(plane_distance(*v, q));
+  for (const Voxel& voxel : b.voxels()) {
+    if (voxel.count < least_surfels) continue;
+    const Eigen::Vector3f p = T_f * voxel.mean;
+    const Voxel* partner = a.nearest(p);
+    if (partner && partner->count >= least_surfels) distances.push_back(plane_distance(*partner, p));
   }
   if (distances.empty()) return 1;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
@@ -76,7 +80,7 @@ PlaceCheck register_place(std::span<const PlacedCloud> a, std::span<const Placed
   const Pose& T = out.registration.T_target_source;
   out.p_a = T * p_b;
   if (out.registration.status == RegistrationStatus::too_little_overlap) return out;
-  out.residual_m = median_residual_m(maps.back(), source.points, T);
+  out.residual_m = median_residual_m(maps.back(), VoxelMap(source.points, source.normals, maps.back().leaf_m()), T);
   const double here = share_on_surface(maps.back(), source.points, T);
   double slid = 0;
   for (const double way : {-1.0, -0.5, 0.5, 1.0})

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/geometry/se3.hpp"
 
@@ -11,11 +13,32 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 enum class RegistrationStatus {
   converged,
   not_converged,      // the last stage ran out of iterations
-  degenerate,         // converged, but a translation is not held (Registration::weakest_direction)
+  degenerate,         // converged, but a direction is not held (Registration::free_directions)
   too_little_overlap  // hardly any source point has a partner; T is where it stopped and means nothing
 };
 
 std::string_view to_string(RegistrationStatus status);
+
+/// A way to move that the partners' normals hardly hold.
+struct FreeDirection {
+  enum class Kind { translation, rotation };
+  Kind kind = Kind::translation;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit, in the target frame; along, or about through the centre
+  double hold = 0;                                  // 0: free; 1: every normal holds it fully
+};
+
+/// Eigenvalues of the information, weakest first, with rotations taken as the way of a point `lever_m` from the centre,
+/// so that all six are in 1/m^2 and can be compared.
+struct Spectrum {
+  double lever_m = 0;  // root mean square distance of the inliers from the centre
+  Vector6d values = Vector6d::Zero();
+  Matrix6d directions = Matrix6d::Identity();  // columns; unit; the rotation's part is in metres at the lever
+};
+
+/// Distances of the inliers from their partners' planes, m.
+struct Residuals {
+  double median_m = 0, p90_m = 0, p99_m = 0;
+};
 
 struct Registration {
   Pose T_target_source = Pose::Identity();
@@ -23,12 +46,18 @@ struct Registration {
   int iterations = 0;
   double inlier_fraction = 0;  // source points with a partner in the last stage's reach whose normal agrees
   double rmse_m = 0;           // of the inliers' distances along the target's normal
+  Residuals residuals;
   /// J^T W J of the last step about the source's centre, rotation first (1/rad^2, 1/m^2, mixed).
   Matrix6d information = Matrix6d::Zero();
   /// Eigenvalues of the mean outer product of the partners' normals, ascending; they sum to 1. A long smooth drift has
   /// a first value near 0: nothing holds the translation along its axis.
   Eigen::Vector3d direction_hold = Eigen::Vector3d::Zero();
   Eigen::Vector3d weakest_direction = Eigen::Vector3d::UnitX();  // unit, in the target frame
+  Spectrum spectrum;
+  std::vector<FreeDirection> free_directions;  // weakest first; empty unless the fit is degenerate
 };
+
+/// "translation along (1.00, 0.00, 0.02), hold 0.003": for logs and explanations.
+std::string to_string(const FreeDirection& direction);
 
 }  // namespace headframe

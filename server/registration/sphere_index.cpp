@@ -7,8 +7,9 @@
 namespace headframe {
 namespace {
 
-constexpr float cell_m = 8;
+constexpr float cell_m = 16;
 constexpr float largest_chunk_m = 0.5F * ChunkedCloud::chunk_m * 1.7320508F;  // radius of the ball around a cube
+constexpr std::size_t prefetched = 3;                                         // chunks ahead
 constexpr float farthest_m = 1e6F;
 
 Eigen::Vector3i cell_of(const Eigen::Vector3f& p, float size_m) { return (p / size_m).array().floor().cast<int>(); }
@@ -61,12 +62,12 @@ ChunkedCloud cut_into_chunks(const Points& points, const Points& normals) {
 
 void SphereIndex::add(const Pose& T_local_cloud, std::shared_ptr<const ChunkedCloud> cloud) {
   const auto id = static_cast<std::uint32_t>(clouds_.size());
-  const Placed placed{T_local_cloud.linear().cast<float>(), T_local_cloud.translation().cast<float>(), cloud};
-  for (std::uint32_t i = 0; i < cloud->chunks.size(); ++i) {
-    const Chunk& chunk = cloud->chunks[i];
+  const Placed placed{T_local_cloud.linear().cast<float>(), T_local_cloud.translation().cast<float>(),
+                      std::move(cloud)};
+  for (const Chunk& chunk : placed.cloud->chunks) {
     const Eigen::Vector3f centre = placed.R * chunk.centre + placed.t;
     if (!(centre.cwiseAbs().maxCoeff() < farthest_m)) continue;
-    cells_[key_of(cell_of(centre, cell_m))].push_back({id, i, centre, chunk.radius_m});
+    cells_[key_of(cell_of(centre, cell_m))].push_back({id, chunk.begin, chunk.end, centre, chunk.radius_m});
   }
   clouds_.push_back(placed);
 }
@@ -91,9 +92,15 @@ std::vector<SphereIndex::Reference> SphereIndex::near(const Eigen::Vector3f& cen
           if (const auto cell = cells_.find(key_of({x, y, z})); cell != cells_.end()) visit(cell->second);
   }
   std::sort(out.begin(), out.end(), [](const Reference& a, const Reference& b) {
-    return a.cloud < b.cloud || (a.cloud == b.cloud && a.chunk < b.chunk);
+    return a.cloud < b.cloud || (a.cloud == b.cloud && a.begin < b.begin);
   });
   return out;
+}
+
+/// A sphere's points are rarely in a cache: asked for early, they come while others are worked on.
+void SphereIndex::prefetch(const Reference& r) const {
+  const Eigen::Vector3f* points = clouds_[r.cloud].cloud->points.data();
+  for (std::uint32_t i = r.begin; i < r.end; i += 64 / sizeof(Eigen::Vector3f)) __builtin_prefetch(points + i);
 }
 
 SphereIndex::Sample SphereIndex::sphere(const Eigen::Vector3d& centre_local, double radius_m) const {
@@ -105,17 +112,17 @@ SphereIndex::Sample SphereIndex::sphere(const Eigen::Vector3d& centre_local, dou
   std::size_t most = 0;
   bool with_normals = true;
   for (const Reference& r : references) {
-    const ChunkedCloud& cloud = *clouds_[r.cloud].cloud;
-    most += cloud.chunks[r.chunk].end - cloud.chunks[r.chunk].begin;
-    with_normals = with_normals && !cloud.normals.empty();
+    most += r.end - r.begin;
+    with_normals = with_normals && !clouds_[r.cloud].cloud->normals.empty();
   }
   out.points.reserve(most);
   if (with_normals) out.normals.reserve(most);
-  for (const Reference& r : references) {
+  for (std::size_t n = 0; n < references.size(); ++n) {
+    const Reference& r = references[n];
+    if (n + prefetched < references.size()) prefetch(references[n + prefetched]);
     const Placed& placed = clouds_[r.cloud];
-    const Chunk& chunk = placed.cloud->chunks[r.chunk];
     const std::size_t before = out.points.size();
-    for (std::uint32_t i = chunk.begin; i < chunk.end; ++i) {
+    for (std::uint32_t i = r.begin; i < r.end; ++i) {
       const Eigen::Vector3f p = placed.R * placed.cloud->points[i] + placed.t;
       if (!((p - centre).squaredNorm() < radius * radius)) continue;
       out.points.push_back(p);

@@ -52,10 +52,11 @@ class SphereIndex {
     std::shared_ptr<const ChunkedCloud> cloud;
   };
   struct Reference {
-    std::uint32_t cloud, chunk;
-    Eigen::Vector3f centre;  // local frame
+    std::uint32_t cloud, begin, end;  // points of the chunk
+    Eigen::Vector3f centre;           // local frame
     float radius_m;
   };
+  void prefetch(const Reference& r) const;
   std::vector<Reference> near(const Eigen::Vector3f& centre, float radius_m) const;
 
   std::vector<Placed> clouds_;

@@ -30,9 +30,7 @@ Clouds near_other(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b
   return out;
 }
 
-bool usable(const Registration& r) {
-  return r.status == RegistrationStatus::converged || r.status == RegistrationStatus::degenerate;
-}
+bool usable(const Registration& r) { return r.status != RegistrationStatus::too_little_overlap; }
 
 /// Places as far from each other as can be, beginning with the first one.
 std::vector<Eigen::Vector3d> spread(const Eigen::Vector3d& first, const Clouds& candidates, std::size_t most) {
@@ -128,6 +126,14 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
+/// Path of b, in metres, along which its keyframes lie within reach of a's.
+double shared_path_m(const Clouds& near) {
+  double path = 0;
+  for (std::size_t i = 1; i < near.size(); ++i)
+    if (near[i].sequence - near[i - 1].sequence <= 2) path += (place_of(near[i]) - place_of(near[i - 1])).norm();
+  return path;
+}
+
 /// How far T_a_b may be off at p for the drift between there and the first place.
 bool within_drift(const PlaceCheck& place, const PlaceCheck& first, const Pose& T, const JudgeConfig& config) {
   const double allowed_m = config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
@@ -183,11 +189,17 @@ Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud>
     if (i > 0) look_at_place(places[i], a, b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b, config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
-  out.evidence.pairs = static_cast<double>(near_other(a, b, out.T_a_b, config.meet_m).size());
+  const Clouds shared = near_other(a, b, out.T_a_b, config.meet_m);
+  out.evidence.pairs = static_cast<double>(shared.size());
+  out.evidence.overlap_m = shared_path_m(shared);
   out.status = first.place.registration.status;
   if (out.evidence.weakest_hold >= VgicpConfig{}.degenerate_below) out.status = RegistrationStatus::converged;
   out.evidence.probability = probability(out.status, out.evidence);
   return out;
+}
+
+bool fits_alone(const Glance& glance) {
+  return glance.hopeful && glance.place.residual_m < 0.045 && glance.place.between.violation() < 0.012;
 }
 
 Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_0,
@@ -198,14 +210,19 @@ Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedClou
 }
 
 double probability(RegistrationStatus status, const Evidence& e) {
-  if (status == RegistrationStatus::too_little_overlap || status == RegistrationStatus::not_converged) return 0;
+  if (status == RegistrationStatus::too_little_overlap) return 0;
   if (e.tilt_deg > 3) return 0;
-  constexpr double floor = 1e-3, free = 0.1;
-  const double excess = std::max(0.0, std::log10((e.freespace_violation + floor) / (e.own_violation + floor)) - free);
+  // README, "How sure", says on which pairs these weights were fitted, and on which they were checked.
+  const double contradiction = std::log10(e.freespace_violation + 1e-3) + 3;  // 0: none
+  const double misfit = std::log10(e.residual_m + 0.01) + 1.4;                // 0: 3 cm
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
-  const double z = 4.5 - 10 * excess + 6 * (e.inlier_fraction - 0.6) + 1.5 * (std::log10(e.weakest_hold + 1e-3) + 1.5) +
-                   3 * few_pairs;
+  // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
+  const double asked_m = std::min(100.0, 40 * e.aliases);
+  const double short_overlap = asked_m > 0 ? std::min(0.0, e.overlap_m / asked_m - 1) : 0;
+  const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
+                   4 * few_pairs + 12 * short_overlap;
   const double p = 1 / (1 + std::exp(-z));
+  // What slides freely along the drift can look right at many places: at most a candidate.
   return status == RegistrationStatus::degenerate ? 0.4 * p : p;
 }
 

@@ -43,6 +43,9 @@ Glance glance(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, co
 Judgement judge(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Glance& first,
                 const JudgeConfig& config);
 
+/// Whether the first place, taken alone, looks right. Where other placements do too, the mine repeats itself there.
+bool fits_alone(const Glance& glance);
+
 /// Both, trusting T_a_b_0 to within a metre or two: a published alignment looked at again with more keyframes.
 Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b_0,
                       const JudgeConfig& config);

@@ -27,11 +27,12 @@ struct Source {
 };
 
 NormalEquations linearise(const VoxelMap& target, const Source& source, const Pose& T, const Eigen::Vector3d& centre,
-                          const VgicpConfig& config) {
+                          const VgicpConfig& config, std::vector<float>* distances_m) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
   constexpr std::size_t size = FactorBlock::capacity;
   std::vector<NormalEquations> sums((source.taken.size() + size - 1) / size);
+  std::vector<std::vector<float>> distances(distances_m ? sums.size() : 0);
   for_blocks(source.taken.size(), size, config.threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
     FactorBlock factors;
     for (std::size_t k = begin; k < end; ++k) {
@@ -40,9 +41,12 @@ NormalEquations linearise(const VoxelMap& target, const Source& source, const Po
       if (const Voxel* v = target.nearest(p)) factors.add(p - c, p - v->mean, v->N, R * source.normals[i]);
     }
     sums[block] = factors.sum(config.factor, target.leaf_m());
+    if (distances_m) factors.append_distances(distances[block]);
   });
   NormalEquations total;
   for (const NormalEquations& s : sums) total += s;
+  if (!distances_m) return total;
+  for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
   return total;
 }
 
@@ -65,8 +69,9 @@ Registration align(const VoxelMaps& target, const Points& source, const Points& 
     if (map == target.end()) continue;
     Source taken{source, source_normals, scattered(source.size(), level.source_points)};
     const auto count = static_cast<double>(taken.taken.size());
-    stages.push_back({[&map = *map, taken = std::move(taken), &config](const Pose& T, const Eigen::Vector3d& centre) {
-                        return linearise(map, taken, T, centre, config);
+    stages.push_back({[&map = *map, taken = std::move(taken), &config](const Pose& T, const Eigen::Vector3d& centre,
+                                                                       std::vector<float>* distances_m) {
+                        return linearise(map, taken, T, centre, config, distances_m);
                       },
                       count});
   }

@@ -10,6 +10,7 @@
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
 #include "server/place/wall_search.hpp"
+#include "tests/bench/basin.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/support/box_mine.hpp"
@@ -80,7 +81,9 @@ int main(int argc, char** argv) {
   });
   part("link", [] { return link_bytes(); });
   part("places", [] { return walls(); });
+  if (what == "basin") part("basin", [&] { return basin(out); });  // minutes: only when asked for
   if (!known)
-    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, all\n", what.c_str());
+    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, basin, all\n",
+                 what.c_str());
   return known ? 0 : 2;
 }
