@@ -139,6 +139,7 @@ void HttpSession::send(Ready ready) {
   response->version(11);
   response->result(static_cast<unsigned>(ready.status));
   set_common(*response, ready.content_type, keep_alive_);
+  if (ready.gzip) response->set(http::field::content_encoding, "gzip");
   if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
   response->body() = std::move(ready.body);
   response->prepare_payload();

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "server/operator/api_json.hpp"
+#include "server/operator/embedded_files.hpp"
 #include "server/operator/explain_request.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/metrics.hpp"
@@ -41,6 +42,20 @@ Result<Reply> metrics(const Query&, const Context& context) {
       metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(), context.uptime_s),
       {}};
 }
+
+Ready file_reply(const EmbeddedFile& file) {
+  return {200, std::string(file.content_type), std::string(file.bytes), {}, file.gzip};
+}
+
+Result<Reply> page(const Query&, const Context&) {
+  if (const auto file = embedded_file("/")) return file_reply(*file);
+  return Ready{200,
+               "text/plain; charset=utf-8",
+               "This headframe-server was built without its page; the API is under /api/v1/\n",
+               {}};
+}
+
+Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedded_file("/api/v1/openapi.json")); }
 
 Result<Reply> status(const Query&, const Context& context) {
   const Station& station = context.station;
@@ -198,7 +213,9 @@ struct Route {
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 15> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 17> routes{{{"GET", "/", {}, page},
+                                        {"GET", "/api/v1/openapi.json", {}, openapi},
+                                        {"GET", "/healthz", {}, healthz},
                                         {"GET", "/readyz", {}, readyz},
                                         {"GET", "/metrics", {}, metrics},
                                         {"GET", "/api/v1/status", {}, status},
@@ -248,6 +265,8 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
     captured.clear();
     return matches(other.path, target->path, captured);
   });
+  if (const auto file = embedded_file(target->path); file && route == routes.end() && method == "GET")
+    return file_reply(*file);
   if (route == routes.end())
     return failure(ErrorCode::not_found, "there is nothing at \"" + target->path + "\"; the API is under /api/v1/");
   if (route->method != method) {

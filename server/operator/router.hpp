@@ -21,6 +21,7 @@ struct Ready {
   std::string content_type;
   std::string body;
   std::string allow;  // of a 405
+  bool gzip = false;  // how the body is encoded
 };
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
 struct Later {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/cli/http_client.hpp"
+#include "server/operator/router.hpp"
 #include "tests/support/operator_server.hpp"
 
 namespace headframe {
@@ -71,6 +72,50 @@ TEST_F(OperatorApiTest, IsReadyUnlessTheDiskRefuses) {
   server.station.change([&] { server.station.work.disk_error = "disk is full"; });
   expect_error(get("/readyz"), 503, "unavailable", "disk is full");
   EXPECT_EQ(get("/healthz").status, 200) << "alive all the same";
+}
+
+TEST_F(OperatorApiTest, TheOpenApiFileNamesJustTheRoutesThereAre) {
+  const Json api = Json::parse(get("/api/v1/openapi.json").body);
+  std::set<std::string> described, served;
+  for (const auto& [path, operations] : api["paths"].items())
+    for (const auto& [method, operation] : operations.items()) {
+      std::string line = method + " " + path;
+      std::set<std::string> parameters;
+      for (const Json& parameter : operation.value("parameters", Json::array())) {
+        const auto name = parameter["name"].get<std::string>();
+        if (parameter["in"] == "query") parameters.insert(name);
+        if (parameter["in"] == "path") {
+          EXPECT_NE(path.find("{" + name + "}"), std::string::npos) << line;
+        }
+      }
+      for (const auto& name : parameters) line += " " + name;
+      described.insert(line);
+    }
+  for (const RouteName& route : route_names()) {
+    std::string line = (route.method == "GET" ? "get " : "post ") + std::string(route.path);
+    for (const auto& name : std::set<std::string>(route.parameters.begin(), route.parameters.end())) line += " " + name;
+    served.insert(line);
+  }
+  EXPECT_EQ(described, served);
+}
+
+TEST_F(OperatorApiTest, HasAPageOrSaysThatItHasNone) {
+  const HttpResponse page = get("/");
+  EXPECT_EQ(page.status, 200);
+  EXPECT_FALSE(page.body.empty());
+  expect_error(get("/no-such-file.js"), 404, "not_found", "nothing at");
+}
+
+TEST_F(OperatorApiTest, PointsAndPathOfASession) {
+  EXPECT_EQ(get("/api/v1/sessions/1/points?level=4").body.size(), 2 * 20 + 6U * 11);
+  EXPECT_EQ(get("/api/v1/sessions/1/points?level=4&from=1").body.size(), 20 + 6U);
+  const Json path = Json::parse(get("/api/v1/sessions/2/trajectory?from=2").body);
+  ASSERT_EQ(path["keyframes"].size(), 2U);
+  EXPECT_EQ(path["keyframes"][0].size(), path["columns"].size());
+  EXPECT_EQ(path["keyframes"][0][1], 201.0);
+  expect_error(get("/api/v1/sessions/7/points"), 404, "not_found", "no session 7");
+  expect_error(get("/api/v1/sessions/1x/trajectory"), 404, "not_found", "no session 1x");
+  expect_error(get("/api/v1/sessions/1/points?level=5"), 400, "invalid_argument", "from 0 to 4");
 }
 
 TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
@@ -151,7 +196,7 @@ TEST_F(OperatorApiTest, MergeIsQueued) {
 
 TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
   expect_error(get("/api/v1/nothing"), 404, "not_found", "/api/v1/nothing");
-  expect_error(get("/"), 404, "not_found", "/api/v1/");
+  expect_error(get("/api"), 404, "not_found", "/api/v1/");
   expect_error(get("/api/v1/merge"), 405, "refused", "POST");
   expect_error(post("/api/v1/atlas"), 405, "refused", "GET");
   EXPECT_EQ(server.station.merges, 0);
