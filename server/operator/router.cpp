@@ -167,8 +167,13 @@ Result<Reply> trajectory(const Query& query, const Context& context) {
   if (!robot) return tl::unexpected(robot.error());
   const auto session = required(query, "session");
   if (!session) return tl::unexpected(session.error());
-  return Stream{"text/plain; charset=utf-8",
-                std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session})};
+  const auto format = query.find("format");
+  const bool csv = format != query.end() && format->second == "csv";
+  if (format != query.end() && !csv && format->second != "tum")
+    return failure(ErrorCode::invalid_argument, "parameter \"format\" is \"" + format->second + "\"; give tum or csv");
+  return Stream{csv ? "text/csv; charset=utf-8" : "text/plain; charset=utf-8",
+                std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session},
+                                                   csv ? TrajectoryFormat::csv : TrajectoryFormat::tum)};
 }
 
 /// The session whose id is in the path.
@@ -229,7 +234,7 @@ constexpr std::array<Route, 17> routes{{{"GET", "/", {}, page},
                                         {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
-                                        {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory}}};
+                                        {"GET", "/api/v1/trajectory", {"robot", "session", "format"}, trajectory}}};
 
 /// "{name}" in the pattern takes one piece of the path, however it is spelt.
 bool matches(std::string_view pattern, std::string_view path, Query& captured) {

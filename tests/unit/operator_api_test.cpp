@@ -267,6 +267,10 @@ TEST_F(OperatorApiTest, TrajectoryIsInTheComponentsFrame) {
   const double half = std::sqrt(0.5);
   const std::vector<double> second{201, 10, 21, 30, 0, 0, half, half};  // T_1_2 turns x to y
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(numbers[8 + i], second[i], 1e-6) << i;
+  const std::string csv = get("/api/v1/trajectory?robot=beta&session=run%2F1&format=csv").body;
+  EXPECT_EQ(csv.rfind("stamp_s,x_m,y_m,z_m,qx,qy,qz,qw\n200.000000,10.000000,20.000000,30.000000,0", 0), 0U) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  expect_error(get("/api/v1/trajectory?robot=beta&session=run%2F1&format=kml"), 400, "invalid_argument", "tum or csv");
   server.station.broken_trajectory = true;
   expect_error(get("/api/v1/trajectory?robot=beta&session=run%2F1"), 500, "bad_input", "damaged");
 }
