@@ -52,8 +52,9 @@ class Progress {
 
 Result<std::string> format_of(const std::string& file) {
   const std::string extension = file.size() > 4 ? file.substr(file.size() - 4) : "";
-  if (extension == ".ply" || extension == ".pcd") return extension.substr(1);
-  return failure(ErrorCode::invalid_argument, file + " ends in neither .ply nor .pcd; the ending chooses the format");
+  if (extension == ".ply" || extension == ".pcd" || extension == ".las") return extension.substr(1);
+  return failure(ErrorCode::invalid_argument,
+                 file + " ends in none of .ply, .pcd and .las; the ending chooses the format");
 }
 
 /// The one session that `wanted` names.

@@ -31,7 +31,7 @@ class Commands {
   /// Shows status and sessions, again every `every_s`, on a terminal in place; `times` 0: until it is ended. With json:
   /// one line of status each time.
   Result<int> watch(double every_s, int times);
-  /// The format is the file's extension: .ply or .pcd.
+  /// The format is the file's extension: .ply, .pcd or .las.
   Result<int> export_map(const std::string& component, const std::string& file, std::optional<double> voxel_m);
   /// session: "robot/session", or "robot" when it has just one. CSV when the file ends in .csv, TUM otherwise.
   Result<int> trajectory(const std::string& session, const std::string& file);

@@ -88,7 +88,7 @@ void add_commands(CLI::App& app, Options& options) {
   map->add_option("--voxel", options.voxel_m, "One point per cube within each keyframe, 0: every point (default 0.1)")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("M");
-  map->add_option("FILE", options.file, "FILE.ply or FILE.pcd")->required();
+  map->add_option("FILE", options.file, "FILE.ply, FILE.pcd or FILE.las")->required();
   CLI::App* path = add("trajectory", "A session's trajectory in its component's frame, as TUM text",
                        [&](Commands& c) { return c.trajectory(options.session, options.file); });
   path->add_option("SESSION", options.session, "robot/session, or robot when it has just one")->required();

@@ -131,7 +131,9 @@ Result<CloudFormat> cloud_format(const Query& query) {
   const auto format = query.find("format");
   if (format == query.end() || format->second == "ply") return CloudFormat::ply;
   if (format->second == "pcd") return CloudFormat::pcd;
-  return failure(ErrorCode::invalid_argument, "parameter \"format\" is \"" + format->second + "\"; give ply or pcd");
+  if (format->second == "las") return CloudFormat::las;
+  return failure(ErrorCode::invalid_argument,
+                 "parameter \"format\" is \"" + format->second + "\"; give ply, pcd or las");
 }
 
 Result<double> voxel(const Query& query) {

@@ -188,7 +188,7 @@ TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run("atlsa"), 2, "atlsa");
   expect_fault(run("atlas --wait soon"), 2, "soon");
   expect_fault(run("atlas --wait -1"), 2, "-1");
-  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply nor .pcd");
+  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd and .las");
   expect_fault(run("export " + path("map.ply")), 2, "--component");
   expect_fault(run_at("nowhere", "status"), 2, "HOST:PORT");
   expect_fault(run_at("127.0.0.1:0", "status"), 2, "HOST:PORT");

@@ -208,7 +208,7 @@ TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
   expect_error(get("/api/v1/export"), 400, "invalid_argument", "component");
   expect_error(get("/api/v1/export?component=one"), 400, "invalid_argument", "one");
   expect_error(get("/api/v1/export?component=2"), 404, "not_found", "there are 1, 3");
-  expect_error(get("/api/v1/export?component=1&format=stl"), 400, "invalid_argument", "ply or pcd");
+  expect_error(get("/api/v1/export?component=1&format=stl"), 400, "invalid_argument", "ply, pcd or las");
   for (const char* voxel : {"0.009", "101", "-1", "x"})
     expect_error(get(std::string("/api/v1/export?component=1&voxel=") + voxel), 400, "invalid_argument", "voxel");
   for (const char* voxel : {"0", "0.01", "100"})
