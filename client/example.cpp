@@ -1,11 +1,11 @@
-// The smallest robot: build/release/bin/headframe-example SESSION_DIR HOST
+// The smallest robot: build/release/bin/headframe-example SESSION_DIR HOST [ENROLMENT]
 #include <cstdio>
 
 #include "client/robot_client.hpp"
 #include "common/dataset/session_folder.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 3) return 2;
+  if (argc != 3 && argc != 4) return 2;
   const auto recording = headframe::SessionFolder::open(argv[1]);
   if (!recording) return std::fprintf(stderr, "%s\n", recording.error().message.c_str()), 1;
 
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   config.robot = "example";
   config.spool = "example-spool";
   config.host = argv[2];
-  config.insecure = true;
+  if (argc == 4) config.enrolment = argv[3];  // what `headframe robot add example` printed; needed once
   config.sensor = recording->sensor();
   const auto robot = headframe::RobotClient::open(config);
   if (!robot) return std::fprintf(stderr, "%s\n", robot.error().message.c_str()), 1;

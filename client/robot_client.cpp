@@ -3,11 +3,13 @@
 #include <cmath>
 #include <utility>
 
+#include "client/credential/credential_file.hpp"
 #include "client/spooled_link.hpp"
 #include "client/uplink/uplink.hpp"
 #include "common/cloud/cloud_codec.hpp"
 #include "common/descriptor/family.hpp"
 #include "common/descriptor/wall_profile.hpp"
+#include "common/security/enrolment.hpp"
 
 namespace headframe {
 
@@ -24,6 +26,7 @@ struct RobotClient::State {
         sequence(link.last_sequence()) {}
 
   Result<void> restore_selection();
+  void on_event(const UplinkEvent& event);
   Result<bool> judge(double stamp_s, const Pose& T_local_sensor) const;
   Result<bool> spool_keyframe(Keyframe keyframe, const Points& points_sensor, const Points& points_level);
 
@@ -32,8 +35,9 @@ struct RobotClient::State {
   KeyframeSelector selector;
   SweepCollector sweeps;
   SpooledLink link;
-  std::uint64_t sequence = 0;  // of the last keyframe
-  double last_stamp_s = 0;     // of it
+  std::optional<CredentialFile> credential;  // of the uplink's thread; none: in the clear
+  std::uint64_t sequence = 0;                // of the last keyframe
+  double last_stamp_s = 0;                   // of it
   std::atomic<bool> finished{false};
   std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
 };
@@ -62,12 +66,32 @@ Hello hello_of(const RobotConfig& config, const DescriptorFamily* family) {
   return hello;
 }
 
+Result<CredentialFile> credential_of(const RobotConfig& config) {
+  const auto spool = std::filesystem::absolute(config.spool / "").parent_path();
+  const auto path =
+      config.credential.empty() ? spool.parent_path() / (config.robot + ".credential") : config.credential;
+  return CredentialFile::open(path, config.robot, config.enrolment);
+}
+
+Result<UplinkConfig> link_of(const RobotConfig& config, std::optional<CredentialFile>& credential) {
+  UplinkConfig link;
+  link.host = config.host;
+  link.port = config.port;
+  link.bytes_per_s = config.bytes_per_s;
+  if (config.insecure) return link;
+  auto opened = credential_of(config);
+  if (!opened) return tl::unexpected(opened.error());
+  const auto pinned = config.fingerprint.empty() ? Result<std::string>(opened->credential().fingerprint)
+                                                 : parse_fingerprint(config.fingerprint);
+  if (!pinned) return tl::unexpected(pinned.error());
+  link.fingerprint = *pinned;
+  credential = std::move(*opened);
+  return link;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config) {
-  if (!config.insecure)
-    return failure(ErrorCode::invalid_argument,
-                   "TLS is not there yet: give insecure (--insecure) to send in the clear");
   if (auto ok = check_name("robot", config.robot); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
   std::unique_ptr<DescriptorFamily> family;
   if (!config.own_descriptors) {
@@ -75,19 +99,30 @@ Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config
     if (!made) return tl::unexpected(made.error());
     family = std::move(*made);
   }
+  std::optional<CredentialFile> credential;
+  const auto link = link_of(config, credential);
+  if (!link) return tl::unexpected(link.error());
   const Hello hello = hello_of(config, family.get());
-  auto spool = Spool::open({config.spool, config.cloud_quota_bytes, true}, hello);
+  auto spool = Spool::open({config.spool, config.cloud_quota_bytes, config.sync}, hello);
   if (!spool) return tl::unexpected(spool.error());
 
   auto state = std::make_unique<State>(config, std::move(family), std::move(*spool));
   if (auto ok = state->restore_selection(); !ok) return tl::unexpected(ok.error());
-  UplinkConfig link;
-  link.host = config.host;
-  link.port = config.port;
-  link.bytes_per_s = config.bytes_per_s;
-  state->uplink = std::make_unique<Uplink>(link, state->link.identity(), state->link,
-                                           [s = state.get()](const UplinkEvent& event) { s->link.on_event(event); });
+  Hello shown = state->link.identity();
+  if (credential) {
+    shown.token = credential->credential().token;
+    shown.enrolment_code = credential->credential().code;
+  }
+  state->credential = std::move(credential);
+  state->uplink = std::make_unique<Uplink>(*link, shown, state->link,
+                                           [s = state.get()](const UplinkEvent& event) { s->on_event(event); });
   return std::unique_ptr<RobotClient>(new RobotClient(std::move(state)));
+}
+
+void RobotClient::State::on_event(const UplinkEvent& event) {
+  // A code that could not be struck out is shown once more next time, which is harmless.
+  if (credential && std::holds_alternative<Welcomed>(event)) (void)credential->confirmed();
+  link.on_event(event);
 }
 
 Result<void> RobotClient::State::restore_selection() {

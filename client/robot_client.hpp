@@ -33,7 +33,10 @@ struct RobotConfig {
   std::filesystem::path spool;  // directory; one directory is one session (one local frame)
   std::string host;             // of the base station
   std::uint16_t port = 7447;
-  bool insecure = false;  // plain TCP; TLS is not there yet, so it must be set
+  std::filesystem::path credential;  // file, of this robot alone; empty: ROBOT.credential beside the spool
+  std::string enrolment;             // what `headframe robot add` printed; only its first use counts, it may stay
+  std::string fingerprint;           // hexadecimal; pins another server than the enrolment did; empty: that one
+  bool insecure = false;             // plain TCP without credential, to a server that runs so: nothing is protected
   Sensor sensor;
 
   std::string family = "scan_context";            // of add_scan
@@ -41,6 +44,7 @@ struct RobotConfig {
   CloudPolicy clouds = CloudPolicy::all;
   double bytes_per_s = 0;                         // budget of what is sent; 0: no limit
   std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // of the spool; the oldest clouds go first
+  bool sync = true;                               // false: a power cut may take the last seconds
   float min_range_m = 0.1F;                       // nearer points are no returns
   KeyframeConfig keyframes;
   SweepConfig sweeps;
@@ -55,6 +59,7 @@ struct Progress {
   std::uint64_t bytes_sent = 0;      // since open()
   bool connected = false;
   bool refused = false;    // the server said no for good: nothing more is tried
+  std::string hold;        // why the server takes nothing for now (a full disk); empty: it does
   std::string link_error;  // why the last connection ended; empty: none did
 };
 

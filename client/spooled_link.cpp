@@ -44,6 +44,10 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     welcomed_ = true;
     durable_keyframes_ = 0;
     link_error_.clear();
+    hold_.clear();
+    written = spool_.run_welcomed();
+  } else if (const auto* p = std::get_if<PolicyTold>(&event)) {
+    hold_ = p->hold;
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
     durable_keyframes_ = k->up_to;
     written = spool_.acknowledge_keyframes(k->up_to);
@@ -97,6 +101,7 @@ Progress SpooledLink::progress() const {
   p.clouds_acknowledged = spool_.acknowledged_clouds();
   p.clouds_dropped = spool_.dropped_clouds();
   p.refused = refused_;
+  p.hold = hold_;
   p.link_error = link_error_;
   return p;
 }

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <iostream>
 
+#include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
 
 namespace {
@@ -32,6 +33,10 @@ int serve(const ServerOptions& options) {
   const sigset_t signals = hold_signals();
   const auto server = MapMergeServer::start(options);
   if (!server) return fail(server.error().message, 1);
+  if (!options.insecure) std::cout << "headframe-server fingerprint: " << to_hex((*server)->fingerprint()) << '\n';
+  if (!options.insecure && !is_loopback(options.http))
+    spdlog::warn("the operator API on {} is not encrypted: who listens on the way learns the operator's token",
+                 to_string((*server)->http()));
   std::cout << "headframe-server ready: robots on " << to_string((*server)->robots()) << ", http on "
             << to_string((*server)->http()) << ", data in " << options.data.string() << std::endl;
   int signal = 0;
@@ -41,32 +46,38 @@ int serve(const ServerOptions& options) {
 }
 
 int run(int argc, char** argv) {
-  std::string data, listen, http, config;
-  bool insecure = false;
+  std::string data, listen = "127.0.0.1:7447", http = "127.0.0.1:7448", config;
+  bool insecure = false, insecure_any = false;
   CLI::App app("The base station: robots stream their maps, the server merges them.", "headframe-server");
   app.add_option("--data", data, "directory of the database; made when it is not there")->required();
-  app.add_option("--listen", listen, "HOST:PORT for robots; port 0 takes any")->required();
-  app.add_option("--http", http, "HOST:PORT for operators; port 0 takes any")->required();
-  app.add_flag("--insecure", insecure, "without TLS and tokens: anyone who reaches the ports may use them");
+  app.add_option("--listen", listen, "HOST:PORT for robots; port 0 takes any")->capture_default_str();
+  app.add_option("--http", http, "HOST:PORT for operators; port 0 takes any")->capture_default_str();
+  app.add_flag("--insecure", insecure, "on the loopback: no TLS, no enrolment, no operator's token");
+  app.add_flag("--insecure-any", insecure_any, "the same on any address: who reaches the ports may do anything");
   app.add_option("--config", config, "TOML file: [server], [limits], [merge]");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : bad_usage;
   }
-  if (!insecure) return fail("TLS is not there yet: give --insecure to serve without it", bad_usage);
   const auto robots = parse_endpoint(listen), operators = parse_endpoint(http);
   if (!robots) return fail("--listen: " + robots.error().message, bad_usage);
   if (!operators) return fail("--http: " + operators.error().message, bad_usage);
+  for (const auto& endpoint : {*robots, *operators})
+    if (insecure && !insecure_any && !is_loopback(endpoint))
+      return fail("--insecure serves the loopback only, and " + to_string(endpoint) +
+                      " is not of it: leave --insecure away and enrol the robots, or give --insecure-any",
+                  bad_usage);
   auto settings = config.empty() ? Result<ServerConfig>(ServerConfig()) : load_config(config);
   if (!settings) return fail(settings.error().message, bad_usage);
-  return serve({data, *robots, *operators, *settings});
+  return serve({data, *robots, *operators, *settings, insecure || insecure_any});
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a full disk, which is waited out
   spdlog::set_default_logger(spdlog::stderr_color_mt("headframe"));
   try {
     return run(argc, argv);

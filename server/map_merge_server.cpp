@@ -7,6 +7,10 @@
 
 #include "server/net/robot_listener.hpp"
 #include "server/operator/operator_api.hpp"
+#include "server/robot_desk.hpp"
+#include "server/security/operator_guard.hpp"
+#include "server/security/robot_gate.hpp"
+#include "server/security/server_identity.hpp"
 #include "server/station_view.hpp"
 #include "server/store/sqlite_store.hpp"
 
@@ -14,12 +18,14 @@ namespace headframe {
 
 /// Order of life: what is below uses what is above. stop() goes from the peers inwards.
 struct MapMergeServer::Parts {
-  Parts(const ServerOptions& o, std::unique_ptr<Store> opened)
+  Parts(const ServerOptions& o, std::unique_ptr<Store> opened, std::optional<boost::asio::ssl::context> door)
       : options(o),
         store(std::move(opened)),
         worker(make_pipeline(o.config.merge), *store, o.config.schedule),
-        hub(*store, worker),
-        listener(io, hub, o.config.limits),
+        hub(*store, worker, o.config.limits),
+        gate(*store, {{}, [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); }}),
+        tls(std::move(door)),
+        listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
         view(io, hub, worker, *store, o.config.merge) {}
   ~Parts() { stop(); }
   Parts(const Parts&) = delete;
@@ -33,21 +39,30 @@ struct MapMergeServer::Parts {
   std::unique_ptr<Store> store;
   MergeWorker worker;
   SessionHub hub;
+  RobotGate gate;
+  std::optional<boost::asio::ssl::context> tls;  // none: --insecure
   RobotListener listener;
   StationView view;
+  std::optional<RobotDesk> desk;
   std::optional<OperatorApi> api;
   Endpoint robots, http;
+  std::string fingerprint;  // 32 bytes; empty: --insecure
   std::vector<std::thread> threads;
 };
 
 Result<void> MapMergeServer::Parts::start() {
   auto done = hub.restore();
   if (done) done = worker.restore();
+  if (done) done = gate.restore();
   if (!done) return done;
+  hub.set_uplink_budget(static_cast<std::uint64_t>(options.config.limits.uplink_kib_s) * 1024);
   auto listening = listener.listen(options.listen);
   if (!listening) return tl::unexpected(listening.error());
   robots = *listening;
-  api.emplace(io, view);
+  auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
+  if (!token) return tl::unexpected(token.error());
+  if (!options.insecure) desk.emplace(gate, fingerprint);
+  api.emplace(io, view, OperatorLimits{}, OperatorAccess{*token, desk ? &*desk : nullptr});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};
@@ -75,12 +90,22 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
                                  {.queue_bytes = static_cast<std::size_t>(options.config.write_queue_mib) * mib,
                                   .database_bytes = static_cast<std::uint64_t>(options.config.database_mib) * mib});
   if (!store) return tl::unexpected(store.error());
-  auto parts = std::make_unique<Parts>(options, std::move(*store));
+  std::optional<boost::asio::ssl::context> tls;
+  std::string fingerprint;
+  if (!options.insecure) {
+    auto identity = server_identity(options.data);
+    if (!identity) return tl::unexpected(identity.error());
+    fingerprint = identity->fingerprint;
+    tls = std::move(identity->tls);
+  }
+  auto parts = std::make_unique<Parts>(options, std::move(*store), std::move(tls));
+  parts->fingerprint = fingerprint;
   if (auto done = parts->start(); !done) return tl::unexpected(done.error());
   return std::unique_ptr<MapMergeServer>(new MapMergeServer(std::move(parts)));
 }
 
 const Endpoint& MapMergeServer::robots() const { return parts_->robots; }
+const std::string& MapMergeServer::fingerprint() const { return parts_->fingerprint; }
 const Endpoint& MapMergeServer::http() const { return parts_->http; }
 
 }  // namespace headframe

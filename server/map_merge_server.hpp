@@ -14,6 +14,7 @@ struct ServerOptions {
   Endpoint listen;  // for robots
   Endpoint http;    // for operators
   ServerConfig config;
+  bool insecure = false;  // neither TLS nor tokens: who reaches the ports may use them
 };
 
 /// Runs from start() to stop(); restored from its data directory when there is something in it.
@@ -27,6 +28,7 @@ class MapMergeServer {
 
   const Endpoint& robots() const;  // with the real port
   const Endpoint& http() const;
+  const std::string& fingerprint() const;  // of the certificate, 32 bytes; empty: insecure
 
  private:
   struct Parts;

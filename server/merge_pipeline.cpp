@@ -46,7 +46,7 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   }
   // 7: the clouds around each; what is not here is asked for, the likeliest first.
   std::vector<Case> cases;
-  std::vector<std::size_t> judged_now{found->version};
+  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(may_merge(a) && may_merge(b))};
   std::size_t awaited = 0;
   const bool accepted = known && known->evidence.probability >= config.accept_probability;
   {
@@ -69,12 +69,13 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     before = judged_now;
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
-  std::vector<Verdict> verdicts = judge_cases(cases, report);
+  std::vector<Verdict> verdicts = judge_cases(cases, self_aliases(a, clouds) + self_aliases(b, clouds), report);
+  if (verdicts.empty()) verdicts.emplace_back();
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {
       return decisions.proposal(known->id, v.judgement.T_a_b, v.judgement.evidence.seen_points) == Proposal::suppressed;
     });
-  if (verdicts.empty()) verdicts.emplace_back();
+  if (verdicts.empty()) return;  // the operator has ruled on all there is
   Judgement best = verdicts.front().judgement;
   for (const Verdict& v : verdicts)
     if (differ(v.judgement.T_a_b, best.T_a_b, v.p_b, rival_m, rival_rad))
@@ -113,7 +114,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
 void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report) {
   const Evidence& e = best.evidence;
   AlignmentState now = AlignmentState::rejected;
-  if (e.probability >= config.accept_probability && e.runner_up < config.runner_up_probability)
+  if (e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share)
     now = may_merge(a) && may_merge(b) ? AlignmentState::verified : AlignmentState::candidate;
   else if (e.probability >= config.candidate_probability)
     now = AlignmentState::candidate;
@@ -188,6 +189,10 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   session.keyframes.push_back(std::move(keyframe));
 }
 
+void MergePipeline::prepare_session(SessionId id, CloudSource& clouds) {
+  if (state_->sessions.contains(id)) state_->self_aliases(id, clouds);
+}
+
 void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {
   state_->prepared.get(keyframe, clouds);
 }
@@ -210,6 +215,7 @@ Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
     alignment.T_a_b = *T_confirmed;
   alignment.ruling = state_->decisions.ruling(alignment);
   alignment.state = decided_state(alignment);
+  state_->judged_on.erase({alignment.a, alignment.b});
   report.changed.push_back(alignment);
   state_->update_atlas(report);
   return report;

@@ -56,6 +56,9 @@ class MergePipeline {
   /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds);
 
+  /// Looks whether the session's mine repeats itself, ahead of the attempt that needs to know. Optional.
+  void prepare_session(SessionId id, CloudSource& clouds);
+
   /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
   void complete_session(SessionId id);
 

@@ -13,6 +13,7 @@ constexpr std::size_t exact_up_to = 20000;  // keyframes of a family; FLANN beyo
 constexpr std::size_t asked_of_index = 20;  // nearest keyframes of any session, to see who looks alike ...
 constexpr std::size_t keyframes_asked = 30;  // ... for so many keyframes spread over a session
 constexpr std::size_t judged_closely = 4;    // hopeful placements of a pair that are judged with all evidence
+constexpr double elsewhere_m = 6, elsewhere_rad = 0.5;  // a session turned or moved less lies where it is
 constexpr double same_placement_m = 2, same_placement_rad = 0.12;
 
 float squared_distance(const std::vector<float>& p, const std::vector<float>& q) {
@@ -112,7 +113,28 @@ std::vector<PlacedCloud> MergePipeline::State::clouds_near(SessionId id, Session
   return near;
 }
 
-std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& cases, AttemptReport& report) const {
+double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
+  Session& session = sessions[id];
+  if (session.self.path_m >= 0 && session.path_m < 1.25 * session.self.path_m) return session.self.aliases;
+  const Found* found = finder.find_within({id, session.keyframes});
+  std::vector<Case> cases;
+  for (const Hypothesis& h : found->hypotheses)
+    if (differ(h.T_a_b, Pose::Identity(), h.place_b, elsewhere_m, elsewhere_rad))
+      cases.push_back(make_case(id, id, h, clouds));
+  std::vector<char> alike(cases.size(), 0);
+  const JudgeConfig judge = judge_config();
+  for_blocks(cases.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const Hypothesis& h = cases[i].hypothesis;
+    const Glance g = glance(cases[i].a, cases[i].b, h.T_a_b, h.place_b, judge);
+    alike[i] = fits_alone(g) && differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m,
+                                       elsewhere_rad);
+  });
+  session.self = {session.path_m, static_cast<double>(std::count(alike.begin(), alike.end(), 1))};
+  return session.self.aliases;
+}
+
+std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& cases, double self_aliases,
+                                                       AttemptReport& report) const {
   const JudgeConfig config_now = judge_config();
   std::vector<Glance> glances(cases.size());
   {
@@ -139,7 +161,7 @@ std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& 
     Verdict verdict{judge(cases[i].a, cases[i].b, glances[i], config_now), place.p_b};
     Evidence& e = verdict.judgement.evidence;
     e.support = cases[i].hypothesis.score;
-    e.aliases = static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
+    e.aliases = self_aliases + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
       return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b, g.place.p_b,
                                      same_placement_m, same_placement_rad);
     }));

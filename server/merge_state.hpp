@@ -13,11 +13,18 @@
 
 namespace headframe {
 
+/// How often a session looks like itself elsewhere, and at which length of its path that was found.
+struct SelfLikeness {
+  double path_m = -1;
+  double aliases = 0;
+};
+
 struct Session {
   FamilyId family;
   std::vector<Keyframe> keyframes;
   double path_m = 0;
   bool complete = false;
+  SelfLikeness self;
 };
 
 struct Family {
@@ -61,8 +68,11 @@ struct MergePipeline::State {
   std::vector<SessionId> partners(SessionId id) const;
   std::vector<MatchedPair> match_descriptors(SessionId a, SessionId b) const;
   Case make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, CloudSource& clouds);
+  /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats
+  /// itself. Looked for again when the session has grown by a quarter.
+  double self_aliases(SessionId id, CloudSource& clouds);
   /// Glances at all, in parallel; the hopeful ones that differ are judged. Best first.
-  std::vector<Verdict> judge_cases(const std::vector<Case>& cases, AttemptReport& report) const;
+  std::vector<Verdict> judge_cases(const std::vector<Case>& cases, double self_aliases, AttemptReport& report) const;
   Alignment* find(SessionId a, SessionId b);
   void index_keyframe(SessionId id, const Keyframe& keyframe);
   /// A few metres of drift look like many others: a growing session waits until it has seen more.

@@ -70,6 +70,12 @@ Workload StationView::workload() const {
           stages};
 }
 
+LinkHealth StationView::link_health() const {
+  const LinkCounts& counts = hub_.counts();
+  return {hub_.policy().hold, store_.load().queued_bytes, counts.refused, counts.replaced, counts.failed, counts.stuck,
+          counts.held_back};
+}
+
 void StationView::when_idle(double timeout_s, std::function<void(Pending)> callback) {
   auto wait = std::make_shared<Wait>(io_, *this);
   wait->deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));

@@ -72,6 +72,11 @@ FileDescriptor::~FileDescriptor() {
   if (fd_ >= 0) ::close(fd_);
 }
 
+bool sync_directory(const std::filesystem::path& directory) {
+  const FileDescriptor file(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return file.get() >= 0 && ::fsync(file.get()) == 0;
+}
+
 std::uint32_t crc32c(std::string_view bytes, std::uint32_t seed) {
   static constexpr auto table = crc_table();
   std::uint32_t c = ~seed;

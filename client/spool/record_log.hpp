@@ -36,6 +36,9 @@ class FileDescriptor {
 
 std::uint32_t crc32c(std::string_view bytes, std::uint32_t seed = 0);
 
+/// The names in a directory are on the disk when it returns; false: the disk said no.
+bool sync_directory(const std::filesystem::path& directory);
+
 struct Record {
   std::uint64_t at_byte = 0;  // for read()
   char type = 0;

@@ -10,6 +10,8 @@
 #include <random>
 #include <utility>
 
+#include "common/wire/limits.hpp"
+
 namespace headframe {
 namespace {
 
@@ -19,7 +21,9 @@ enum RecordType : char {
   keyframe_record = 'k',
   keyframe_ack = 'a',
   cloud_ack = 'c',
-  cloud_drop = 'd'
+  cloud_drop = 'd',
+  run_record = 'r',
+  run_welcome = 'w'
 };
 
 std::uint64_t random_u64() {
@@ -61,7 +65,8 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
   if (!lock_file) return tl::unexpected(lock_file.error());
 
   std::vector<std::uint64_t> keyframe_at;
-  std::uint64_t keyframes = 0;
+  std::uint64_t keyframes = 0, welcomed = 0;
+  std::vector<std::uint64_t> runs;
   std::set<std::uint64_t> acknowledged, dropped;
   std::string identity;
   auto log = RecordLog::open(config.directory / "session.log", [&](const Record& r) {
@@ -70,6 +75,8 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
     if (r.type == keyframe_ack) keyframes = std::max(keyframes, to_u64(r.payload));
     if (r.type == cloud_ack) acknowledged.insert(to_u64(r.payload));
     if (r.type == cloud_drop) dropped.insert(to_u64(r.payload));
+    if (r.type == run_record) runs.push_back(to_u64(r.payload));
+    if (r.type == run_welcome) welcomed = to_u64(r.payload);
   });
   if (!log) return tl::unexpected(log.error());
   Spool spool(config, std::move(*lock_file), std::move(*log));
@@ -89,6 +96,7 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
     spool.resumed_ = true;
   }
   if (auto ok = spool.settle_identity(std::move(robot)); !ok) return tl::unexpected(ok.error());
+  if (auto ok = spool.begin_run(runs, welcomed); !ok) return tl::unexpected(ok.error());
   acknowledged.merge(dropped);
   if (auto ok = spool.find_clouds(acknowledged); !ok) return tl::unexpected(ok.error());
   return spool;
@@ -115,6 +123,28 @@ Result<void> Spool::settle_identity(Hello robot) {
   if (auto ok = from_proto(message); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
   identity_ = std::move(robot);
   if (auto at = log_.append(identity_record, message.SerializeAsString(), config_.sync); !at)
+    return tl::unexpected(at.error());
+  if (config_.sync &&
+      !(sync_directory(config_.directory) && sync_directory(fs::absolute(config_.directory).parent_path())))
+    return failure(ErrorCode::unavailable, config_.directory.string() + ": can not be synced");
+  return {};
+}
+
+/// The server knows one of these: the last that it let in, or a later one whose welcome got lost.
+Result<void> Spool::begin_run(const std::vector<std::uint64_t>& runs, std::uint64_t welcomed) {
+  constexpr std::size_t others = limits::spool_runs - 1;
+  auto& mine = identity_.spool_runs;
+  mine.assign(runs.end() - static_cast<std::ptrdiff_t>(std::min(runs.size(), others)), runs.end());
+  if (welcomed != 0 && std::find(mine.begin(), mine.end(), welcomed) == mine.end()) mine.front() = welcomed;
+  mine.push_back(random_u64());
+  // On the disk before any server hears of it: a power cut must not make a copy of us.
+  if (auto at = log_.append(run_record, std::to_string(mine.back()), config_.sync); !at)
+    return tl::unexpected(at.error());
+  return {};
+}
+
+Result<void> Spool::run_welcomed() {
+  if (auto at = log_.append(run_welcome, std::to_string(identity_.spool_runs.back()), false); !at)
     return tl::unexpected(at.error());
   return {};
 }
@@ -144,22 +174,43 @@ Result<void> Spool::append(const Keyframe& keyframe, std::string_view encoded_cl
   const auto message = to_proto(keyframe);
   if (!message) return tl::unexpected(message.error());
   if (auto ok = from_proto(*message); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
-  if (!encoded_cloud.empty())
-    if (auto ok = write_cloud(keyframe.sequence, encoded_cloud); !ok) return ok;
-  const auto at = log_.append(keyframe_record, message->SerializeAsString(), config_.sync);
+  const bool cloud_kept = !encoded_cloud.empty() && keep_cloud(keyframe.sequence, encoded_cloud);
+  const std::string record = message->SerializeAsString();
+  auto at = log_.append(keyframe_record, record, config_.sync);
+  if (!at && make_room(record.size())) at = log_.append(keyframe_record, record, config_.sync);
   std::error_code ignored;
   if (!at) {
     fs::remove(cloud_path(keyframe.sequence), ignored);
     return tl::unexpected(at.error());
   }
   keyframe_at_.push_back(*at);
-  if (!encoded_cloud.empty()) {
+  if (cloud_kept) {
     const auto size = fs::file_size(cloud_path(keyframe.sequence), ignored);
     cloud_bytes_[keyframe.sequence] = size;
     all_cloud_bytes_ += size;
     keep_quota();
   }
   return {};
+}
+
+/// False: the disk has no room for it even without older ones. Its keyframe goes on without.
+bool Spool::keep_cloud(std::uint64_t sequence, std::string_view bytes) {
+  auto written = write_cloud(sequence, bytes);
+  if (!written && make_room(bytes.size())) written = write_cloud(sequence, bytes);
+  if (written) return true;
+  std::error_code ignored;
+  fs::remove(cloud_path(sequence), ignored);
+  [[maybe_unused]] const auto at = log_.append(cloud_drop, std::to_string(sequence), false);  // as in drop_cloud()
+  ++dropped_clouds_;
+  return false;
+}
+
+/// Drops the oldest clouds, twice as many bytes as asked for; false: there was none.
+bool Spool::make_room(std::uint64_t bytes) {
+  const auto before = all_cloud_bytes_;
+  if (cloud_bytes_.empty()) return false;
+  while (!cloud_bytes_.empty() && before - all_cloud_bytes_ < 2 * bytes) drop_cloud(cloud_bytes_.begin()->first);
+  return true;
 }
 
 Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) {
@@ -169,6 +220,8 @@ Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) 
   auto file = RecordLog::open(path, [](const Record&) {});
   if (!file) return tl::unexpected(file.error());
   if (auto at = file->append('p', bytes, config_.sync); !at) return tl::unexpected(at.error());
+  if (config_.sync && !sync_directory(path.parent_path()))
+    return failure(ErrorCode::unavailable, path.string() + ": its folder can not be synced");
   return {};
 }
 

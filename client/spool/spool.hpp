@@ -3,10 +3,11 @@
 //
 // A directory is one session:
 //   lock                 held by the one process that uses the directory
-//   session.log          records (record_log.hpp): the identity, then keyframes and acknowledgements as they happened
+//   session.log          records (record_log.hpp): the identity, then runs, keyframes and acknowledgements as they came
 //   clouds/0000000001    one record each; removed when acknowledged, or when the quota needs the room
 // A cloud and then its keyframe are on the disk (fdatasync) when append() returns. Acknowledgements are not synced: one
-// that is lost to a power cut is asked for again. Poses and descriptors are never dropped.
+// that is lost to a power cut is asked for again. Poses and descriptors are never dropped. A run is a random number for
+// each time the directory was opened: of two copies of a spool both may go on, and the server tells them by their runs.
 
 #include <cstdint>
 #include <filesystem>
@@ -37,11 +38,12 @@ class Spool {
   /// session or family; unavailable when the disk says no; bad_input when it is damaged.
   static Result<Spool> open(const SpoolConfig& config, Hello robot);
 
-  const Hello& identity() const { return identity_; }
+  const Hello& identity() const { return identity_; }  // with the runs, this one last
   bool resumed() const { return resumed_; }
   const std::vector<std::string>& warnings() const { return warnings_; }  // what open() found and cured
 
-  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. On an error nothing was added.
+  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. A disk without room costs the oldest
+  /// clouds, then this one's (dropped_clouds()), and only then fails. On an error nothing was added.
   Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
   std::uint64_t last_sequence() const { return keyframe_at_.size(); }
   Result<Keyframe> keyframe(std::uint64_t sequence) const;
@@ -54,6 +56,8 @@ class Spool {
   /// Cumulative; never goes back.
   Result<void> acknowledge_keyframes(std::uint64_t up_to);
   Result<void> acknowledge_cloud(std::uint64_t sequence);
+  /// The server has let this run in.
+  Result<void> run_welcomed();
   /// Forgets a cloud that can not be sent.
   void drop_cloud(std::uint64_t sequence);
 
@@ -69,6 +73,9 @@ class Spool {
   Result<void> write_cloud(std::uint64_t sequence, std::string_view bytes);
   Result<void> find_clouds(const std::set<std::uint64_t>& settled);
   Result<void> settle_identity(Hello robot);
+  Result<void> begin_run(const std::vector<std::uint64_t>& runs, std::uint64_t welcomed);
+  bool keep_cloud(std::uint64_t sequence, std::string_view bytes);
+  bool make_room(std::uint64_t bytes);
   void keep_quota();
   std::filesystem::path cloud_path(std::uint64_t sequence) const;
 

@@ -16,7 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string server, robot, folder, spool, clouds = "all";
+  std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all";
   bool insecure = false, fast = false;
   double rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
@@ -60,7 +60,7 @@ Result<void> play(const SessionFolder& session, const Options& options, RobotCli
   return {};
 }
 
-/// Stays connected until nothing was asked for or acknowledged for so long.
+/// Stays connected until nothing was asked for or acknowledged for so long, or the server has cut it off.
 void linger(double linger_s, std::size_t scans, const RobotClient& robot, ReplayReport& report) {
   constexpr std::uint64_t more_than_pings = 4096;
   auto last = robot.progress();
@@ -69,6 +69,7 @@ void linger(double linger_s, std::size_t scans, const RobotClient& robot, Replay
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const auto now = robot.progress();
     report.step(scans, now);
+    if (now.refused) return;
     if (now.clouds_acknowledged == last.clouds_acknowledged && now.bytes_sent < last.bytes_sent + more_than_pings)
       continue;
     last = now;
@@ -90,6 +91,7 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
   if (done)
     done = robot.finish(milliseconds(options.patience_s), [&](const Progress& p) { report.step(session.size(), p); });
   if (done) linger(options.linger_s, session.size(), robot, report);
+  if (const auto last = robot.progress(); done && last.refused) done = failure(ErrorCode::refused, last.link_error);
   robot.close();
   report.end(robot.progress());
   return done;
@@ -99,12 +101,14 @@ int replay(Options options) {
   RobotConfig config;
   if (!split_address(options.server, config))
     return failed("--server " + options.server + ": HOST:PORT is needed, such as 10.0.0.2:7447", 2);
-  if (!options.insecure)
-    return failed("TLS is not there yet; --insecure sends in the clear and is needed until it is", 2);
   const auto session = SessionFolder::open(options.folder);
   if (!session) return failed(session.error().message);
   config.robot = options.robot;
-  config.insecure = true;
+  config.insecure = options.insecure;
+  config.enrolment = options.enrolment;
+  config.fingerprint = options.fingerprint;
+  config.credential = options.credential;
+  if (options.credential.empty() && options.spool.empty()) config.credential = options.robot + ".credential";
   config.sensor = session->sensor();
   config.bytes_per_s = options.bytes_per_s;
   config.clouds = options.clouds == "all"     ? CloudPolicy::all
@@ -137,7 +141,11 @@ int main(int argc, char** argv) {
   app.add_option("--robot", o.robot, "name of the robot")->required();
   app.add_option("--spool", o.spool,
                  "directory that keeps the session; without it a temporary one, removed on success");
-  app.add_flag("--insecure", o.insecure, "plain TCP");
+  app.add_option("--enrol", o.enrolment, "what `headframe robot add NAME` printed; needed the first time only");
+  app.add_option("--credential", o.credential,
+                 "file of what it got then; without it ROBOT.credential beside the spool, or here without a spool");
+  app.add_option("--fingerprint", o.fingerprint, "of the server's certificate, if not the one of the enrolment");
+  app.add_flag("--insecure", o.insecure, "in the clear and unknown, to a server that runs with --insecure");
   auto* fast = app.add_flag("--fast", o.fast, "as fast as the disk and the processor allow");
   app.add_option("--rate", o.rate, "times real time")
       ->capture_default_str()

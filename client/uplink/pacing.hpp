@@ -17,11 +17,22 @@ class TokenBucket {
   /// Takes the bytes and says how long to wait before they are sent.
   std::chrono::duration<double> take(std::size_t bytes, Time now);
 
+  /// From now on; what was saved up or is owed stays.
+  void set_rate(double bytes_per_s, Time now);
+  double bytes_per_s() const { return bytes_per_s_; }
+
  private:
   double bytes_per_s_;
   double level_bytes_ = 0;  // below 0: owed
   Time filled_;
 };
+
+/// The smaller of two budgets in bytes per second, where 0 is no limit.
+double tighter(double a_bytes_per_s, double b_bytes_per_s);
+
+/// How much of a cloud goes into one chunk, so that a keyframe waits at most 50 ms behind it: 256 bytes (below, headers
+/// would outweigh the content) to limits::chunk_bytes.
+std::size_t chunk_bytes_at(double bytes_per_s);
 
 /// Jittered exponential backoff: half to all of a span that doubles from `first_s` to `most_s`. Not thread safe.
 class Backoff {

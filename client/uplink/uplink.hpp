@@ -1,5 +1,5 @@
 #pragma once
-// The protocol over a TCP connection that comes back by itself.
+// The protocol over a connection, TLS or plain TCP, that comes back by itself.
 
 #include <cstdint>
 #include <functional>
@@ -13,15 +13,17 @@ namespace headframe {
 struct UplinkConfig {
   std::string host;
   std::uint16_t port = 0;
-  double bytes_per_s = 0;  // budget of what is sent; 0: no limit
+  std::string fingerprint;  // of the server's certificate, 32 bytes: TLS 1.3 with it alone; empty: in the clear
+  double bytes_per_s = 0;   // budget of what is sent; 0: no limit
   double retry_first_s = 0.5;
-  double retry_most_s = 30;
-  double connect_s = 10;  // a connection that is not up within this is given up
-  double close_s = 5;     // for the goodbye
+  double retry_most_s = 1.5;  // a base station that is back is found within this
+  double connect_s = 5;       // a connection that is not up within this is given up, and the next tried at once
+  double close_s = 5;         // for the goodbye
   UplinkLimits limits;
 };
 
-/// Runs a thread of its own between construction and close(). All calls are thread safe.
+/// A link that falls silent though an answer is due is doubted: another connection is tried beside it, and the first of
+/// the two that speaks stays. Runs a thread of its own between construction and close(). All calls are thread safe.
 class Uplink {
  public:
   /// on_event is called on the uplink's thread and must not throw; LinkEnded comes once for every connection or attempt

@@ -25,6 +25,13 @@ ErrorCode code_of(v1::ErrorKind kind) {
   }
 }
 
+std::string printable(const std::string& peer_text) {
+  std::string text = peer_text.substr(0, 1024);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
+
 }  // namespace
 
 UplinkProtocol::UplinkProtocol(const UplinkLimits& limits, const Hello& hello, const UplinkSource& source, Time now)
@@ -45,6 +52,7 @@ std::vector<UplinkEvent> UplinkProtocol::receive(std::string_view bytes, Time no
   Events events;
   if (ended()) return events;
   frames_.feed(bytes);
+  bool heard = false;
   while (!ended()) {
     const auto payload = frames_.next();
     if (!payload) {
@@ -53,12 +61,17 @@ std::vector<UplinkEvent> UplinkProtocol::receive(std::string_view bytes, Time no
     }
     if (!*payload) break;
     heard_ = now;
+    heard = true;
     asked_ = false;
     v1::ServerMessage message;
     if (message.ParseFromString(**payload))
       handle(message, events);
     else
       end(events, ErrorCode::bad_input, "from the server: a frame is no ServerMessage of protocol v1", false);
+  }
+  if (heard) {
+    answer_since_.reset();
+    expect_answer(now);
   }
   return events;
 }
@@ -71,13 +84,27 @@ std::vector<UplinkEvent> UplinkProtocol::tick(Time now) {
     end(events, ErrorCode::unavailable, "the server did not answer the hello: is it a headframe server?", false);
   } else if (silent_s >= limits_.silence_s) {
     end(events, ErrorCode::unavailable, "the server fell silent", false);
-  } else if (welcomed() && silent_s >= limits_.ping_s && !asked_) {
-    asked_ = true;
-    v1::RobotMessage message;
-    message.mutable_ping()->set_nonce(++pings_);
-    queue(message);
+  } else if (welcomed() && !asked_ &&
+             (silent_s >= limits_.ping_s || (answer_since_ && seconds(*answer_since_, now) >= limits_.doubt_s / 2))) {
+    ping();
   }
   return events;
+}
+
+void UplinkProtocol::ping() {
+  asked_ = true;
+  v1::RobotMessage message;
+  message.mutable_ping()->set_nonce(++pings_);
+  queue(message);
+}
+
+bool UplinkProtocol::doubtful(Time now) const {
+  return !ended() && answer_since_ && seconds(*answer_since_, now) >= limits_.doubt_s;
+}
+
+void UplinkProtocol::expect_answer(Time now) {
+  const bool due = asked_ || !welcomed() || sent_keyframes_ > durable_keyframes_ || !clouds_in_flight_.empty();
+  if (due && !answer_since_) answer_since_ = now;
 }
 
 void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
@@ -99,6 +126,11 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
       return;
     case Body::kSubmapRequest: return on_submap_request(message.submap_request());
     case Body::kTransformUpdate: return on_transforms(message.transform_update(), events);
+    case Body::kLinkPolicy:
+      held_ = !message.link_policy().hold().empty();
+      events.emplace_back(PolicyTold{static_cast<double>(message.link_policy().bytes_per_s()),
+                                     printable(message.link_policy().hold())});
+      return;
     case Body::kPing: {
       v1::RobotMessage pong;
       pong.mutable_pong()->set_nonce(message.ping().nonce());
@@ -169,10 +201,7 @@ void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& e
 }
 
 void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {
-  std::string text = message.message().substr(0, 1024);
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  end(events, code_of(message.kind()), "the server says: " + text, message.permanent());
+  end(events, code_of(message.kind()), "the server says: " + printable(message.message()), message.permanent());
 }
 
 void UplinkProtocol::end(Events& events, ErrorCode code, const std::string& message, bool permanent) {
@@ -194,12 +223,14 @@ void UplinkProtocol::goodbye(bool complete) {
   said_goodbye_ = true;
 }
 
-std::optional<std::string> UplinkProtocol::next_frame(Events& events) {
+std::optional<std::string> UplinkProtocol::next_frame(Time now, std::size_t chunk_bytes, Events& events) {
   // The hello alone may go before the welcome; triggers wait in the queue behind it.
   const bool only_hello = state_ == State::welcome_awaited;
   if (ended() || (only_hello && said_hello_)) return std::nullopt;
-  if (control_.empty() && !said_goodbye_ && !queue_next_keyframe(events)) queue_next_chunk(events);
+  if (control_.empty() && !said_goodbye_ && !held_)
+    if (!queue_next_keyframe(events) && chunk_bytes > 0) queue_next_chunk(chunk_bytes, events);
   if (control_.empty()) return std::nullopt;
+  expect_answer(now);
   said_hello_ = true;
   std::string frame = std::move(control_.front());
   control_.pop_front();
@@ -217,28 +248,27 @@ bool UplinkProtocol::queue_next_keyframe(Events& events) {
   }
   v1::RobotMessage body;
   *body.mutable_keyframe() = *message;
-  queue(body);
   ++sent_keyframes_;
+  body.set_backlog(source_.last_sequence() - sent_keyframes_);
+  queue(body);
   return true;
 }
 
-void UplinkProtocol::queue_next_chunk(Events& events) {
+void UplinkProtocol::queue_next_chunk(std::size_t chunk_bytes, Events& events) {
   while (!requested_transfer_ && !requested_.empty() && clouds_in_flight_.size() < limits_.clouds_in_flight &&
          requested_.front() <= sent_keyframes_) {
     const auto sequence = requested_.front();
     requested_.pop_front();
     begin(requested_transfer_, sequence, events);
   }
-  if (requested_transfer_) {
-    return queue_chunk(requested_transfer_);
-  }
+  if (requested_transfer_) return queue_chunk(requested_transfer_, chunk_bytes);
   while (!background_transfer_ && hello_.clouds == CloudPolicy::all &&
          clouds_in_flight_.size() < limits_.clouds_in_flight) {
     const auto sequence = next_background();
     if (sequence == 0) return;
     begin(background_transfer_, sequence, events);
   }
-  if (background_transfer_) queue_chunk(background_transfer_);
+  if (background_transfer_) queue_chunk(background_transfer_, chunk_bytes);
 }
 
 std::uint64_t UplinkProtocol::next_background() {
@@ -263,10 +293,10 @@ void UplinkProtocol::begin(std::optional<Transfer>& transfer, std::uint64_t sequ
       sequence, bytes ? Error{ErrorCode::bad_input, "a cloud of an impossible size"} : std::move(bytes.error())});
 }
 
-void UplinkProtocol::queue_chunk(std::optional<Transfer>& transfer) {
+void UplinkProtocol::queue_chunk(std::optional<Transfer>& transfer, std::size_t chunk_bytes) {
   v1::RobotMessage message;
   auto& chunk = *message.mutable_cloud_chunk();
-  const std::size_t n = std::min(limits::chunk_bytes, transfer->bytes.size() - transfer->offset);
+  const std::size_t n = std::min({limits::chunk_bytes, chunk_bytes, transfer->bytes.size() - transfer->offset});
   chunk.set_sequence(transfer->sequence);
   chunk.set_total_bytes(static_cast<std::uint32_t>(transfer->bytes.size()));
   chunk.set_offset(static_cast<std::uint32_t>(transfer->offset));

@@ -42,11 +42,16 @@ struct CloudUnreadable {
   std::uint64_t sequence = 0;
   Error error;
 };
+struct PolicyTold {
+  double bytes_per_s = 0;  // 0: no limit
+  std::string hold;        // not empty: why the server takes nothing for now
+};
 struct LinkEnded {
   Error error;
   bool permanent = false;  // connecting again will not help
 };
-using UplinkEvent = std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, Transforms, LinkEnded>;
+using UplinkEvent =
+    std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, Transforms, PolicyTold, LinkEnded>;
 
 struct UplinkLimits {
   std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
@@ -54,6 +59,7 @@ struct UplinkLimits {
   double welcome_s = 10;  // a server that does not welcome within this is given up
   double ping_s = 10;     // silence after which the server is asked
   double silence_s = 30;  // silence after which it is given up
+  double doubt_s = 3;     // an answer that takes this long puts the link in doubt; asked for after half of it
 };
 
 /// Not thread safe. Frames come by priority: control, keyframes, chunks of requested clouds, chunks of background
@@ -68,9 +74,12 @@ class UplinkProtocol {
   std::vector<UplinkEvent> receive(std::string_view bytes, Time now);
   std::vector<UplinkEvent> tick(Time now);
 
-  /// The next frame to write; nullopt: nothing may be sent now. Ask again after an event or when the source grew.
-  /// `events` gets what went wrong with the source.
-  std::optional<std::string> next_frame(std::vector<UplinkEvent>& events);
+  /// The next frame to write; nullopt: nothing may be sent now. Ask again after an event or when the source grew. A
+  /// chunk takes at most chunk_bytes of its cloud; 0: no chunk now. `events` gets what went wrong with the source.
+  std::optional<std::string> next_frame(Time now, std::size_t chunk_bytes, std::vector<UplinkEvent>& events);
+
+  /// Something was sent that the server answers at once, and for doubt_s nothing has come: try another connection.
+  bool doubtful(Time now) const;
 
   void trigger(const std::string& reason);
 
@@ -98,21 +107,25 @@ class UplinkProtocol {
   void end(Events& events, ErrorCode code, const std::string& message, bool permanent);
   void queue(const v1::RobotMessage& message);
   bool queue_next_keyframe(Events& events);
-  void queue_next_chunk(Events& events);
+  void queue_next_chunk(std::size_t chunk_bytes, Events& events);
+  void expect_answer(Time now);
   std::uint64_t next_background();
   bool wanted(std::uint64_t sequence) const;
   void begin(std::optional<Transfer>& transfer, std::uint64_t sequence, Events& events);
-  void queue_chunk(std::optional<Transfer>& transfer);
+  void queue_chunk(std::optional<Transfer>& transfer, std::size_t chunk_bytes);
+  void ping();
 
   const UplinkLimits limits_;
   const Hello hello_;
   const UplinkSource& source_;
   State state_ = State::welcome_awaited;
   Time born_, heard_;
-  bool asked_ = false;  // a ping since anything was heard
+  bool asked_ = false;                // a ping since anything was heard
+  std::optional<Time> answer_since_;  // an answer has been due since then, and nothing was heard
   std::uint64_t pings_ = 0;
   FrameReader frames_;
   std::deque<std::string> control_;  // bounded: see queue()
+  bool held_ = false;                // the server takes nothing for now
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/security/secret.hpp"
 #include "common/wire/frame_codec.hpp"
 #include "common/wire/limits.hpp"
 
@@ -142,6 +143,9 @@ v1::Hello to_proto(const Hello& h) {
   m.set_clouds(static_cast<v1::CloudPolicy>(h.clouds));
   m.set_software(h.software);
   m.set_spool_id(h.spool_id);
+  m.set_token(h.token);
+  m.set_enrolment_code(h.enrolment_code);
+  *m.mutable_spool_runs() = {h.spool_runs.begin(), h.spool_runs.end()};
   return m;
 }
 
@@ -165,6 +169,17 @@ Result<Hello> from_proto(const v1::Hello& m) {
   h.software = m.software();
   if (m.spool_id() == 0) return bad("hello: spool_id is missing");
   h.spool_id = m.spool_id();
+  const auto is_secret = [](const std::string& secret, std::size_t size) {
+    return secret.empty() || secret.size() == size;
+  };
+  if (!is_secret(m.token(), token_bytes)) return bad("hello: a token has 32 bytes");
+  if (!is_secret(m.enrolment_code(), code_bytes)) return bad("hello: an enrolment code has 16 bytes");
+  h.token = m.token();
+  h.enrolment_code = m.enrolment_code();
+  if (static_cast<std::size_t>(m.spool_runs_size()) > limits::spool_runs) return bad("hello: too many spool_runs");
+  h.spool_runs = {m.spool_runs().begin(), m.spool_runs().end()};
+  if (std::find(h.spool_runs.begin(), h.spool_runs.end(), 0U) != h.spool_runs.end())
+    return bad("hello: a spool run is 0");
   return h;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/result.hpp"
 #include "common/session/cloud_policy.hpp"
@@ -27,6 +28,9 @@ struct Hello {
   CloudPolicy clouds = CloudPolicy::on_request;
   std::string software;
   std::uint64_t spool_id = 0;
+  std::string token{};                      // 32 bytes, or empty: it has no credential
+  std::string enrolment_code{};             // 16 bytes, or empty
+  std::vector<std::uint64_t> spool_runs{};  // this opening of the spool last; empty: it does not say
 };
 
 /// Robot, session, family and model names: 1 to limits::name_bytes bytes, printable, without '/', neither "." nor "..".

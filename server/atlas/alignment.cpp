@@ -1,5 +1,6 @@
 #include "server/atlas/alignment.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace headframe {
@@ -9,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 20> fields{{
+constexpr std::array<EvidenceField, 21> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -24,6 +25,7 @@ constexpr std::array<EvidenceField, 20> fields{{
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},
     {"freespace_violation", &Evidence::freespace_violation},
+    {"worst_place_violation", &Evidence::worst_place_violation},
     {"own_violation", &Evidence::own_violation},
     {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},
@@ -43,6 +45,12 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 }
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
+
+double runner_up_share(const Evidence& e) {
+  constexpr double certain = 1 - 1e-9;
+  const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
+  return e.probability > 0 ? odds(e.runner_up) / odds(e.probability) : 1;
+}
 
 std::span<const EvidenceField> evidence_fields() { return fields; }
 

@@ -113,13 +113,17 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
   if (has_placement(k)) {
     if (e.probability < config.accept_probability)
       missing.push_back(text("the probability is %.3f and must be %.2f", e.probability, config.accept_probability));
-    if (e.runner_up >= config.runner_up_probability)
+    if (runner_up_share(e) >= config.runner_up_share)
       missing.push_back(
-          text("a different placement is nearly as good (%.2f, must be below %.2f): drive on to where "
-               "the two would differ",
-               e.runner_up, config.runner_up_probability));
+          text("a different placement is nearly as good (its odds are %.2f of this one's, must be below %.2f): drive on "
+               "to where the two would differ",
+               runner_up_share(e), config.runner_up_share));
     if (e.weakest_hold < hardly_held)
       missing.push_back("the position along the drift is held by nothing: drive on to a junction or a bend");
+    if (e.aliases > 0 && e.overlap_m < 30 * e.aliases)
+      missing.push_back(
+          text("the mine repeats itself here (%.0f places look the same): %.0f m shared, %.0f m would tell", e.aliases,
+               e.overlap_m, 30 * e.aliases));
     if (e.pairs < few_pairs || e.seen_points < few_points)
       missing.push_back("the overlap is small: drive further into the other's map");
     if (violated(e)) missing.push_back("each sees through walls of the other: look-alikes, or something that moved");

@@ -88,6 +88,13 @@ Result<std::string> Commands::fetched(const std::string& target, double silence_
   return std::move(response->body);
 }
 
+Result<std::string> Commands::posted(const std::string& target, int status) {
+  auto response = HttpClient(endpoint_).post(target);
+  if (!response) return tl::unexpected(response.error());
+  if (response->status != status) return tl::unexpected(error_of(*response));
+  return std::move(response->body);
+}
+
 Result<int> Commands::status() {
   const auto body = fetched("/api/v1/status");
   if (!body) return tl::unexpected(body.error());

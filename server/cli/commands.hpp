@@ -36,8 +36,15 @@ class Commands {
   /// session: "robot/session", or "robot" when it has just one. CSV when the file ends in .csv, TUM otherwise.
   Result<int> trajectory(const std::string& session, const std::string& file);
 
+  // robots.cpp
+  Result<int> list_robots();
+  /// Prints the one string that the robot needs.
+  Result<int> add_robot(const std::string& robot);
+  Result<int> revoke_robot(const std::string& robot);
+
  private:
   struct Waited;
+  Result<std::string> posted(const std::string& target, int status);
   Result<std::string> fetched(const std::string& target, double silence_s = 30);
   Result<Waited> wait_for_idle(std::optional<double> wait_s, bool progress);
   Result<int> print_waited(const Waited& waited);

@@ -79,6 +79,7 @@ Result<void> Exchange::send(std::string_view method, std::string_view target, do
   request.target({target.data(), target.size()});
   request.set(http::field::host, endpoint_.text());
   request.set(http::field::user_agent, "headframe");
+  if (!endpoint_.token.empty()) request.set(http::field::authorization, "Bearer " + endpoint_.token);
   request.keep_alive(false);
   request.prepare_payload();
   const error_code code = finish(timeout_s, [&](auto done) { http::async_write(stream_, request, std::move(done)); });

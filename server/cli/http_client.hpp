@@ -12,6 +12,7 @@ namespace headframe {
 struct HttpEndpoint {
   std::string host;
   std::uint16_t port = 0;
+  std::string token;         // sent with every request; empty: none
   std::string text() const;  // host:port, an IPv6 address in brackets
 };
 

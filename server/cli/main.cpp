@@ -6,6 +6,7 @@
 
 #include "server/cli/commands.hpp"
 #include "server/cli/table.hpp"
+#include "server/cli/token.hpp"
 
 namespace {
 
@@ -13,12 +14,12 @@ using headframe::Commands;
 using headframe::Result;
 
 struct Options {
-  std::string http = "127.0.0.1:7448";
+  std::string http = "127.0.0.1:7448", token_file;
   bool json = false;
   std::optional<double> wait_s, voxel_m;
   double every_s = 1;
   int times = 0;
-  std::string component, session, file, alignment, a, b;
+  std::string component, session, file, robot, alignment, a, b;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -95,6 +96,22 @@ void add_commands(CLI::App& app, Options& options) {
   path->add_option("FILE", options.file, "Where to write it")->required();
 }
 
+void add_robot_commands(CLI::App& app, Options& options) {
+  CLI::App* robots = app.add_subcommand("robot", "Which robots may come in");
+  robots->add_flag("--json", options.json, "Print JSON");
+  const auto add = [&](const char* name, const char* what, auto run) {
+    CLI::App* sub = robots->add_subcommand(name, what);
+    sub->add_flag("--json", options.json, "Print JSON");
+    sub->callback([&options, run] { options.command = run; });
+    return sub;
+  };
+  add("list", "All robots, and the server's fingerprint", [](Commands& c) { return c.list_robots(); });
+  const auto named = [&](CLI::App* sub) { sub->add_option("NAME", options.robot, "Of the robot")->required(); };
+  named(add("add", "Print what a robot needs to enrol, once", [&](Commands& c) { return c.add_robot(options.robot); }));
+  named(add("revoke", "Cut a robot off, now and until it enrols anew",
+            [&](Commands& c) { return c.revoke_robot(options.robot); }));
+}
+
 int fault(const headframe::Error& error) {
   std::cerr << "headframe: " << headframe::printable(error.message) << '\n';
   return error.code == headframe::ErrorCode::invalid_argument ? headframe::exit_usage : headframe::exit_failed;
@@ -106,10 +123,15 @@ int run(int argc, char** argv) {
   app.add_option("--http", options.http, "Where headframe-server answers HTTP")
       ->capture_default_str()
       ->type_name("HOST:PORT");
+  app.add_option("--token-file", options.token_file,
+                 "The server's DATA/operator.token. Without it: $HEADFRAME_TOKEN, or headframe-data/operator.token")
+      ->envname("HEADFRAME_TOKEN_FILE")
+      ->type_name("FILE");
   app.add_flag("--json", options.json, "Print JSON");
   app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
   add_commands(app, options);
+  add_robot_commands(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -119,10 +141,13 @@ int run(int argc, char** argv) {
   }
   if (!options.command)
     return fault({headframe::ErrorCode::invalid_argument,
-                  "say what to do: status, sessions, atlas, merge, confirm or export, say; headframe --help lists what "
-                  "there is"});
-  const auto endpoint = headframe::parse_http_endpoint(options.http);
+                  "say what to do: status, sessions, atlas, merge, confirm, export or robot, say; headframe --help "
+                  "lists what there is"});
+  auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
+  auto token = headframe::find_token(options.token_file);
+  if (!token) return fault(token.error());
+  endpoint->token = *token;
   Commands commands(*endpoint, options.json);
   const auto code = options.command(commands);
   return code ? *code : fault(code.error());

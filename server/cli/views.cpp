@@ -29,6 +29,9 @@ std::string state(const Json& session) {
   return complete ? "complete" : "away";
 }
 
+/// "-" of a robot that is not connected.
+std::string ago(const Json& seconds) { return seconds.is_number() ? fixed(seconds.get<double>(), 1) + " s ago" : "-"; }
+
 std::string component_table(const Json& component, std::size_t width) {
   Table table{{{"  session"}, {"x m", true}, {"y m", true}, {"z m", true}, {"yaw deg", true}}, {}};
   for (const Json& placed : component.at("sessions")) {
@@ -120,6 +123,8 @@ std::string status_view(const Json& status) {
   out += "robots      " + std::to_string(count("connected")) + " connected\n";
   out += "received    " + counted(count("keyframes"), "keyframe") + ", " + counted(count("clouds"), "cloud") + ", " +
          bytes_text(static_cast<double>(count("bytes_received"))) + "\n";
+  if (const Json hold = status.value("links", Json::object()).value("hold", Json()); hold.is_string())
+    out += "ON HOLD     " + printable(hold.get<std::string>()) + "\n";
   out += "alignments  " + (alignments.empty() ? "none" : alignments) + "\n";
   return out + "pending     " + pending_view(status.at("pending")) + "\n";
 }
@@ -132,6 +137,9 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
                {"keyframes", true},
                {"clouds", true},
                {"received", true},
+               {"backlog", true},
+               {"rate", true},
+               {"heard", true},
                {"distance", true},
                {"component", true},
                {"merged in", true},
@@ -140,7 +148,9 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
   for (const Json& row : rows) {
     const Json& ms = row.at("trigger_to_transform_ms");
     table.rows.push_back({name(row), state(row), row.at("keyframes").dump(), row.at("clouds").dump(),
-                          bytes_text(row.at("bytes_received").get<double>()), number(row.at("distance_m"), 0) + " m",
+                          bytes_text(row.at("bytes_received").get<double>()), row.value("backlog", Json(0)).dump(),
+                          bytes_text(row.value("bytes_per_s", 0.0)) + "/s", ago(row.value("link_age_s", Json())),
+                          number(row.at("distance_m"), 0) + " m",
                           row.at("component").is_null() ? "-" : row.at("component").dump(),
                           ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-",
                           printable(row.at("sensor").at("model").get<std::string>())});

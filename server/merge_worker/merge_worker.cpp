@@ -1,6 +1,8 @@
 #include "server/merge_worker/merge_worker.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -10,6 +12,7 @@ namespace headframe {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+constexpr int merge_nice = 10;
 constexpr auto retry_after = std::chrono::seconds(1);  // a write that failed: the disk may have room again
 
 double ms_since(Clock::time_point start) {
@@ -65,6 +68,8 @@ void MergeWorker::stop() {
 }
 
 void MergeWorker::run() {
+  // Robots wait for acks, merges for nobody: its threads, and those it starts, yield. Harmless where it is refused.
+  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), merge_nice);
   Mailbox news;
   std::vector<Order> orders;
   while (wait_for_news(news, orders)) {
@@ -222,7 +227,8 @@ bool MergeWorker::write_durably(const PutMerge& write) {
       wake_.notify_all();
     });
     std::unique_lock lock(mutex_);
-    wake_.wait(lock, [&] { return result->has_value(); });
+    wake_.wait(lock, [&] { return result->has_value() || stopping_; });
+    if (!result->has_value()) return false;
     if (result->value()) return true;
     spdlog::error("the merge waits for the disk: {}", result->value().error().message);
     if (wake_.wait_for(lock, retry_after, [&] { return stopping_; })) return false;

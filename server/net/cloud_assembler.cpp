@@ -13,7 +13,7 @@ Result<std::optional<std::string>> CloudAssembler::add(std::uint64_t sequence, s
     return bad(std::to_string(total_bytes) + " bytes announced, 1 to " + std::to_string(limits::cloud_bytes) +
                " are allowed");
   if (data.empty()) return bad("an empty chunk");
-  if (offset == 0) open_.erase(sequence);
+  if (offset == 0) forget(sequence);
   auto it = open_.find(sequence);
   const std::size_t have = it == open_.end() ? 0 : it->second.bytes.size();
   if (offset != have || (have > 0 && it->second.total_bytes != total_bytes) || data.size() > total_bytes - have)
@@ -23,11 +23,22 @@ Result<std::optional<std::string>> CloudAssembler::add(std::uint64_t sequence, s
     if (open_.size() == open_clouds) return bad("more than " + std::to_string(open_clouds) + " clouds at a time");
     it = open_.emplace(sequence, Open{total_bytes, {}}).first;
   }
+  if (bytes_ + data.size() > open_bytes)
+    return bad("more than " + std::to_string(open_bytes) + " bytes of unfinished clouds");
   it->second.bytes += data;
+  bytes_ += data.size();
   if (it->second.bytes.size() < total_bytes) return std::nullopt;
   std::string whole = std::move(it->second.bytes);
+  bytes_ -= whole.size();
   open_.erase(it);
   return whole;
+}
+
+void CloudAssembler::forget(std::uint64_t sequence) {
+  const auto it = open_.find(sequence);
+  if (it == open_.end()) return;
+  bytes_ -= it->second.bytes.size();
+  open_.erase(it);
 }
 
 }  // namespace headframe

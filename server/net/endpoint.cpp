@@ -1,5 +1,6 @@
 #include "server/net/endpoint.hpp"
 
+#include <boost/asio/ip/address.hpp>
 #include <charconv>
 
 namespace headframe {
@@ -21,6 +22,12 @@ Result<Endpoint> parse_endpoint(std::string_view text) {
   const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (digits.empty() || fault != std::errc() || end != digits.data() + digits.size()) return bad();
   return Endpoint{std::string(host), port};
+}
+
+bool is_loopback(const Endpoint& endpoint) {
+  boost::system::error_code no_address;
+  const auto address = boost::asio::ip::make_address(endpoint.host, no_address);
+  return no_address ? endpoint.host == "localhost" : address.is_loopback();
 }
 
 std::string to_string(const Endpoint& endpoint) {

@@ -16,5 +16,7 @@ struct Endpoint {
 /// "HOST:PORT", "[IPV6]:PORT". invalid_argument otherwise.
 Result<Endpoint> parse_endpoint(std::string_view text);
 std::string to_string(const Endpoint& endpoint);
+/// Reached from this machine only: an address of the loopback, or "localhost".
+bool is_loopback(const Endpoint& endpoint);
 
 }  // namespace headframe

@@ -1,10 +1,14 @@
 #include "server/net/robot_connection.hpp"
 
+#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
+
+#include "common/security/tls.hpp"
 
 namespace headframe {
 namespace {
@@ -15,18 +19,28 @@ using boost::system::error_code;
 constexpr auto tick_every = std::chrono::milliseconds(100);
 constexpr auto farewell = std::chrono::seconds(2);  // for the robot to read the last error and close
 
+constexpr unsigned char tls_handshake_record = 0x16;
+
+boost::asio::ip::address peer_of(const tcp::socket& socket) {
+  error_code gone;
+  return socket.remote_endpoint(gone).address();
+}
+
 }  // namespace
 
-RobotConnection::RobotConnection(tcp::socket socket, SessionHub& hub, const RobotLimits& limits)
-    : socket_(std::move(socket)),
-      timer_(socket_.get_executor()),
+RobotConnection::RobotConnection(tcp::socket socket, SessionHub& hub, const Entrance& entrance,
+                                 const RobotLimits& limits)
+    : stream_(std::move(socket)),
+      from_(peer_of(stream_.socket())),
+      timer_(stream_.get_executor()),
       hub_(hub),
+      entrance_(entrance),
       limits_(limits),
       protocol_(limits, Clock::now()) {}
 
 template <class Action>
 void RobotConnection::on_strand(Action action) {
-  boost::asio::post(socket_.get_executor(), [self = shared_from_this(), action = std::move(action)]() mutable {
+  boost::asio::post(stream_.get_executor(), [self = shared_from_this(), action = std::move(action)]() mutable {
     if (self->dropped_) return;
     action(*self);
     self->flush();
@@ -36,18 +50,52 @@ void RobotConnection::on_strand(Action action) {
 void RobotConnection::start() {
   on_strand([](RobotConnection& self) {
     error_code ignored;
-    self.socket_.set_option(tcp::no_delay(true), ignored);
-    self.read();
+    self.stream_.socket().set_option(tcp::no_delay(true), ignored);
+    using ThinLinearTimeouts = boost::asio::detail::socket_option::boolean<IPPROTO_TCP, TCP_THIN_LINEAR_TIMEOUTS>;
+    self.stream_.socket().set_option(ThinLinearTimeouts(true), ignored);  // lossy links: acks must come through
+    self.meet();
     self.tick();
   });
 }
 
-void RobotConnection::start_refusing(const std::string& why) {
-  on_strand([why](RobotConnection& self) {
-    self.protocol_.fail(v1::ERROR_KIND_OVERLOADED, why, false);
-    self.read();
-    self.tick();
+/// Who speaks first? TLS begins with a handshake record. Seeing that before reading it, we can tell a robot that took
+/// the wrong door so in the language that it speaks.
+void RobotConnection::meet() {
+  stream_.socket().async_wait(tcp::socket::wait_read, [self = shared_from_this()](error_code error) {
+    if (error || self->dropped_) return self->drop();
+    unsigned char first = 0;
+    if (::recv(self->stream_.socket().native_handle(), &first, 1, MSG_PEEK | MSG_DONTWAIT) != 1) return self->drop();
+    const bool speaks_tls = first == tls_handshake_record;
+    if (speaks_tls && self->entrance_.tls) return self->shake_hands();
+    if (!speaks_tls && self->entrance_.tls)
+      self->protocol_.fail(v1::ERROR_KIND_REFUSED, "this port takes TLS only: connect without --insecure", true);
+    if (speaks_tls && !self->entrance_.tls)
+      self->protocol_.fail(v1::ERROR_KIND_REFUSED, "a TLS client: this server runs with --insecure, in the clear",
+                           true);
+    self->begin();
   });
+}
+
+void RobotConnection::shake_hands() {
+  stream_.async_handshake(*entrance_.tls, boost::asio::ssl::stream_base::server,
+                          [self = shared_from_this()](error_code error) {
+                            if (!error) return self->begin();
+                            self->note("no TLS: " + tls_trouble(error));
+                            self->drop();
+                          });
+}
+
+void RobotConnection::begin() {
+  if (dropped_) return;
+  begun_ = true;
+  flush();
+  read();
+}
+
+/// One line in the log; of strangers who keep coming only some.
+void RobotConnection::note(const std::string& what) const {
+  if (admitted_ || !entrance_.gate || entrance_.gate->worth_a_line(from_, Clock::now()))
+    spdlog::warn("robot connection from {} ended: {}", from_.to_string(), what);
 }
 
 void RobotConnection::shut() {
@@ -59,9 +107,12 @@ bool RobotConnection::crowded() const {
 }
 
 void RobotConnection::read() {
-  if (reading_ || dropped_ || (crowded() && !protocol_.ended())) return;
+  if (!begun_ || deciding_ || reading_ || dropped_) return;
+  const bool was_held = std::exchange(held_back_, crowded() && !protocol_.ended());
+  if (held_back_ && !was_held) ++hub_.counts().held_back;
+  if (held_back_) return;
   reading_ = true;
-  socket_.async_read_some(boost::asio::buffer(input_), [self = shared_from_this()](error_code error, std::size_t n) {
+  stream_.async_read_some(boost::asio::buffer(input_), [self = shared_from_this()](error_code error, std::size_t n) {
     self->reading_ = false;
     if (error) return self->drop();
     self->on_bytes(n);
@@ -73,6 +124,11 @@ void RobotConnection::read() {
 void RobotConnection::on_bytes(std::size_t bytes) {
   if (protocol_.ended()) return;  // read only so that the robot gets our last word before the socket closes
   protocol_.receive({input_.data(), bytes}, Clock::now());
+  take_events();
+  if (session_ != 0) hub_.received(session_, bytes);
+}
+
+void RobotConnection::take_events() {
   while (auto event = protocol_.next()) {
     if (const auto* hello = std::get_if<HelloReceived>(&*event)) {
       greet(hello->hello);
@@ -81,19 +137,46 @@ void RobotConnection::on_bytes(std::size_t bytes) {
     undurable_bytes_ += SessionHub::stored_bytes(*event);
     hub_.take(session_, std::move(*event), shared_from_this());
   }
-  if (session_ != 0) hub_.received(session_, bytes);
 }
 
 void RobotConnection::greet(const Hello& hello) {
+  if (!entrance_.gate) return admit(hello);
+  deciding_ = true;
+  const Credential shown{hello.token, hello.enrolment_code};
+  entrance_.gate->admit(hello.session.robot, shown, from_, Clock::now(),
+                        [self = shared_from_this(), hello](const Result<void>& decided) {
+                          self->on_strand([hello, decided](RobotConnection& me) {
+                            me.deciding_ = false;
+                            decided ? me.admit(hello) : me.refuse(decided.error());
+                            me.take_events();
+                            me.read();
+                          });
+                        });
+}
+
+void RobotConnection::admit(const Hello& hello) {
+  if (protocol_.ended()) return;  // it took too long
   const auto admitted = hub_.admit(hello, shared_from_this());
-  if (!admitted) return protocol_.fail(v1::ERROR_KIND_REFUSED, admitted.error().message, true);
+  if (!admitted) {
+    ++hub_.counts().refused;
+    return refuse(admitted.error());
+  }
   session_ = admitted->session;
+  admitted_ = true;
+  // Revoked since the gate opened: the hub did not know this connection then, so it is for us to end it.
+  if (entrance_.gate && !entrance_.gate->holds(hello.session.robot, hello.token))
+    return refuse({ErrorCode::refused, "robot " + hello.session.robot + ": it was revoked"});
   protocol_.welcome(admitted->durable);
   if (admitted->transform) protocol_.update_transform(admitted->transform);
 }
 
+void RobotConnection::refuse(const Error& error) {
+  const bool passes = error.code == ErrorCode::unavailable;
+  protocol_.fail(passes ? v1::ERROR_KIND_OVERLOADED : v1::ERROR_KIND_REFUSED, error.message, !passes);
+}
+
 void RobotConnection::flush() {
-  if (writing_ || dropped_ || finishing_) return;
+  if (!begun_ || writing_ || dropped_ || finishing_) return;
   output_ = protocol_.take_output();
   if (output_.empty()) {
     if (protocol_.ended()) after_last_word();
@@ -101,7 +184,7 @@ void RobotConnection::flush() {
   }
   writing_ = true;
   write_began_ = Clock::now();
-  boost::asio::async_write(socket_, boost::asio::buffer(output_),
+  boost::asio::async_write(stream_, boost::asio::buffer(output_),
                            [self = shared_from_this()](error_code error, std::size_t) {
                              self->writing_ = false;
                              if (error) return self->drop();
@@ -112,17 +195,27 @@ void RobotConnection::flush() {
 /// Closing with unread bytes would reset the connection, and the robot would never see why: let it close first.
 void RobotConnection::after_last_word() {
   finishing_ = true;
+  ++hub_.counts().failed;
   finish_began_ = Clock::now();
   error_code ignored;
-  socket_.shutdown(tcp::socket::shutdown_send, ignored);
-  spdlog::warn("robot connection ended: {}", protocol_.reason());
+  stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  note(protocol_.reason());
   read();
 }
 
 void RobotConnection::tick() {
   const auto now = Clock::now();
   protocol_.tick(now, reading_);
+  if (!begun_ && protocol_.ended()) {
+    note("no TLS handshake in time");
+    return drop();
+  }
+  if (const LinkPolicy policy = hub_.policy(); protocol_.welcomed() && policy != told_) {
+    told_ = policy;
+    protocol_.tell_policy(policy);
+  }
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
+  if (stuck) ++hub_.counts().stuck;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();
   flush();
   timer_.expires_after(tick_every);
@@ -135,7 +228,7 @@ void RobotConnection::drop() {
   if (dropped_) return;
   dropped_ = true;
   error_code ignored;
-  socket_.close(ignored);
+  stream_.socket().close(ignored);
   timer_.cancel();
   if (session_ != 0) hub_.left(session_, this);
 }

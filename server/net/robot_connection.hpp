@@ -2,14 +2,22 @@
 // The protocol on a socket: one strand, one read and one write at a time.
 
 #include <array>
-#include <boost/asio/ip/tcp.hpp>
+#include <atomic>
 #include <boost/asio/steady_timer.hpp>
 #include <memory>
 
+#include "common/security/link_stream.hpp"
 #include "server/net/robot_protocol.hpp"
 #include "server/net/session_hub.hpp"
+#include "server/security/robot_gate.hpp"
 
 namespace headframe {
+
+/// How robots come in. Both or none: without them anyone may be any robot, in the clear (--insecure).
+struct Entrance {
+  boost::asio::ssl::context* tls = nullptr;
+  RobotGate* gate = nullptr;
+};
 
 /// The RobotLink calls come from any thread; all else runs on the socket's strand. Backpressure: while more than
 /// limits.undurable_mib of this robot's bytes wait for the disk its socket is not read, so TCP holds the robot back and
@@ -17,11 +25,12 @@ namespace headframe {
 class RobotConnection : public RobotLink, public std::enable_shared_from_this<RobotConnection> {
  public:
   /// The socket's executor must be a strand.
-  RobotConnection(boost::asio::ip::tcp::socket socket, SessionHub& hub, const RobotLimits& limits);
+  RobotConnection(boost::asio::ip::tcp::socket socket, SessionHub& hub, const Entrance& entrance,
+                  const RobotLimits& limits);
 
   void start();
-  /// Says why and ends at once: the server has no room.
-  void start_refusing(const std::string& why);
+  /// Whether the robot was let in. Thread safe.
+  bool admitted() const { return admitted_; }
   /// The server stops. Thread safe.
   void shut();
 
@@ -37,22 +46,36 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
 
   template <class Action>
   void on_strand(Action action);
+  void meet();
+  void shake_hands();
+  void begin();
   void read();
   void on_bytes(std::size_t bytes);
+  void take_events();
   void greet(const Hello& hello);
+  void admit(const Hello& hello);
+  void refuse(const Error& error);
+  void note(const std::string& what) const;
   void flush();
   void after_last_word();
   void tick();
   void drop();
   bool crowded() const;
 
-  boost::asio::ip::tcp::socket socket_;
+  LinkStream stream_;
+  const boost::asio::ip::address from_;
   boost::asio::steady_timer timer_;
   SessionHub& hub_;
+  const Entrance entrance_;
   const RobotLimits limits_;
   RobotProtocol protocol_;
   SessionId session_ = 0;  // 0: not admitted
   std::size_t undurable_bytes_ = 0;
+  std::atomic<bool> admitted_ = false;
+  bool begun_ = false;      // the handshake is over, or there is none
+  bool deciding_ = false;   // whether to let it in: nothing is read meanwhile
+  LinkPolicy told_;         // as the robot knows it
+  bool held_back_ = false;  // its socket is not read: crowded()
   bool reading_ = false, writing_ = false, finishing_ = false, dropped_ = false;
   Clock::time_point write_began_, finish_began_;
   std::string output_;

@@ -14,7 +14,8 @@ struct HelloReceived {
   Hello hello;
 };
 struct KeyframeReceived {
-  Keyframe keyframe;  // never a hole: repeats aside, the sequence goes up by one
+  Keyframe keyframe;          // never a hole: repeats aside, the sequence goes up by one
+  std::uint64_t backlog = 0;  // keyframes that the robot still has to send after it
 };
 struct CloudReceived {
   std::uint64_t sequence = 0;  // of a keyframe that was received before
@@ -31,6 +32,13 @@ struct GoodbyeReceived {
 };
 using RobotEvent =
     std::variant<HelloReceived, KeyframeReceived, CloudReceived, CloudsUnavailable, TriggerRequested, GoodbyeReceived>;
+
+/// How robots may send: told to each when it changes.
+struct LinkPolicy {
+  std::uint64_t bytes_per_s = 0;  // of each robot; 0: no limit
+  std::string hold;               // not empty: no keyframes and clouds for now, and why
+  bool operator==(const LinkPolicy&) const = default;
+};
 
 /// What is on disk of a session.
 struct Durable {

@@ -4,8 +4,10 @@ namespace headframe {
 
 /// What one robot's connection may take ([limits] in the configuration file); defaults live only here.
 struct RobotLimits {
-  int robots = 64;        // connections at a time
+  int robots = 64;        // connected at a time
+  int strangers = 128;    // connections that were not let in yet; one more, and the oldest of them is closed
   int undurable_mib = 4;  // received and not yet on disk: beyond, its socket is not read until the disk has caught up
+  int uplink_kib_s = 0;   // what all robots together may send, shared by those that are connected; 0: no limit
   double hello_s = 10;    // a connection that says nothing useful for so long is closed
   double silence_s = 30;  // so is one that was welcomed and falls silent: pings are answered by a living robot
   double ping_s = 10;     // silence after which it is asked

@@ -15,8 +15,14 @@ constexpr auto breath = std::chrono::milliseconds(100);  // after a failed accep
 
 }  // namespace
 
-RobotListener::RobotListener(boost::asio::io_context& io, SessionHub& hub, const RobotLimits& limits)
-    : io_(io), acceptor_(boost::asio::make_strand(io)), pause_(acceptor_.get_executor()), hub_(hub), limits_(limits) {}
+RobotListener::RobotListener(boost::asio::io_context& io, SessionHub& hub, const Entrance& entrance,
+                             const RobotLimits& limits)
+    : io_(io),
+      acceptor_(boost::asio::make_strand(io)),
+      pause_(acceptor_.get_executor()),
+      hub_(hub),
+      entrance_(entrance),
+      limits_(limits) {}
 
 Result<Endpoint> RobotListener::listen(const Endpoint& at) {
   const auto unavailable = [&](const error_code& error) {
@@ -53,22 +59,20 @@ void RobotListener::accept() {
 }
 
 void RobotListener::welcome(tcp::socket socket) {
-  auto connection = std::make_shared<RobotConnection>(std::move(socket), hub_, limits_);
-  std::size_t living = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    if (stopped_) return;
-    std::erase_if(connections_, [](const auto& known) { return known.expired(); });
-    living = connections_.size();
-    const auto most = static_cast<std::size_t>(limits_.robots);
-    if (living >= 2 * most) return;  // even the refusals crowd: the socket just closes
-    connections_.push_back(connection);
+  const auto connection = std::make_shared<RobotConnection>(std::move(socket), hub_, entrance_, limits_);
+  const std::lock_guard lock(mutex_);
+  if (stopped_) return;
+  std::erase_if(connections_, [](const auto& known) { return known.expired(); });
+  std::shared_ptr<RobotConnection> oldest;
+  int strangers = 0;
+  for (const auto& known : connections_) {
+    auto other = known.lock();
+    if (!other || other->admitted()) continue;
+    if (++strangers == 1) oldest = std::move(other);
   }
-  if (living < static_cast<std::size_t>(limits_.robots))
-    connection->start();
-  else
-    connection->start_refusing("the server serves " + std::to_string(limits_.robots) +
-                               " robots already; raise limits.robots or try again later");
+  if (strangers >= limits_.strangers) oldest->shut();
+  connections_.push_back(connection);
+  connection->start();
 }
 
 void RobotListener::stop() {

@@ -12,10 +12,12 @@
 
 namespace headframe {
 
-/// Accepts robots. Its calls belong to the thread that owns it; it must outlive the io_context's run.
+/// Accepts robots. At most limits.strangers connections that were not let in are held: one more, and the oldest of them
+/// is closed, so that who only holds connections can not keep robots out. Its calls belong to the thread that owns it;
+/// it must outlive the io_context's run.
 class RobotListener {
  public:
-  RobotListener(boost::asio::io_context& io, SessionHub& hub, const RobotLimits& limits);
+  RobotListener(boost::asio::io_context& io, SessionHub& hub, const Entrance& entrance, const RobotLimits& limits);
 
   /// The endpoint it really listens on. unavailable: the port is in use, or the address is not of this machine.
   Result<Endpoint> listen(const Endpoint& at);
@@ -30,10 +32,11 @@ class RobotListener {
   boost::asio::ip::tcp::acceptor acceptor_;  // on a strand
   boost::asio::steady_timer pause_;
   SessionHub& hub_;
+  const Entrance entrance_;
   const RobotLimits limits_;
   std::mutex mutex_;
   bool stopped_ = false;
-  std::vector<std::weak_ptr<RobotConnection>> connections_;
+  std::vector<std::weak_ptr<RobotConnection>> connections_;  // oldest first
 };
 
 }  // namespace headframe

@@ -69,6 +69,11 @@ std::string RobotOutbox::take() {
   std::string out;
   v1::ServerMessage message;
   if (welcome_) append_welcome(out);
+  if (policy_) {
+    message.mutable_link_policy()->set_bytes_per_s(policy_->bytes_per_s);
+    message.mutable_link_policy()->set_hold(policy_->hold);
+    append(out, message);
+  }
   if (keyframe_ack_) {
     message.mutable_keyframe_ack()->set_durable_keyframes(*keyframe_ack_);
     append(out, message);
@@ -87,6 +92,7 @@ std::string RobotOutbox::take() {
     *message.mutable_error() = *error_;
     append(out, message);
   }
+  policy_.reset();
   keyframe_ack_.reset();
   ping_.reset();
   pong_.reset();

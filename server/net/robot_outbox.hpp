@@ -23,6 +23,7 @@ class RobotOutbox {
   void request_submap(const std::vector<std::uint64_t>& sequences);
   /// A serialised ServerMessage, shared by all robots of the component.
   void update_transform(std::shared_ptr<const std::string> payload) { transform_ = std::move(payload); }
+  void policy(LinkPolicy policy) { policy_ = std::move(policy); }
   void ping(std::uint64_t nonce) { ping_ = nonce; }
   void pong(std::uint64_t nonce) { pong_ = nonce; }
   void error(v1::ErrorKind kind, const std::string& message, bool permanent);
@@ -39,6 +40,7 @@ class RobotOutbox {
   std::set<std::uint64_t> cloud_acks_;
   std::vector<std::uint64_t> submap_;  // nearest to the sphere's centre first
   std::shared_ptr<const std::string> transform_;
+  std::optional<LinkPolicy> policy_;
   std::optional<v1::ErrorReport> error_;
 };
 

@@ -48,7 +48,7 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
   if (state_ != State::welcomed)
     return out_of_order("the first message must be a hello, nothing else before its welcome");
   switch (message.body_case()) {
-    case Body::kKeyframe: return on_keyframe(message.keyframe());
+    case Body::kKeyframe: return on_keyframe(message.keyframe(), message.backlog());
     case Body::kCloudChunk: return on_chunk(message.cloud_chunk());
     case Body::kSubmapUnavailable: return on_unavailable(message.submap_unavailable());
     case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, reason_bytes)};
@@ -82,7 +82,7 @@ void RobotProtocol::welcome(const Durable& durable) {
   outbox_.welcome(durable);
 }
 
-std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message) {
+std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message, std::uint64_t backlog) {
   auto keyframe = from_proto(message);
   const std::string name = "keyframe " + std::to_string(message.sequence()) + ": ";
   if (!keyframe) return bad_message(name + keyframe.error().message);
@@ -95,7 +95,7 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
   if (keyframe->sequence != received_ + 1)
     return out_of_order(name + "a hole in the sequence, " + std::to_string(received_ + 1) + " comes next");
   received_ = keyframe->sequence;
-  return KeyframeReceived{std::move(*keyframe)};
+  return KeyframeReceived{std::move(*keyframe), backlog};
 }
 
 std::optional<RobotEvent> RobotProtocol::on_chunk(const v1::CloudChunk& message) {

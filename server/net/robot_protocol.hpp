@@ -42,6 +42,8 @@ class RobotProtocol {
   void request_submap(const std::vector<std::uint64_t>& sequences) { outbox_.request_submap(sequences); }
   void update_transform(std::shared_ptr<const std::string> payload) { outbox_.update_transform(std::move(payload)); }
 
+  void tell_policy(LinkPolicy policy) { outbox_.policy(std::move(policy)); }
+
   std::string take_output() { return outbox_.take(); }
 
   /// Nothing more is read: close once the output is written.
@@ -55,7 +57,7 @@ class RobotProtocol {
 
   std::optional<RobotEvent> handle(const v1::RobotMessage& message);
   std::optional<RobotEvent> on_hello(const v1::Hello& message);
-  std::optional<RobotEvent> on_keyframe(const v1::Keyframe& message);
+  std::optional<RobotEvent> on_keyframe(const v1::Keyframe& message, std::uint64_t backlog);
   std::optional<RobotEvent> on_chunk(const v1::CloudChunk& message);
   std::optional<RobotEvent> on_unavailable(const v1::SubmapUnavailable& message);
   std::nullopt_t out_of_order(const std::string& message);

@@ -17,6 +17,22 @@ bool same_family(const SessionRecord& record, const FamilySpec& family) {
   return record.family == family.id && record.q_size == family.q_size && record.w_size == family.w_size;
 }
 
+/// What speaks against a robot that wants to write to this session; empty: nothing.
+std::string objection(const SessionRecord& record, const Hello& hello) {
+  const std::string session = "session " + name_of(record.key);
+  if (record.spool_id != hello.spool_id)
+    return session + " is fed from another spool; use that spool, or another session name";
+  const auto& runs = hello.spool_runs;
+  if (record.spool_run != 0 && !runs.empty() && std::find(runs.begin(), runs.end(), record.spool_run) == runs.end())
+    return session + " has gone on with another copy of this spool: one of the two disks is a clone; begin a new " +
+           "session here, with an empty spool";
+  if (!same_family(record, hello.family))
+    return session + " was begun with descriptor family " + record.family.name + " version " +
+           std::to_string(record.family.version) + " of " + std::to_string(record.q_size) + " + " +
+           std::to_string(record.w_size) + " numbers; begin a new session";
+  return "";
+}
+
 }  // namespace
 
 Result<void> SessionHub::restore() {
@@ -61,24 +77,30 @@ SessionHub::Session& SessionHub::session_of(const Hello& hello) {
   return session;
 }
 
+/// Room for one more robot; the one it replaces does not count. Under the lock.
+bool SessionHub::has_room(const Hello& hello) const {
+  const auto others = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& session) {
+    return !session.second.link.expired() && session.second.record.key != hello.session;
+  });
+  return others < limits_.robots;
+}
+
 Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::shared_ptr<RobotLink>& link) {
   Admitted admitted;
   SessionRecord record;
   std::shared_ptr<RobotLink> replaced;
   {
     const std::lock_guard lock(mutex_);
+    if (!has_room(hello))
+      return failure(ErrorCode::unavailable, "the server serves " + std::to_string(limits_.robots) +
+                                                 " robots already; raise limits.robots or try again later");
     Session& session = session_of(hello);
+    if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
+    if (!hello.spool_runs.empty()) session.record.spool_run = hello.spool_runs.back();
     record = session.record;
-    if (record.spool_id != hello.spool_id)
-      return failure(ErrorCode::refused, "session " + name_of(record.key) +
-                                             " is fed from another spool; use that spool, or another session name");
-    if (!same_family(record, hello.family))
-      return failure(ErrorCode::refused, "session " + name_of(record.key) + " was begun with descriptor family " +
-                                             record.family.name + " version " + std::to_string(record.family.version) +
-                                             " of " + std::to_string(record.q_size) + " + " +
-                                             std::to_string(record.w_size) + " numbers; begin a new session");
     replaced = session.link.lock();
     session.link = link;
+    session.heard = Clock::now();
     admitted = {record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, nullptr};
     for (const Component& component : atlas_.components)
       for (const Placement& placement : component.placements)
@@ -88,6 +110,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     news_.robot_came(record.id, hello.clouds != CloudPolicy::never);
     news_.trigger(record.id, Trigger::link);
   }
+  if (replaced) ++counts_.replaced;
   if (replaced) replaced->close(v1::ERROR_KIND_REFUSED, "replaced by a newer connection of the same spool", false);
   write(PutSession{record}, link, 0, [] {});
   spdlog::info("robot {} connected ({}): {} keyframes and {} clouds are here", name_of(record.key), hello.software,
@@ -114,6 +137,10 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
 void SessionHub::handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
   const std::uint64_t sequence = event.keyframe.sequence;
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.at(session).backlog = event.backlog;
+  }
   write(PutKeyframe{session, std::move(event.keyframe)}, link, bytes,
         [this, session, sequence, to = std::weak_ptr(link)] {
           {
@@ -162,8 +189,42 @@ void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std:
 }
 
 void SessionHub::received(SessionId session, std::size_t bytes) {
+  const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  sessions_.at(session).bytes_received += bytes;
+  Session& known = sessions_.at(session);
+  known.bytes_received += bytes;
+  known.rate.add(static_cast<double>(bytes), now);
+  known.heard = now;
+}
+
+LinkPolicy SessionHub::policy() {
+  constexpr auto good_for = std::chrono::milliseconds(50);  // every connection asks often
+  const std::lock_guard made(policy_mutex_);
+  const auto now = Clock::now();
+  if (now - policy_made_ < good_for) return policy_;
+  policy_made_ = now;
+  LinkPolicy policy;
+  const StoreLoad load = store_.load();
+  const bool was_held = !policy_.hold.empty();
+  if (!load.waits_for.empty())
+    policy.hold = "the server waits for its disk: " + load.waits_for;
+  else if (load.queued_bytes > load.queue_bytes / (was_held ? 4 : 2))
+    policy.hold = "the server's disk is slow: more waits to be written than is good";
+  if (const std::uint64_t budget = budget_bytes_per_s_; budget > 0) {
+    const std::lock_guard lock(mutex_);
+    const auto connected = std::count_if(sessions_.begin(), sessions_.end(),
+                                         [](const auto& entry) { return !entry.second.link.expired(); });
+    policy.bytes_per_s =
+        std::max<std::uint64_t>(1, budget / std::max<std::uint64_t>(1, static_cast<std::uint64_t>(connected)));
+  }
+  if (policy.hold != policy_.hold) {
+    if (policy.hold.empty())
+      spdlog::info("robots may send again");
+    else
+      spdlog::error("robots are held, nothing is acknowledged: {}", policy.hold);
+  }
+  policy_ = policy;
+  return policy;
 }
 
 void SessionHub::left(SessionId session, const RobotLink* link) {
@@ -173,6 +234,17 @@ void SessionHub::left(SessionId session, const RobotLink* link) {
   known.link.reset();
   news_.robot_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
+}
+
+void SessionHub::end_robot(const std::string& robot, const std::string& why) {
+  std::vector<std::shared_ptr<RobotLink>> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, session] : sessions_)
+      if (session.record.key.robot == robot)
+        if (auto link = session.link.lock()) ended.push_back(std::move(link));
+  }
+  for (const auto& link : ended) link->close(v1::ERROR_KIND_REFUSED, "robot " + robot + ": " + why, true);
 }
 
 std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {
@@ -227,9 +299,14 @@ void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& chang
 std::vector<SessionRow> SessionHub::sessions() const {
   const std::lock_guard lock(mutex_);
   std::vector<SessionRow> rows;
-  for (const auto& [id, s] : sessions_)
-    rows.push_back({id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(), s.record.complete,
-                    s.keyframes, s.clouds.size(), s.bytes_received});
+  const auto now = Clock::now();
+  for (const auto& [id, s] : sessions_) {
+    auto& row = rows.emplace_back(SessionRow{id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(),
+                                             s.record.complete, s.keyframes, s.clouds.size(), s.bytes_received});
+    row.backlog = s.backlog;
+    row.bytes_per_s = s.rate.at(now);
+    if (row.connected) row.link_age_s = std::chrono::duration<double>(now - s.heard).count();
+  }
   return rows;
 }
 

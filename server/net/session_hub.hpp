@@ -7,11 +7,18 @@
 #include <set>
 
 #include "server/merge_worker/merge_news.hpp"
+#include "server/net/data_rate.hpp"
 #include "server/net/robot_events.hpp"
+#include "server/net/robot_limits.hpp"
 #include "server/operator/station.hpp"
 #include "server/store/store.hpp"
 
 namespace headframe {
+
+/// How connections went, for the operator. Thread safe.
+struct LinkCounts {
+  std::atomic<std::uint64_t> refused = 0, replaced = 0, failed = 0, stuck = 0, held_back = 0;  // as in LinkHealth
+};
 
 /// One robot's connection, as the hub sees it. Thread safe, never blocks.
 class RobotLink {
@@ -30,7 +37,8 @@ class RobotLink {
 /// safe; never blocks on the disk but in restore().
 class SessionHub : public Robots {
  public:
-  SessionHub(Store& store, MergeNews& news) : store_(store), news_(news) {}
+  SessionHub(Store& store, MergeNews& news, const RobotLimits& limits = {})
+      : store_(store), news_(news), limits_(limits) {}
 
   Result<void> restore();
 
@@ -39,16 +47,29 @@ class SessionHub : public Robots {
     Durable durable;
     std::shared_ptr<const std::string> transform;  // null: the session has never been merged
   };
-  /// refused: the session belongs to another spool or has another family. A living connection of the same spool is
-  /// replaced. From here on the hub writes to the link.
+  /// refused: the session belongs to another spool or another copy of it, or has another family. unavailable: as many
+  /// robots as limits.robots are connected. A living connection of the same spool is replaced: the robot has noticed
+  /// before us that it broke. From here on the hub writes to the link.
   Result<Admitted> admit(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   /// Takes any event but the hello.
   void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
   void received(SessionId session, std::size_t bytes);
   void left(SessionId session, const RobotLink* link);
+  /// Ends all connections of this robot, for good.
+  void end_robot(const std::string& robot, const std::string& why);
 
   void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override;
   void publish(const Atlas& atlas, const std::vector<Component>& changed) override;
+
+  /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
+  /// change while they are served.
+  void set_uplink_budget(std::uint64_t bytes_per_s) { budget_bytes_per_s_ = bytes_per_s; }
+
+  LinkCounts& counts() { return counts_; }
+
+  /// As it is now: every robot's share of the budget, and a hold while the store waits for room on the disk or has half
+  /// of its queue full. Its changes are logged.
+  LinkPolicy policy();
 
   /// distance_m and trigger_to_transform_ms are not the hub's to fill.
   std::vector<SessionRow> sessions() const;
@@ -60,16 +81,21 @@ class SessionHub : public Robots {
   static std::size_t stored_bytes(const RobotEvent& event);
 
  private:
+  using Clock = std::chrono::steady_clock;
   struct Session {
     SessionRecord record;
     std::uint64_t keyframes = 0;  // durable
     std::set<std::uint64_t> clouds;
     std::uint64_t bytes_received = 0;
+    std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last
+    DataRate rate;
+    Clock::time_point heard;
     std::weak_ptr<RobotLink> link;
   };
   using Applied = std::function<void()>;
 
   Session& session_of(const Hello& hello);
+  bool has_room(const Hello& hello) const;
   void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied);
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
@@ -79,12 +105,18 @@ class SessionHub : public Robots {
 
   Store& store_;
   MergeNews& news_;
+  const RobotLimits limits_;
   mutable std::mutex mutex_;
   std::map<SessionId, Session> sessions_;
   std::map<SessionKey, SessionId> ids_;
   Atlas atlas_;               // published last
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;
+  LinkCounts counts_;
+  std::atomic<std::uint64_t> budget_bytes_per_s_ = 0;
+  std::mutex policy_mutex_;  // taken before mutex_
+  LinkPolicy policy_;
+  Clock::time_point policy_made_;
 };
 
 }  // namespace headframe

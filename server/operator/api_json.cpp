@@ -59,6 +59,9 @@ Json session_object(const SessionRow& row) {
           {"keyframes", row.keyframes},
           {"clouds", row.clouds},
           {"bytes_received", row.bytes_received},
+          {"backlog", row.backlog},
+          {"bytes_per_s", number(row.bytes_per_s)},
+          {"link_age_s", row.link_age_s >= 0 ? number(row.link_age_s) : Json()},
           {"distance_m", number(row.distance_m)},
           {"trigger_to_transform_ms", row.trigger_to_transform_ms >= 0 ? number(row.trigger_to_transform_ms) : Json()}};
 }
@@ -88,7 +91,7 @@ std::string error_json(const Error& error) {
 }
 
 std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
-                        double uptime_s) {
+                        const LinkHealth& links, double uptime_s) {
   std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
   for (const SessionRow& row : sessions) {
     connected += row.connected ? 1 : 0;
@@ -111,7 +114,15 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                {"clouds", clouds},
                {"bytes_received", bytes},
                {"alignments", std::move(states)},
-               {"pending", pending_object(pending)}});
+               {"pending", pending_object(pending)},
+               {"links",
+                {{"hold", links.hold.empty() ? Json(nullptr) : Json(links.hold)},
+                 {"queued_bytes", links.queued_bytes},
+                 {"refused", links.refused},
+                 {"replaced", links.replaced},
+                 {"failed", links.failed},
+                 {"stuck", links.stuck},
+                 {"held_back", links.held_back}}}});
 }
 
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas) {

@@ -18,7 +18,7 @@ struct WaitOutcome {
 
 std::string error_json(const Error& error);
 std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
-                        double uptime_s);
+                        const LinkHealth& links, double uptime_s);
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas);
 
 /// Transforms are 16 numbers, row-major. `sessions` gives the names of the ids in the atlas; `wait` may be null.

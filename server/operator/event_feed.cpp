@@ -24,7 +24,11 @@ class EventSocket : public std::enable_shared_from_this<EventSocket> {
 
   void accept(EventFeed::Request request) {
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
-    socket_.read_message_max(1024);  // nothing is asked of clients
+    socket_.read_message_max(1024);                                    // nothing is asked of clients
+    if (!request[beast::http::field::sec_websocket_protocol].empty())  // a page's, with its token
+      socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+        response.set(beast::http::field::sec_websocket_protocol, "headframe");
+      }));
     auto kept = std::make_shared<EventFeed::Request>(std::move(request));
     socket_.async_accept(*kept, [self = shared_from_this(), kept](Code code) {
       if (code) return;

@@ -31,6 +31,17 @@ void set_common(Response& response, std::string_view content_type, bool keep_ali
   response.keep_alive(keep_alive);
 }
 
+std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
+
+/// A page can give a WebSocket no header: it offers the protocols "headframe" and the token.
+template <class Request>
+std::string credentials_of(const Request& request) {
+  const std::string_view offered = text(request[http::field::sec_websocket_protocol]);
+  constexpr std::string_view prefix = "headframe, ";
+  if (offered.substr(0, prefix.size()) == prefix) return "Bearer " + std::string(offered.substr(prefix.size()));
+  return std::string(text(request[http::field::authorization]));
+}
+
 constexpr double linger_s = 2;
 constexpr std::size_t linger_bytes = 1024 * 1024;
 
@@ -40,7 +51,10 @@ HttpSession::HttpSession(net::ip::tcp::socket socket, std::shared_ptr<HttpShared
     : stream_(std::move(socket)),
       shared_(std::move(shared)),
       turn_away_(turn_away),
-      buffer_(shared_->limits.header_bytes + 8192) {}
+      buffer_(shared_->limits.header_bytes + 8192) {
+  Code gone;
+  from_ = stream_.socket().remote_endpoint(gone).address();
+}
 
 void HttpSession::start() {
   net::post(stream_.get_executor(), [self = shared_from_this()] { self->read(); });
@@ -84,14 +98,34 @@ void HttpSession::on_read(Code code) {
     keep_alive_ = false;
     return send(error_reply({ErrorCode::unavailable, "too many connections; close some or try again later"}));
   }
+  if (auto refusal = turned_down()) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
-  const auto text = [](beast::string_view view) { return std::string_view(view.data(), view.size()); };
   try {
     perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->tiles,
-                  shared_->limits, uptime.count()));
+                  shared_->limits, uptime.count(), shared_->robots));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
+}
+
+/// The answer to a request that lacks the operator's token.
+std::optional<Ready> HttpSession::turned_down() {
+  using Verdict = OperatorGuard::Verdict;
+  const auto& request = parser_->get();
+  if (is_public(text(request.target()))) return std::nullopt;
+  const auto verdict = shared_->guard.check(credentials_of(request), from_, std::chrono::steady_clock::now());
+  if (verdict == Verdict::welcome) return std::nullopt;
+  if (verdict == Verdict::limited) {
+    keep_alive_ = false;
+    return error_reply(429, {ErrorCode::refused, "too many wrong tokens from this address; wait a minute"});
+  }
+  Ready refusal = error_reply(
+      401, {ErrorCode::refused,
+            verdict == Verdict::missing
+                ? "the operator's token is missing; it is in operator.token in the server's data directory"
+                : "this is not the operator's token; it is in operator.token in the server's data directory"});
+  refusal.bearer = true;
+  return refusal;
 }
 
 void HttpSession::refuse(Code code) {
@@ -123,7 +157,6 @@ void HttpSession::perform(Reply reply) {
 /// The connection goes over to the event feed.
 void HttpSession::upgrade() {
   const auto& request = parser_->get();
-  const auto text = [](beast::string_view view) { return std::string_view(view.data(), view.size()); };
   if (!beast::websocket::is_upgrade(request))
     return send(error_reply(426, {ErrorCode::invalid_argument, "events are told over WebSocket; ask for an upgrade"}));
   if (!same_origin(text(request[http::field::origin]), text(request[http::field::host])))
@@ -141,6 +174,7 @@ void HttpSession::send(Ready ready) {
   set_common(*response, ready.content_type, keep_alive_);
   if (ready.gzip) response->set(http::field::content_encoding, "gzip");
   if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
+  if (ready.bearer) response->set(http::field::www_authenticate, "Bearer");
   response->body() = std::move(ready.body);
   response->prepare_payload();
   response_ = response;

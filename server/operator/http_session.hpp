@@ -16,7 +16,9 @@
 #include <string>
 
 #include "server/operator/event_feed.hpp"
+#include "server/operator/operator_api.hpp"
 #include "server/operator/router.hpp"
+#include "server/security/operator_guard.hpp"
 
 namespace headframe {
 
@@ -25,14 +27,19 @@ class HttpSession;
 /// What all connections share. Thread safe.
 class HttpShared : public std::enable_shared_from_this<HttpShared> {
  public:
-  HttpShared(boost::asio::io_context& io, Station& the_station, const OperatorLimits& the_limits)
+  HttpShared(boost::asio::io_context& io, Station& the_station, const OperatorLimits& the_limits,
+             const OperatorAccess& access)
       : station(the_station),
         limits(the_limits),
+        guard(access.token),
+        robots(access.robots),
         tiles(the_station),
         events(std::make_shared<EventFeed>(io, the_station, the_limits.events)) {}
 
   Station& station;
   const OperatorLimits limits;
+  OperatorGuard guard;
+  RobotAdmin* const robots;  // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PointTiles tiles;
   const std::shared_ptr<EventFeed> events;
@@ -66,6 +73,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void read_header();
   void on_read(Code code);
   void refuse(Code code);
+  std::optional<Ready> turned_down();
   void perform(Reply reply);
   void upgrade();
   void send(Ready ready);
@@ -80,6 +88,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   bool client_gone();
 
   boost::beast::tcp_stream stream_;
+  boost::asio::ip::address from_;
   const std::shared_ptr<HttpShared> shared_;
   const bool turn_away_;
   boost::beast::flat_buffer buffer_;

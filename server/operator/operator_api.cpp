@@ -47,11 +47,11 @@ void HttpShared::stop() {
 }
 
 struct OperatorApi::Listener : std::enable_shared_from_this<Listener> {
-  Listener(net::io_context& the_io, Station& station, const OperatorLimits& limits)
+  Listener(net::io_context& the_io, Station& station, const OperatorLimits& limits, const OperatorAccess& access)
       : io(the_io),
         acceptor(net::make_strand(the_io)),
         pause(acceptor.get_executor()),
-        shared(std::make_shared<HttpShared>(the_io, station, limits)) {}
+        shared(std::make_shared<HttpShared>(the_io, station, limits, access)) {}
 
   Result<void> open(const std::string& host, std::uint16_t port);
   void accept();
@@ -105,8 +105,9 @@ void OperatorApi::Listener::accept() {
   });
 }
 
-OperatorApi::OperatorApi(net::io_context& io, Station& station, const OperatorLimits& limits)
-    : listener_(std::make_shared<Listener>(io, station, limits)) {}
+OperatorApi::OperatorApi(net::io_context& io, Station& station, const OperatorLimits& limits,
+                         const OperatorAccess& access)
+    : listener_(std::make_shared<Listener>(io, station, limits, access)) {}
 
 OperatorApi::~OperatorApi() { stop(); }
 

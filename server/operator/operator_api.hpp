@@ -11,6 +11,11 @@
 
 namespace headframe {
 
+struct OperatorAccess {
+  std::string token = {};        // what every request but the public ones has to show; empty: none
+  RobotAdmin* robots = nullptr;  // must outlive the API; null: robots come in without enrolling
+};
+
 /// The operator's API over HTTP/1.1 (README of this room). Connections live on `io`, each on its own strand, so any
 /// number of threads may run it; what reads from disk runs on two threads of its own. Nothing a client sends ends the
 /// process, and every connection, header, body and wait has a limit.
@@ -18,7 +23,8 @@ namespace headframe {
 /// The station must outlive this object. `io` must outlive the callbacks that Station::when_idle still holds.
 class OperatorApi {
  public:
-  OperatorApi(boost::asio::io_context& io, Station& station, const OperatorLimits& limits = {});
+  OperatorApi(boost::asio::io_context& io, Station& station, const OperatorLimits& limits = {},
+              const OperatorAccess& access = {});
   ~OperatorApi();  // stops
   OperatorApi(const OperatorApi&) = delete;
   OperatorApi& operator=(const OperatorApi&) = delete;

@@ -10,6 +10,7 @@
 #include "server/operator/map_export.hpp"
 #include "server/operator/metrics.hpp"
 #include "server/operator/request_target.hpp"
+#include "server/operator/robot_json.hpp"
 #include "server/operator/trajectory_export.hpp"
 
 namespace headframe {
@@ -22,6 +23,7 @@ struct Context {
   PointTiles& tiles;
   const OperatorLimits& limits;
   double uptime_s;
+  RobotAdmin* robots;
 };
 
 Ready json(std::string body, int status = 200) { return {status, "application/json", std::move(body), {}}; }
@@ -59,7 +61,8 @@ Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedde
 
 Result<Reply> status(const Query&, const Context& context) {
   const Station& station = context.station;
-  return json(status_json(station.sessions(), station.atlas(), station.pending(), context.uptime_s));
+  return json(
+      status_json(station.sessions(), station.atlas(), station.pending(), station.link_health(), context.uptime_s));
 }
 
 Result<Reply> sessions(const Query&, const Context& context) {
@@ -214,13 +217,46 @@ Result<Reply> path(const Query& query, const Context& context) {
   return Stream{"application/json", std::make_unique<PathJson>(context.station, row->id, *first)};
 }
 
+Result<RobotAdmin*> robot_admin(const Context& context) {
+  if (context.robots != nullptr) return context.robots;
+  return failure(ErrorCode::refused, "this server runs with --insecure: robots come in without enrolling");
+}
+
+Result<Reply> robots(const Query&, const Context& context) {
+  const auto admin = robot_admin(context);
+  if (!admin) return tl::unexpected(admin.error());
+  return json(robots_json((*admin)->robots(), (*admin)->fingerprint()));
+}
+
+Result<Reply> add_robot(const Query& query, const Context& context) {
+  const auto admin = robot_admin(context);
+  const auto robot = required(query, "robot");
+  if (!admin || !robot) return tl::unexpected(admin ? robot.error() : admin.error());
+  return Later{[admin = *admin, robot = *robot](const std::function<void(Ready)>& answer) {
+    admin->add(robot, [robot, answer](const Result<std::string>& enrolment) {
+      answer(enrolment ? json(enrolment_json(robot, *enrolment), 201) : error_reply(enrolment.error()));
+    });
+  }};
+}
+
+Result<Reply> revoke_robot(const Query& query, const Context& context) {
+  const auto admin = robot_admin(context);
+  const auto robot = required(query, "robot");
+  if (!admin || !robot) return tl::unexpected(admin ? robot.error() : admin.error());
+  return Later{[admin = *admin, robot = *robot](const std::function<void(Ready)>& answer) {
+    admin->revoke(robot, [answer](const Result<void>& revoked) {
+      answer(revoked ? json("{\"revoked\":true}\n") : error_reply(revoked.error()));
+    });
+  }};
+}
+
 struct Route {
   std::string_view method;
   std::string_view path;
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 17> routes{{{"GET", "/", {}, page},
+constexpr std::array<Route, 20> routes{{{"GET", "/", {}, page},
                                         {"GET", "/api/v1/openapi.json", {}, openapi},
                                         {"GET", "/healthz", {}, healthz},
                                         {"GET", "/readyz", {}, readyz},
@@ -236,7 +272,10 @@ constexpr std::array<Route, 17> routes{{{"GET", "/", {}, page},
                                         {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
-                                        {"GET", "/api/v1/trajectory", {"robot", "session", "format"}, trajectory}}};
+                                        {"GET", "/api/v1/trajectory", {"robot", "session", "format"}, trajectory},
+                                        {"GET", "/api/v1/robots", {}, robots},
+                                        {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
+                                        {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}}};
 
 /// "{name}" in the pattern takes one piece of the path, however it is spelt.
 bool matches(std::string_view pattern, std::string_view path, Query& captured) {
@@ -301,9 +340,15 @@ std::vector<RouteName> route_names() {
   return names;
 }
 
+/// Probes, and the page, which asks for the token itself.
+bool is_public(std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  return path == "/healthz" || path == "/readyz" || path == "/" || embedded_file(path);
+}
+
 Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
-            const OperatorLimits& limits, double uptime_s) {
-  auto reply = routed(method, target, {station, tiles, limits, uptime_s});
+            const OperatorLimits& limits, double uptime_s, RobotAdmin* robots) {
+  auto reply = routed(method, target, {station, tiles, limits, uptime_s, robots});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
 }

@@ -11,6 +11,7 @@
 #include "server/operator/body_source.hpp"
 #include "server/operator/operator_limits.hpp"
 #include "server/operator/point_tiles.hpp"
+#include "server/operator/robot_admin.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
@@ -20,8 +21,9 @@ struct Ready {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string allow;  // of a 405
-  bool gzip = false;  // how the body is encoded
+  std::string allow;    // of a 405
+  bool gzip = false;    // how the body is encoded
+  bool bearer = false;  // of a 401: a token is wanted
 };
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
 struct Later {
@@ -35,9 +37,13 @@ struct Stream {
 struct Upgrade {};
 using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 
-/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station.
+/// Whether a target is for everybody; all others want the operator's token.
+bool is_public(std::string_view target);
+
+/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
+/// `robots`, which is null where none has to enrol.
 Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
-            const OperatorLimits& limits, double uptime_s);
+            const OperatorLimits& limits, double uptime_s, RobotAdmin* robots = nullptr);
 
 /// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
 struct RouteName {

@@ -26,6 +26,9 @@ struct SessionRow {
   std::uint64_t keyframes = 0;
   std::uint64_t clouds = 0;  // stored
   std::uint64_t bytes_received = 0;
+  std::uint64_t backlog = 0;  // keyframes that the robot still has to send, as it said last
+  double bytes_per_s = 0;     // received, over the last ten seconds or so
+  double link_age_s = -1;     // since anything was heard of a connected robot; -1: it is not connected
   double distance_m = 0;
   double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
 };
@@ -59,6 +62,17 @@ struct Workload {
   StageTimes stages;  // summed over the attempts
 };
 
+/// The robots' connections, all together, since the server started.
+struct LinkHealth {
+  std::string hold;                // why nothing is acknowledged now (a full disk); empty: all is well
+  std::uint64_t queued_bytes = 0;  // that wait for the disk
+  std::uint64_t refused = 0;       // hellos
+  std::uint64_t replaced = 0;      // by a newer connection of the same robot
+  std::uint64_t failed = 0;        // ended with an error: bad bytes, silence, a full write queue
+  std::uint64_t stuck = 0;         // took no bytes until the deadline
+  std::uint64_t held_back = 0;     // times that a robot outran the disk and was not read
+};
+
 /// All calls are thread safe and quick, but trajectory() and cloud(), which read from disk: not from an I/O thread.
 class Station {
  public:
@@ -67,6 +81,7 @@ class Station {
   virtual AtlasView atlas() const = 0;
   virtual Pending pending() const = 0;
   virtual Workload workload() const = 0;
+  virtual LinkHealth link_health() const { return {}; }
   virtual MergeConfig merge_config() const = 0;
   /// Calls back once, from any thread, as soon as nothing is pending (at once if so), or when timeout_s is over; with
   /// what is left.

@@ -163,6 +163,13 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
   return out;
 }
 
+const Found* HypothesisFinder::find_within(const SessionView& session) {
+  Found& known = found_[{session.id, session.id}];
+  known = {};
+  if (!session.keyframes.empty()) known.hypotheses = search(session, session, {});
+  return &known;
+}
+
 const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
                                     const std::function<std::vector<MatchedPair>()>& matches) {
   Found& known = found_[{a.id, b.id}];

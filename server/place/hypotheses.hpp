@@ -61,6 +61,8 @@ class HypothesisFinder {
   /// called for a new search only.
   const Found* find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
                     const std::function<std::vector<MatchedPair>()>& matches);
+  /// Where a session lies on itself, where it is and elsewhere. Searched anew at each call; not counted by allow().
+  const Found* find_within(const SessionView& session);
 
  private:
   const SessionWalls& walls(const SessionView& session);

@@ -11,11 +11,11 @@ namespace {
 constexpr float view_reach_m = 20;
 constexpr std::size_t normal_neighbours = 12;
 
-/// Dust and stray returns stand alone: a point stays when three others of its sweep lie within 4 % of its range, or
+/// Dust and stray returns stand alone: a point stays when three others of its sweep lie within 8 % of its range, or
 /// 0.25 m (dynamic radius outlier removal: Charron, Phillips, Waslander, CRV 2018). Seen from the sweep's origin.
 Points without_strays(const Points& points) {
   constexpr std::size_t companions = 3;
-  constexpr float least_reach_m = 0.25F, reach_share = 0.04F;
+  constexpr float least_reach_m = 0.25F, reach_share = 0.08F;
   const KdTree tree(points);
   std::vector<Neighbour> around;
   Points kept;

@@ -101,6 +101,7 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   for (std::size_t i = 0; i < places.size(); ++i) {
     const PlaceCheck& p = places[i];
     between += p.between;
+    e.worst_place_violation = std::max(e.worst_place_violation, p.between.violation());
     own += p.own;
     inliers += p.registration.inlier_fraction;
     if (!agrees[i]) continue;
@@ -199,7 +200,9 @@ Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud>
 }
 
 bool fits_alone(const Glance& glance) {
-  return glance.hopeful && glance.place.residual_m < 0.045 && glance.place.between.violation() < 0.012;
+  const Registration& r = glance.place.registration;
+  return glance.hopeful && r.status == RegistrationStatus::converged && r.direction_hold[0] > 0.05 &&
+         r.inlier_fraction > 0.7 && glance.place.residual_m < 0.045 && glance.place.between.violation() < 0.004;
 }
 
 Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_0,
@@ -213,17 +216,17 @@ double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap) return 0;
   if (e.tilt_deg > 3) return 0;
   // README, "How sure", says on which pairs these weights were fitted, and on which they were checked.
-  const double contradiction = std::log10(e.freespace_violation + 1e-3) + 3;  // 0: none
-  const double misfit = std::log10(e.residual_m + 0.01) + 1.4;                // 0: 3 cm
+  const double contradiction = std::log10(e.worst_place_violation + 2e-3) + 2.7;         // 0: none
+  const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);          // 0: 3 cm
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
-  const double asked_m = std::min(100.0, 40 * e.aliases);
+  const double asked_m = 30 * e.aliases;
   const double short_overlap = asked_m > 0 ? std::min(0.0, e.overlap_m / asked_m - 1) : 0;
   const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
                    4 * few_pairs + 12 * short_overlap;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
-  return status == RegistrationStatus::degenerate ? 0.4 * p : p;
+  return status == RegistrationStatus::converged ? p : 0.4 * p;
 }
 
 }  // namespace headframe

@@ -43,6 +43,12 @@ CREATE TABLE decisions (
   id INTEGER PRIMARY KEY, alignment INTEGER NOT NULL, decision TEXT NOT NULL, T_a_b BLOB NOT NULL,
   seen_points REAL, time_s REAL NOT NULL, undone INTEGER NOT NULL DEFAULT 0);
 )sql",
+    R"sql(
+CREATE TABLE robots (
+  name TEXT PRIMARY KEY, token_digest BLOB NOT NULL, code_digest BLOB NOT NULL, code_expires_s REAL NOT NULL,
+  enrolled_s REAL NOT NULL, revoked INTEGER NOT NULL) WITHOUT ROWID;
+ALTER TABLE sessions ADD COLUMN spool_run INTEGER NOT NULL DEFAULT 0;
+)sql",
 };
 
 }  // namespace

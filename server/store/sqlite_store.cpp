@@ -24,6 +24,7 @@ SessionRecord session_of(const Row& row) {
   s.spool_id = static_cast<std::uint64_t>(row.integer(12));
   s.complete = row.integer(13) != 0;
   s.attempted_keyframes = static_cast<std::uint64_t>(row.integer(14));
+  s.spool_run = static_cast<std::uint64_t>(row.integer(15));
   return s;
 }
 
@@ -60,7 +61,7 @@ class SqliteStore : public Store {
     const std::lock_guard lock(mutex_);
     auto read = reader_.each(
         "SELECT id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-        " family_version, q_size, w_size, spool_id, complete, attempted_keyframes FROM sessions ORDER BY id",
+        " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run FROM sessions ORDER BY id",
         [&](const Row& row) { sessions.push_back(session_of(row)); });
     if (!read) return tl::unexpected(read.error());
     return sessions;
@@ -106,6 +107,18 @@ class SqliteStore : public Store {
       return failure(ErrorCode::not_found, "no cloud of keyframe " + std::to_string(keyframe.sequence) +
                                                " of session " + std::to_string(keyframe.session) + " is stored");
     return std::move(*encoded);
+  }
+
+  Result<std::vector<RobotRecord>> robots() override {
+    std::vector<RobotRecord> robots;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each(
+        "SELECT name, token_digest, code_digest, code_expires_s, enrolled_s, revoked FROM robots ORDER BY name",
+        [&](const Row& row) {
+          robots.push_back({row.text(0), row.text(1), row.text(2), row.real(3), row.real(4), row.integer(5) != 0});
+        });
+    if (!read) return tl::unexpected(read.error());
+    return robots;
   }
 
   Result<StoredMerge> merge() override {

@@ -8,7 +8,10 @@ constexpr std::size_t group_bytes = 8UL * 1024 * 1024;  // a commit no greater t
 }  // namespace
 
 SqliteWriter::SqliteWriter(Database database, const SqliteOptions& options)
-    : database_(std::move(database)), options_(options), thread_([this] { run(); }) {}
+    : database_(std::move(database)), options_(options) {
+  load_.queue_bytes = options.queue_bytes;
+  thread_ = std::thread([this] { run(); });
+}
 
 SqliteWriter::~SqliteWriter() {
   {
@@ -46,7 +49,7 @@ void SqliteWriter::run() {
   while (true) {
     auto group = next_group();
     if (group.empty()) return;
-    commit(group);
+    commit(std::move(group));
   }
 }
 
@@ -63,27 +66,33 @@ std::deque<SqliteWriter::Item> SqliteWriter::next_group() {
   return group;
 }
 
-void SqliteWriter::commit(std::deque<Item>& group) {
-  const auto together = try_commit(group);
-  // Trouble with the disk concerns all of them; anything else is the fault of one.
-  const bool all = together || together.error().code == ErrorCode::unavailable || group.size() == 1;
-  while (!group.empty()) {
-    std::deque<Item> one;
-    one.push_back(std::move(group.front()));
-    group.pop_front();
-    finish(one.front(), all ? together : try_commit(one));
+void SqliteWriter::commit(std::deque<Item> group) {
+  for (std::size_t count = group.size(); !group.empty();) {
+    const auto done = try_commit(group, count);
+    const bool disk = !done && done.error().code == ErrorCode::unavailable;
+    if (!done && count > 1) {
+      count /= 2;
+      continue;
+    }
+    if (disk && wait_for_room(done.error())) continue;
+    for (; count > 0; --count, group.pop_front()) finish(group.front(), done);
+    count = group.size();
   }
 }
 
-Result<void> SqliteWriter::try_commit(const std::deque<Item>& group) {
+Result<void> SqliteWriter::try_commit(const std::deque<Item>& group, std::size_t count) {
   auto done = database_.execute("BEGIN IMMEDIATE");
-  for (const Item& item : group) {
-    if (!done) break;
-    done = apply(database_, item.write);
-  }
+  for (std::size_t i = 0; done && i < count; ++i) done = apply(database_, group[i].write);
   if (done) done = database_.execute("COMMIT");
   if (!done) (void)database_.execute("ROLLBACK");
   return done;
+}
+
+/// False: the store closes.
+bool SqliteWriter::wait_for_room(const Error& why) {
+  std::unique_lock lock(mutex_);
+  load_.waits_for = load_.last_error = why.message;
+  return !wake_.wait_for(lock, std::chrono::milliseconds(options_.retry_ms), [&] { return stopping_; });
 }
 
 void SqliteWriter::finish(Item& item, const Result<void>& result) {
@@ -93,6 +102,7 @@ void SqliteWriter::finish(Item& item, const Result<void>& result) {
     load_.queued_bytes -= item.bytes;
     ++(result ? load_.durable_writes : load_.failed_writes);
     load_.last_error = result ? std::string() : result.error().message;
+    load_.waits_for.clear();
   }
   item.done(result);
 }

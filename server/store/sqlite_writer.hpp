@@ -11,13 +11,13 @@
 
 namespace headframe {
 
-/// The thread that writes. Writes that come within options.group_ms share one commit; when such a group fails for
-/// another reason than the disk, its writes are tried one by one, so that one bad write fails alone. write() and load()
-/// are thread safe.
+/// The thread that writes. Writes that come within options.group_ms share one commit. A group that fails is halved
+/// until what is at fault stands alone: a bad write then fails; one that the disk refuses waits, and all behind it,
+/// until there is room, so nothing is answered that is not durable. write() and load() are thread safe.
 class SqliteWriter {
  public:
   SqliteWriter(Database database, const SqliteOptions& options);
-  ~SqliteWriter();  // finishes what is queued
+  ~SqliteWriter();  // finishes what is queued; what the disk refuses then fails
 
   void write(Write write, Store::Done done);
   StoreLoad load() const;
@@ -31,8 +31,9 @@ class SqliteWriter {
 
   void run();
   std::deque<Item> next_group();
-  void commit(std::deque<Item>& group);
-  Result<void> try_commit(const std::deque<Item>& group);
+  void commit(std::deque<Item> group);
+  Result<void> try_commit(const std::deque<Item>& group, std::size_t count);
+  bool wait_for_room(const Error& why);
   void finish(Item& item, const Result<void>& result);
 
   Database database_;

@@ -11,11 +11,23 @@ Result<void> put(Database& db, const PutSession& write) {
   const SessionRecord& s = write.session;
   return db.run(
       "INSERT INTO sessions (id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-      " family_version, q_size, w_size, spool_id, complete) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?) ON CONFLICT DO "
-      "NOTHING",
+      " family_version, q_size, w_size, spool_id, complete, spool_run) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+      " ON CONFLICT (id) DO UPDATE SET spool_run=excluded.spool_run",
       s.id, s.key.robot, s.key.session, s.sensor.model, s.sensor.beams, double{s.sensor.fov_up_deg},
       double{s.sensor.fov_down_deg}, double{s.sensor.max_range_m}, s.family.name, s.family.version, s.q_size, s.w_size,
-      s.spool_id, int{s.complete});
+      s.spool_id, int{s.complete}, s.spool_run);
+}
+
+/// A repeat is harmless; another keyframe of the same number is not.
+Result<void> same_as_stored(Database& db, const PutKeyframe& write) {
+  bool same = false;
+  auto read = db.each(
+      "SELECT stamp_s FROM keyframes WHERE session=? AND sequence=?",
+      [&](const Row& row) { same = row.real(0) == write.keyframe.stamp_s; }, write.session, write.keyframe.sequence);
+  if (!read || same) return read;
+  return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(write.keyframe.sequence) + " of session " +
+                                                  std::to_string(write.session) +
+                                                  " is stored with another stamp: the robot's spool was copied");
 }
 
 Result<void> put(Database& db, const PutKeyframe& write) {
@@ -25,7 +37,7 @@ Result<void> put(Database& db, const PutKeyframe& write) {
       "SELECT coalesce(max(sequence), 0) FROM keyframes WHERE session=?",
       [&](const Row& row) { last = static_cast<std::uint64_t>(row.integer(0)); }, write.session);
   if (!read) return read;
-  if (k.sequence <= last) return {};
+  if (k.sequence <= last) return same_as_stored(db, write);
   if (k.sequence != last + 1)
     return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(k.sequence) + " of session " +
                                                     std::to_string(write.session) + " would leave a hole after " +
@@ -42,6 +54,12 @@ Result<void> put(Database& db, const PutCloud& write) {
   return db.run(
       "INSERT INTO clouds (session, sequence, encoded) VALUES (?,?,?) ON CONFLICT (session, sequence) DO NOTHING",
       write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
+}
+
+Result<void> put(Database& db, const PutRobot& write) {
+  const RobotRecord& r = write.robot;
+  return db.run("INSERT OR REPLACE INTO robots VALUES (?,?,?,?,?,?)", r.name, Blob{r.token_digest}, Blob{r.code_digest},
+                r.code_expires_s, r.enrolled_s, int{r.revoked});
 }
 
 Result<void> put(Database& db, const CompleteSession& write) {

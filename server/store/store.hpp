@@ -25,8 +25,21 @@ struct SessionRecord {
   std::uint32_t q_size = 0;
   std::uint32_t w_size = 0;
   std::uint64_t spool_id = 0;
+  std::uint64_t spool_run = 0;            // the last opening of the spool that was admitted; 0: it does not say
   bool complete = false;                  // the robot said that no keyframe follows
   std::uint64_t attempted_keyframes = 0;  // how many the last finished merge attempt has seen
+};
+
+/// A robot that was let in, or may be. Only digests are kept: SHA-256 of secrets that are random and long.
+struct RobotRecord {
+  std::string name;
+  std::string token_digest;   // 32 bytes; empty: it has not enrolled, or was revoked
+  std::string code_digest;    // of the enrolment code that is open; empty: none
+  double code_expires_s = 0;  // since the epoch
+  double enrolled_s = 0;      // since the epoch; 0: never
+  bool revoked = false;
+
+  bool operator==(const RobotRecord&) const = default;
 };
 
 // Writes. Each may come again (a robot repeats what was not acknowledged): the second time changes nothing.
@@ -52,14 +65,19 @@ struct PutMerge {
   std::optional<Atlas> atlas;           // a new revision
   std::vector<DecisionRecord> decided;  // new ones, and those that were undone
 };
-using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge>;
+struct PutRobot {
+  RobotRecord robot;
+};
+using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
   std::size_t queued_bytes = 0;
   std::uint64_t durable_writes = 0;
   std::uint64_t failed_writes = 0;
-  std::string last_error;  // empty when the last write was well
+  std::size_t queue_bytes = 0;  // the most that may be queued
+  std::string last_error;       // empty when the last write was well
+  std::string waits_for;        // why the disk refuses the next write; empty: it does not. It is tried again
 };
 
 struct StoredMerge {
@@ -77,8 +95,8 @@ class Store {
   virtual ~Store() = default;
 
   /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
-  /// the queue is full (unavailable). It must be quick. Writes are applied in the order of the calls; a keyframe that
-  /// would leave a hole in its session's sequence fails.
+  /// the queue is full (unavailable). A disk that refuses is no failure: the write waits for room. It must be quick.
+  /// Writes are applied in the order of the calls; a keyframe that would leave a hole in its session's sequence fails.
   virtual void write(Write write, Done done) = 0;
   virtual StoreLoad load() const = 0;
 
@@ -93,6 +111,7 @@ class Store {
   /// Encoded as the robot sent it; not_found when there is none.
   virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;
   virtual Result<StoredMerge> merge() = 0;
+  virtual Result<std::vector<RobotRecord>> robots() = 0;
 };
 
 }  // namespace headframe

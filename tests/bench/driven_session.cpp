@@ -16,10 +16,11 @@ namespace {
 /// The robot's side of client/robot_client, scan by scan.
 class Robot {
  public:
+  explicit Robot(Selection selection) : selection_(selection) {}
   void add(const Pose& T_local_sensor, const Points& scan, DrivenSession& out) {
     const Points points = finite_points(scan, 0.3F);
     const auto decision = selector_.add(T_local_sensor, mean_range_m(points));
-    if (!decision.keyframe) {
+    if (!decision.keyframe && selection_ == Selection::by_spaciousness) {
       sweeps_.add(T_local_sensor, points);
       return;
     }
@@ -43,6 +44,7 @@ class Robot {
   }
 
  private:
+  Selection selection_;
   KeyframeSelector selector_;
   SweepCollector sweeps_;
   std::unique_ptr<DescriptorFamily> family_ = make_family(default_family_name).value();
@@ -50,7 +52,7 @@ class Robot {
 
 }  // namespace
 
-DrivenMine drive_mine(const mine::Request& request) {
+DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   const auto scenario = mine::make_scenario(request);
   if (!scenario) throw std::runtime_error(scenario.error().message);
   const std::string world = std::string(to_string(request.kind)) + "-" + std::to_string(request.seed);
@@ -60,7 +62,7 @@ DrivenMine drive_mine(const mine::Request& request) {
     const mine::Recording recording = mine::record(scenario->world, robot, request.seed);
     DrivenSession session{.name = world + "/" + robot.name, .world = world};
     session.path = {recording.drive.T_local_sensor, recording.drive.T_world_sensor};
-    Robot eyes;
+    Robot eyes(selection);
     for (std::size_t i = 0; i < recording.scans.size(); ++i)
       eyes.add(session.path.T_local_sensor[i], recording.scans[i].points, session);
     seen.push_back(mine::seen(recording, 0.5, 30));
@@ -79,7 +81,7 @@ DrivenSession read_driven_session(const std::filesystem::path& recording, const 
   const std::string world = recording.filename();
   DrivenSession session{.name = world + "/" + robot, .world = world};
   session.path = test::read_true_path(recording, robot);
-  Robot eyes;
+  Robot eyes(Selection::by_spaciousness);
   for (std::size_t i = 0; i < folder->size(); ++i) {
     const auto scan = folder->load(i);
     if (!scan) throw std::runtime_error(scan.error().message);

@@ -25,7 +25,8 @@ struct DrivenMine {
   std::vector<DrivenSession> sessions;
   std::vector<std::vector<double>> overlap_pct;
 };
-DrivenMine drive_mine(const mine::Request& request);
+enum class Selection { by_spaciousness, every_scan };
+DrivenMine drive_mine(const mine::Request& request, Selection selection = Selection::by_spaciousness);
 
 /// A recorded session folder; with no truth its true path is empty. Throws when it cannot be read.
 DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot);

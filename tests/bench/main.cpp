@@ -7,11 +7,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/cloud/cloud_codec.hpp"
-#include "common/wire/convert.hpp"
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
 #include "tests/bench/measure.hpp"
+#include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/support/box_mine.hpp"
 
@@ -27,24 +26,6 @@ double median_ms(int runs, Work&& work) {
     if (i > 0) ms.push_back(once);
   }
   return median(ms);
-}
-
-nlohmann::json link_bytes() {
-  const test::BoxMine mine({test::BoxMine::drift(0, 0, 80, 0), test::BoxMine::drift(30, 0, 30, 40)});
-  const auto drive = test::drive(mine, {{2, 0}, {30, 0}, {30, 38}}, 0, 1);
-  std::size_t keyframe_bytes = 0, cloud_bytes = 0, points = 0;
-  for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
-    v1::RobotMessage message;
-    *message.mutable_keyframe() = to_proto(drive.keyframes[i]).value();
-    keyframe_bytes += message.ByteSizeLong() + 4;
-    cloud_bytes += encode_cloud(drive.clouds[i]).value().size();
-    points += point_count(drive.clouds[i]);
-  }
-  const double per_keyframe = static_cast<double>(keyframe_bytes) / static_cast<double>(drive.keyframes.size());
-  const double per_point = static_cast<double>(cloud_bytes) / static_cast<double>(points);
-  std::printf("link\n  %.0f bytes a keyframe with its frame; clouds %.2f bytes a point at 1 cm\n", per_keyframe,
-              per_point);
-  return {{"bytes_per_keyframe", per_keyframe}, {"bytes_per_point", per_point}};
 }
 
 nlohmann::json walls() {
@@ -79,11 +60,23 @@ int main(int argc, char** argv) {
     figures["sampling"] = sampling();
     return figures;
   });
-  part("link", [] { return link_bytes(); });
   part("places", [] { return walls(); });
+  if (what == "merges")  // minutes: only when asked for
+    part("merges", [&] {
+      nlohmann::json figures;
+      const int mines = argc > 3 ? std::atoi(argv[3]) : 56;
+      figures["recordings"] = recordings_crossed(recordings);
+      figures["merges"] = campaign(mines, out / "merges");
+      figures["merge"] = merge_times();
+      return figures;
+    });
+  if (what == "recordings") part("recordings", [&] { return recordings_crossed(recordings); });
+  if (what == "merge-times") part("merge", merge_times);
   if (what == "basin") part("basin", [&] { return basin(out); });  // minutes: only when asked for
   if (!known)
-    std::fprintf(stderr, "headframe-bench: no bench '%s'; there are: registration, link, places, basin, all\n",
+    std::fprintf(stderr,
+                 "headframe-bench: no bench '%s'; there are: registration, places, all; minutes each: basin, merges, "
+                 "recordings, merge-times, link\n",
                  what.c_str());
   return known ? 0 : 2;
 }

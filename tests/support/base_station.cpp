@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <fstream>
 #include <regex>
 
 namespace headframe::test {
@@ -19,26 +20,65 @@ ScratchFolder::~ScratchFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Result<BaseStation> BaseStation::start(const std::filesystem::path& data, const std::string& listen) {
-  auto process = Process::start({program("headframe-server"), "--data", data.string(), "--listen", listen, "--http",
-                                 "127.0.0.1:0", "--insecure"});
+Result<BaseStation> BaseStation::start(const std::filesystem::path& data, const std::string& listen, bool insecure) {
+  std::vector<std::string> argv{
+      program("headframe-server"), "--data", data.string(), "--listen", listen, "--http", "127.0.0.1:0"};
+  if (insecure) argv.emplace_back("--insecure");
+  auto process = Process::start(argv);
   if (!process) return tl::unexpected(process.error());
   static const std::regex ready("headframe-server ready: robots on ([^,]+), http on ([^,]+), data in .*");
+  static const std::regex identity("headframe-server fingerprint: ([0-9a-f]+)");
+  BaseStation station(std::move(*process), data);
   std::string printed;
   while (true) {
-    const auto line = process->read_line(30s);
+    const auto line = station.process_.read_line(30s);
     if (!line)
       return failure(ErrorCode::unavailable, "the server did not get ready: " + printed + line.error().message);
     std::smatch match;
-    if (std::regex_match(*line, match, ready)) return BaseStation(std::move(*process), match[1], match[2]);
+    if (std::regex_match(*line, match, identity)) station.fingerprint_ = match[1];
+    if (std::regex_match(*line, match, ready)) {
+      station.robots_ = match[1];
+      station.http_ = match[2];
+      return station;
+    }
     printed += *line + "\n";
   }
 }
 
+Result<std::string> BaseStation::token() const {
+  if (fingerprint_.empty()) return std::string();
+  std::ifstream file(token_file());
+  std::string token;
+  if (std::getline(file, token)) return token;
+  return failure(ErrorCode::unavailable, "no token in " + token_file().string());
+}
+
+Result<std::string> BaseStation::enrolment(const std::string& robot) const {
+  const auto ended = command({"robot", "add", robot, "--json"});
+  if (!ended) return tl::unexpected(ended.error());
+  const auto json = nlohmann::json::parse(ended->output, nullptr, false);
+  if (ended->status != 0 || !json.contains("enrolment"))
+    return failure(ErrorCode::unavailable, "headframe robot add: " + ended->output);
+  return json.at("enrolment").get<std::string>();
+}
+
+Result<std::vector<std::string>> BaseStation::admission(const std::string& robot) const {
+  if (fingerprint_.empty()) return std::vector<std::string>{"--insecure"};
+  const auto credential = std::filesystem::path(data_.string() + "-" + robot + ".credential");
+  std::vector<std::string> options{"--credential", credential.string()};
+  if (std::filesystem::exists(credential)) return options;
+  const auto enrolled = enrolment(robot);
+  if (!enrolled) return tl::unexpected(enrolled.error());
+  options.insert(options.end(), {"--enrol", *enrolled});
+  return options;
+}
+
 Result<Process> BaseStation::replay(const std::string& robot, const std::filesystem::path& session,
                                     const std::vector<std::string>& options) const {
-  std::vector<std::string> argv{
-      program("headframe-replay"), "--server", robots_, "--robot", robot, "--insecure", "--fast"};
+  const auto admitted = admission(robot);
+  if (!admitted) return tl::unexpected(admitted.error());
+  std::vector<std::string> argv{program("headframe-replay"), "--server", robots_, "--robot", robot, "--fast"};
+  argv.insert(argv.end(), admitted->begin(), admitted->end());
   argv.insert(argv.end(), options.begin(), options.end());
   argv.push_back(session.string());
   return Process::start(argv);
@@ -46,6 +86,7 @@ Result<Process> BaseStation::replay(const std::string& robot, const std::filesys
 
 Result<Process::Ended> BaseStation::command(const std::vector<std::string>& arguments) const {
   std::vector<std::string> argv{program("headframe"), "--http", http_};
+  if (!fingerprint_.empty()) argv.insert(argv.end(), {"--token-file", token_file().string()});
   argv.insert(argv.end(), arguments.begin(), arguments.end());
   auto process = Process::start(argv);
   if (!process) return tl::unexpected(process.error());

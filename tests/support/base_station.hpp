@@ -25,14 +25,26 @@ class ScratchFolder {
 /// A running headframe-server.
 class BaseStation {
  public:
-  /// Keeps its data in `data`; fails with what the server printed when it does not get ready.
-  static Result<BaseStation> start(const std::filesystem::path& data, const std::string& listen = "127.0.0.1:0");
+  /// With TLS and tokens, unless insecure. Keeps its data in `data`; fails with what the server printed when it does
+  /// not get ready.
+  static Result<BaseStation> start(const std::filesystem::path& data, const std::string& listen = "127.0.0.1:0",
+                                   bool insecure = false);
 
   const std::string& robots() const { return robots_; }  // HOST:PORT
   const std::string& http() const { return http_; }
   Process& process() { return process_; }
+  const std::string& fingerprint() const { return fingerprint_; }  // hexadecimal; empty: insecure
+  std::filesystem::path token_file() const { return data_ / "operator.token"; }
+  Result<std::string> token() const;  // the operator's; empty: insecure
 
-  /// headframe-replay --fast of a session folder, with more options if wanted.
+  /// `headframe robot add`: what the robot has to be given.
+  Result<std::string> enrolment(const std::string& robot) const;
+
+  /// Options that let headframe-replay in as this robot: it is enrolled the first time, and its credential kept beside
+  /// the server's data.
+  Result<std::vector<std::string>> admission(const std::string& robot) const;
+
+  /// headframe-replay --fast of a session folder, admitted, with more options if wanted.
   Result<Process> replay(const std::string& robot, const std::filesystem::path& session,
                          const std::vector<std::string>& options = {}) const;
 
@@ -43,10 +55,10 @@ class BaseStation {
   Result<nlohmann::json> settled_atlas() const;
 
  private:
-  BaseStation(Process process, std::string robots, std::string http)
-      : process_(std::move(process)), robots_(std::move(robots)), http_(std::move(http)) {}
+  BaseStation(Process process, std::filesystem::path data) : process_(std::move(process)), data_(std::move(data)) {}
   Process process_;
-  std::string robots_, http_;
+  std::filesystem::path data_;
+  std::string robots_, http_, fingerprint_;
 };
 
 }  // namespace headframe::test

@@ -12,7 +12,8 @@ namespace headframe {
 
 /// A fake station served on a free port of the loopback, on two I/O threads.
 struct OperatorServer {
-  explicit OperatorServer(const OperatorLimits& limits = {}) : api(io, station, limits) {
+  explicit OperatorServer(const OperatorLimits& limits = {}, const OperatorAccess& access = {})
+      : api(io, station, limits, access) {
     if (const auto open = api.listen("127.0.0.1", 0); !open) throw std::runtime_error(open.error().message);
     for (auto& thread : threads) thread = std::jthread([this] { io.run(); });
   }

@@ -82,9 +82,9 @@ TEST_F(BadInput, Server) {
   std::ofstream(at("bad.toml")) << "[server]\nno_such_key = 1\n";
   expect_refused(serve({"--data", at("d").string(), "--config", at("bad.toml").string()}), {"no_such_key", "bad.toml"});
   expect_refused(serve({"--data", at("d").string(), "--config", at("none.toml").string()}), {"none.toml"});
-  expect_refused(run({program("headframe-server"), "--data", at("d").string(), "--listen", "127.0.0.1:0", "--http",
-                      "127.0.0.1:0"}),
-                 {"--insecure"});
+  for (const std::string door : {"--listen", "--http"})
+    expect_refused(run({program("headframe-server"), "--data", at("d").string(), "--insecure", door, "0.0.0.0:0"}),
+                   {"--insecure", "0.0.0.0:0", "loopback"});
   auto station = BaseStation::start(at("data"));
   ASSERT_TRUE(station) << station.error().message;
   expect_refused(serve({"--data", at("other").string(), "--listen", station->robots()}), {station->robots()});
@@ -124,7 +124,7 @@ std::string answer_to(const std::string& address, const std::string& bytes) {
 }
 
 TEST_F(BadInput, StrangersGetATypedErrorAndOthersAreNotDisturbed) {
-  auto station = BaseStation::start(at("data"));
+  auto station = BaseStation::start(at("data"), "127.0.0.1:0", true);
   ASSERT_TRUE(station) << station.error().message;
   write_session(at("a"), drive_a_to_c(1));
   auto robot = station->replay("a", at("a"));

@@ -41,6 +41,18 @@ class EndToEnd : public testing::Test {
     return out;
   }
 
+  /// Robot a at 20 times its speed, so that there is time to kill something.
+  Result<Process> slowly(const BaseStation& station, const std::vector<std::string>& options) const {
+    std::vector<std::string> argv{
+        program("headframe-replay"), "--server", station.robots(), "--robot", "a", "--rate", "20"};
+    const auto admission = station.admission("a");
+    if (!admission) return tl::unexpected(admission.error());
+    argv.insert(argv.end(), admission->begin(), admission->end());
+    argv.insert(argv.end(), options.begin(), options.end());
+    argv.push_back(folder("a").string());
+    return Process::start(argv);
+  }
+
   static void expect_done(Process& replay) {
     const auto ended = replay.wait(120s);
     ASSERT_TRUE(ended) << ended.error().message;
@@ -95,8 +107,7 @@ TEST_F(EndToEnd, AServerKilledInTheMiddleLosesNothing) {
   auto station = BaseStation::start(folder("data"));
   ASSERT_TRUE(station) << station.error().message;
   const std::string address = station->robots();
-  auto a = Process::start({program("headframe-replay"), "--server", address, "--robot", "a", "--insecure", "--rate",
-                           "20", folder("a").string()});
+  auto a = slowly(*station, {});
   ASSERT_TRUE(a);
   int before = 0;
   for (int kills = 0; kills < 3; ++kills) {
@@ -121,12 +132,8 @@ TEST_F(EndToEnd, AServerKilledInTheMiddleLosesNothing) {
 TEST_F(EndToEnd, ARobotKilledInTheMiddleResumesItsSession) {
   auto station = BaseStation::start(folder("data"));
   ASSERT_TRUE(station) << station.error().message;
-  const auto slowly = [&] {
-    return Process::start({program("headframe-replay"), "--server", station->robots(), "--robot", "a", "--insecure",
-                           "--rate", "20", "--spool", folder("spool").string(), folder("a").string()});
-  };
   for (int kills = 0, before = 0; kills < 3; ++kills) {
-    auto a = slowly();
+    auto a = slowly(*station, {"--spool", folder("spool").string()});
     ASSERT_TRUE(a);
     ASSERT_TRUE(until([&] { return counts(*station)["a"].first > before; }));
     before = counts(*station)["a"].first;

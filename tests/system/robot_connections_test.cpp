@@ -1,11 +1,13 @@
 // The server's sockets, met by robots that are written byte by byte.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
+#include <csignal>
 
 #include "server/map_merge_server.hpp"
 #include "tests/support/robot_bytes.hpp"
@@ -83,7 +85,7 @@ class Connections : public testing::Test {
  protected:
   void serve(const ServerConfig& config = {}) {
     server.reset();
-    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config});
+    auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config, true});
     ASSERT_TRUE(started) << started.error().message;
     server = std::move(*started);
   }
@@ -149,6 +151,7 @@ TEST_F(Connections, TooManyRobotsAreToldSo) {
   RawRobot first(server->robots());
   first.greet(robot_hello());
   RawRobot second(server->robots());
+  second.send(hello_frame(robot_hello("bee")));
   const auto report = second.error();
   EXPECT_EQ(report.kind(), v1::ERROR_KIND_OVERLOADED);
   EXPECT_FALSE(report.permanent());
@@ -156,35 +159,129 @@ TEST_F(Connections, TooManyRobotsAreToldSo) {
   EXPECT_TRUE(first.acknowledged(1));
 }
 
-TEST_F(Connections, AFullDiskIsToldAndWhatWasAcknowledgedStays) {
+TEST_F(Connections, StrangersWhoHoldConnectionsKeepNobodyOut) {
+  ServerConfig config;
+  config.limits.strangers = 2;
+  serve(config);
+  RawRobot known(server->robots());
+  known.greet(robot_hello());
+  RawRobot first(server->robots()), second(server->robots()), third(server->robots());
+  EXPECT_FALSE(first.read()) << "the oldest made room";
+  third.greet(robot_hello("bee"));
+  second.greet(robot_hello("wasp"));
+  known.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(known.acknowledged(1)) << "who was let in is no stranger";
+}
+
+TEST_F(Connections, ACopyOfASpoolIsRefusedWhoeverGoesOnFirst) {
+  serve();
+  const auto with_runs = [](std::vector<std::uint64_t> runs) {
+    Hello hello = robot_hello();
+    hello.spool_runs = std::move(runs);
+    return hello;
+  };
+  RawRobot(server->robots()).greet(with_runs({10}));
+  RawRobot original(server->robots());
+  original.greet(with_runs({10, 11}));
+  const auto expect_clone_refused = [&](const Hello& clone) {
+    RawRobot robot(server->robots());
+    robot.send(hello_frame(clone));
+    const auto report = robot.error();
+    EXPECT_TRUE(report.permanent());
+    EXPECT_NE(report.message().find("clone"), std::string::npos) << report.message();
+  };
+  expect_clone_refused(with_runs({10, 12}));
+  original.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(original.acknowledged(1)) << "the clone did not disturb it";
+  serve();  // what was decided outlives the server
+  expect_clone_refused(with_runs({10, 12}));
+  RawRobot again(server->robots());
+  EXPECT_EQ(again.greet(with_runs({10, 11, 13, 14})).durable_keyframes(), 1U) << "restarted twice without a link";
+}
+
+/// Files of this process may not grow beyond this: a full disk that can be emptied.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(Connections, AFullDiskHoldsTheRobotAndItGoesOnByItself) {
+  serve();
+  RawRobot robot(server->robots());
+  robot.greet(robot_hello());
+  constexpr std::uint64_t all = 3000;
+  {
+    const FileLimit limit(1'000'000);
+    for (std::uint64_t i = 1; i <= all; ++i) robot.send(keyframe_frame(line_keyframe(i)));
+    const auto held = robot.read_until([](const auto& m) { return m.has_error() || !m.link_policy().hold().empty(); });
+    ASSERT_TRUE(held && held->has_link_policy()) << "the link stays";
+    EXPECT_NE(held->link_policy().hold().find("waits for its disk"), std::string::npos) << held->link_policy().hold();
+    v1::RobotMessage ping;
+    ping.mutable_ping()->set_nonce(5);
+    robot.send(frame(ping));
+    EXPECT_TRUE(robot.read_until([](const auto& m) { return m.pong().nonce() == 5; })) << "it is still served";
+    RawRobot other(server->robots());
+    EXPECT_EQ(other.greet(robot_hello("bee")).durable_keyframes(), 0U) << "others are welcomed, and told why not";
+    EXPECT_TRUE(other.read_until([](const auto& m) { return !m.link_policy().hold().empty(); }));
+  }
+  EXPECT_TRUE(robot.acknowledged(all));
+  EXPECT_TRUE(robot.read_until([](const auto& m) { return m.has_link_policy() && m.link_policy().hold().empty(); }));
+}
+
+TEST_F(Connections, ADatabaseAtItsLimitLosesNothingThatWasAcknowledged) {
   ServerConfig config;
   config.database_mib = 1;
   serve(config);
-  RawRobot robot(server->robots());
-  robot.greet(robot_hello());
   std::uint64_t acknowledged = 0, sent = 0;
-  v1::ErrorReport error;
-  for (; error.kind() == 0 && sent < 5000;) {
-    for (int i = 0; i < 50; ++i) robot.send(keyframe_frame(line_keyframe(++sent)));
-    const auto message =
-        robot.read_until([&](const auto& m) { return m.has_error() || m.keyframe_ack().durable_keyframes() == sent; });
-    ASSERT_TRUE(message);
-    if (message->has_error())
-      error = message->error();
-    else
-      acknowledged = sent;
+  {
+    RawRobot robot(server->robots());
+    robot.greet(robot_hello());
+    for (bool held = false; !held && sent < 5000;) {
+      for (int i = 0; i < 50; ++i) robot.send(keyframe_frame(line_keyframe(++sent)));
+      const auto message = robot.read_until(
+          [&](const auto& m) { return m.has_link_policy() || m.keyframe_ack().durable_keyframes() == sent; });
+      ASSERT_TRUE(message);
+      held = message->has_link_policy();
+      if (!held) acknowledged = sent;
+    }
   }
-  EXPECT_EQ(error.kind(), v1::ERROR_KIND_OVERLOADED);
-  EXPECT_FALSE(error.permanent());
-  EXPECT_NE(error.message().find("disk is full"), std::string::npos) << error.message();
-  RawRobot again(server->robots());
-  const auto durable = again.greet(robot_hello()).durable_keyframes();
-  EXPECT_GE(durable, acknowledged);
-  serve();  // room was made
+  EXPECT_LT(sent, 5000U);
+  serve();  // with a larger limit
   RawRobot later(server->robots());
-  EXPECT_GE(later.greet(robot_hello()).durable_keyframes(), acknowledged);
+  const auto durable = later.greet(robot_hello()).durable_keyframes();
+  EXPECT_GE(durable, acknowledged);
   later.send(keyframe_frame(line_keyframe(durable + 1)));
   EXPECT_TRUE(later.acknowledged(durable + 1));
+}
+
+TEST_F(Connections, TheBudgetIsSharedByThoseWhoAreThere) {
+  ServerConfig config;
+  config.limits.uplink_kib_s = 10;
+  serve(config);
+  const auto told = [](std::uint64_t bytes_per_s) {
+    return [=](const auto& m) { return m.has_link_policy() && m.link_policy().bytes_per_s() == bytes_per_s; };
+  };
+  RawRobot first(server->robots());
+  first.greet(robot_hello("ant"));
+  EXPECT_TRUE(first.read_until(told(10240)));
+  {
+    RawRobot second(server->robots());
+    second.greet(robot_hello("bee"));
+    EXPECT_TRUE(first.read_until(told(5120)));
+    EXPECT_TRUE(second.read_until(told(5120)));
+  }
+  EXPECT_TRUE(first.read_until(told(10240)));
 }
 
 TEST_F(Connections, ARobotThatOutrunsTheDiskIsHeldBackAndAllArrives) {
@@ -200,7 +297,7 @@ TEST_F(Connections, ARobotThatOutrunsTheDiskIsHeldBackAndAllArrives) {
 TEST_F(Connections, APortInUseIsSaid) {
   serve();
   const TempDir elsewhere;
-  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}});
+  const auto second = MapMergeServer::start({elsewhere.path(), server->robots(), {"127.0.0.1", 0}, {}, true});
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::unavailable);
   EXPECT_NE(second.error().message.find(to_string(server->robots())), std::string::npos);

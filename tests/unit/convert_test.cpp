@@ -102,6 +102,9 @@ TEST(Convert, NamesBecomeFileNames) {
 TEST(Convert, HelloIsCheckedFieldByField) {
   Hello hello{
       {"rover", "s1"}, {"os1-32", 32, 22.5F, 22.5F, 120}, {{"scan_context", 1}, 60, 60}, CloudPolicy::all, "test", 5};
+  hello.token = std::string(32, 't');
+  hello.enrolment_code = std::string(16, 'c');
+  hello.spool_runs = {8, 9};
   const v1::Hello good = to_proto(hello);
   EXPECT_EQ(good.protocol_version(), protocol_version);
   const auto back = from_proto(good);
@@ -112,6 +115,9 @@ TEST(Convert, HelloIsCheckedFieldByField) {
   EXPECT_EQ(back->clouds, CloudPolicy::all);
   EXPECT_EQ(back->spool_id, 5U);
   EXPECT_EQ(back->sensor.fov_down_deg, 22.5F);
+  EXPECT_EQ(back->token, hello.token);
+  EXPECT_EQ(back->enrolment_code, hello.enrolment_code);
+  EXPECT_EQ(back->spool_runs, hello.spool_runs);
   const auto refused = [&](auto spoil) {
     v1::Hello m = good;
     spoil(m);
@@ -123,6 +129,18 @@ TEST(Convert, HelloIsCheckedFieldByField) {
   EXPECT_TRUE(refused([](auto& m) { m.mutable_family()->set_q_size(0); }));
   EXPECT_TRUE(refused([](auto& m) { m.mutable_family()->set_q_size(limits::descriptor_floats + 1); }));
   EXPECT_TRUE(refused([](auto& m) { m.set_spool_id(0); }));
+  for (const std::size_t size : {1, 31, 33})
+    EXPECT_TRUE(refused([&](auto& m) { m.set_token(std::string(size, 't')); }));
+  for (const std::size_t size : {15, 17})
+    EXPECT_TRUE(refused([&](auto& m) { m.set_enrolment_code(std::string(size, 'c')); }));
+  EXPECT_TRUE(refused([](auto& m) { m.add_spool_runs(0); }));
+  const auto with_runs = [&](std::size_t count) {
+    v1::Hello m = good;
+    while (static_cast<std::size_t>(m.spool_runs_size()) < count) m.add_spool_runs(7);
+    return m;
+  };
+  EXPECT_TRUE(from_proto(with_runs(limits::spool_runs)));
+  EXPECT_FALSE(from_proto(with_runs(limits::spool_runs + 1)));
   EXPECT_TRUE(refused([](auto& m) { m.set_clouds(static_cast<v1::CloudPolicy>(9)); }));
 }
 

@@ -108,6 +108,14 @@ TEST(EventFeed, TurnsAwayWhatIsTooManyOrForeignOrNoWebSocket) {
   EXPECT_EQ(plain.status, 426);
 }
 
+TEST(EventFeed, APageShowsItsTokenAsAProtocol) {
+  OperatorServer server(quick(), {.token = "0123abcd"});
+  EXPECT_EQ(upgrade_status(server), "401");
+  EXPECT_EQ(upgrade_status(server, "Sec-WebSocket-Protocol: headframe, 0123abce\r\n"), "401");
+  EXPECT_EQ(upgrade_status(server, "Sec-WebSocket-Protocol: headframe, 0123abcd\r\n"), "101");
+  EXPECT_EQ(upgrade_status(server, "Authorization: Bearer 0123abcd\r\n"), "101");
+}
+
 TEST(EventFeed, StoppingTheServerEndsTheListeners) {
   auto server = std::make_unique<OperatorServer>(quick());
   Listener listener(*server);

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <limits>
+#include <set>
+
 #include "server/registration/verification.hpp"
 #include "server/registration/visibility.hpp"
 #include "tests/support/box_mine.hpp"
@@ -39,28 +43,93 @@ TEST(Submap, RadiusFollowsThePaper) {
   EXPECT_DOUBLE_EQ(sphere_radius_m(2), 4);
 }
 
-TEST(Submap, AVehicleThatDroveOnIsLeftOut) {
+TEST(Submap, StrayReturnsAreLeftOut) {
+  const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
+  std::mt19937 rng(1);
+  Sweep sweep{Eigen::Vector3f::Zero(), drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0.01, 32, 512)};
+  const std::size_t clean = prepare({{sweep}}).points.size();
+  std::uniform_real_distribution<float> inside(-1.5F, 1.5F);
+  for (int i = 0; i < 60; ++i) sweep.points.emplace_back(4 * inside(rng), inside(rng), 0.3F * inside(rng));
+  const PreparedCloud dusty = prepare({{sweep}});
+  EXPECT_NEAR(static_cast<double>(dusty.points.size()), static_cast<double>(clean), 0.01 * static_cast<double>(clean));
+  EXPECT_EQ(dusty.points.size(), dusty.normals.size());
+  sweep.points = {{std::nanf(""), 0, 0}, {1e9F, 0, 0}, {1, 1, std::numeric_limits<float>::infinity()}};
+  EXPECT_TRUE(prepare({{sweep}}).points.empty());
+}
+
+TEST(Submap, SpheresHoldTheirPointsOnceEach) {
+  const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
+  const auto d = drive(drift, {{-6, 0}, {6, 0}}, 0, 1, 2);
+  const Eigen::Vector3d centre = d.keyframes[2].T_local_sensor.translation();
+  const Submap submap = sphere(placed(d), centre, 5, 0.5F);
+  ASSERT_GT(submap.points.size(), 100U);
+  std::set<std::array<int, 3>> cubes;
+  for (const auto& p : submap.points) {
+    const Eigen::Vector3f relative = p - centre.cast<float>();
+    EXPECT_LT(relative.norm(), 5.001F);
+    const Eigen::Vector3i c = (relative / 0.5F).array().floor().cast<int>();
+    EXPECT_TRUE(cubes.insert({c.x(), c.y(), c.z()}).second);
+  }
+}
+
+TEST(Visibility, AVehicleThatDroveOnIsTransient) {
   const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
   auto d = drive(drift, {{-6, 0}, {6, 0}}, 0, 1, 2);
-  for (int i = 0; i < 200; ++i)  // one keyframe sees a vehicle 4 m ahead that none of the others does
-    d.clouds[1].sweeps[0].points.emplace_back(4, -0.5F + 0.005F * static_cast<float>(i), 0.0F);
+  for (int y = 0; y < 20; ++y)  // one keyframe sees a vehicle 4 m ahead that none of the others does
+    for (int z = 0; z < 20; ++z)
+      d.clouds[1].sweeps[0].points.emplace_back(4, -0.5F + 0.05F * static_cast<float>(y), -0.5F + 0.05F * static_cast<float>(z));
   const auto clouds = placed(d);
   const Eigen::Vector3d vehicle = d.keyframes[1].T_local_sensor * Eigen::Vector3d(4, 0, 0);
-  double nearest = 1e9;
-  for (const auto& p : merged(clouds, 0.25F)) nearest = std::min(nearest, (p.cast<double>() - vehicle).norm());
-  EXPECT_GT(nearest, 0.8);
-  for (const auto& p : sphere(clouds, vehicle, 5, 0.25F)) EXPECT_LT((p.cast<double>() - vehicle).norm(), 5.001);
+  const auto nearest = [&](const Submap& submap) {
+    double distance = 1e9;
+    for (const auto& p : submap.points) distance = std::min(distance, (p.cast<double>() - vehicle).norm());
+    return distance;
+  };
+  const Submap all = sphere(clouds, vehicle, 6, 0.3F);
+  EXPECT_LT(nearest(all), 0.6);
+  EXPECT_GT(nearest(without_transients(all, views_near(clouds, vehicle, 20), 20)), 0.6);
 }
 
 TEST(Visibility, TheRightPlaceHasNoViolationsAndAWrongOneHas) {
   const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30)});
   const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
-  const Points points = merged(placed(b), 0.5F);
-  EXPECT_LT(look_from(placed(a), points, truth, 30, 1).violation(), 0.002);
-  const Pose wrong = Eigen::Translation3d(0, 6, 0) * truth;
-  EXPECT_GT(look_from(placed(a), points, wrong, 30, 1).violation(), 0.02);
-  EXPECT_EQ(look_from(placed(a), points, wrong, 30, 1).violated, look_from(placed(a), points, wrong, 30, 3).violated);
+  const Eigen::Vector3d crossing = b.T_mine_local.inverse() * Eigen::Vector3d(30, 0, 1);
+  const Submap rock = sphere(placed(b), crossing, 15, 0.5F);
+  const auto clouds_a = placed(a);
+  const auto views = views_near(clouds_a, truth * crossing, 25);
+  EXPECT_LT(look_from(views, rock, truth, 25, 0.5F).violation(), 0.002);
+  EXPECT_GT(look_from(views, rock, Eigen::Translation3d(0, 6, 0) * truth, 25, 0.5F).violation(), 0.02);
+}
+
+TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
+  const BoxMine drift({BoxMine::drift(-40, 0, 40, 0, 6)});
+  std::mt19937 rng(1);
+  const RangeImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 64, 720));
+  const PlacedView view{pose_from_yaw(0, {0, 0, 1}), &image};
+  const auto patch = [](const Eigen::Vector3f& normal) {  // 10 m ahead, in the free middle of the drift
+    Submap out;
+    for (int y = 0; y < 4; ++y)
+      for (int z = 0; z < 4; ++z) {
+        out.points.emplace_back(10, 0.4F * static_cast<float>(y) - 0.6F, 0.6F + 0.2F * static_cast<float>(z));
+        out.normals.push_back(normal);
+      }
+    return out;
+  };
+  const auto violated = [&](const Eigen::Vector3f& n) {
+    return look_from(std::span(&view, 1), patch(n.normalized()), Pose::Identity(), 25, 0.5F).violated;
+  };
+  EXPECT_EQ(violated({1, 0, 0}), 16);
+  EXPECT_EQ(violated({0.36F, 0, 0.93F}), 16);
+  EXPECT_EQ(violated({0.2F, 0, 0.98F}), 0);
+}
+
+/// The whole way from a guess to a judgement.
+Judgement judged(const std::vector<PlacedCloud>& a, const std::vector<PlacedCloud>& b, const Pose& T_0,
+                 const Eigen::Vector3d& p_b, int threads = 1) {
+  JudgeConfig config;
+  config.threads = threads;
+  return judge(a, b, glance(a, b, T_0, p_b, config), config);
 }
 
 TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
@@ -68,14 +137,53 @@ TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
   const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   const auto clouds_a = placed(a), clouds_b = placed(b);
-  const Judgement right = judge(clouds_a, clouds_b, truth * pose_from_yaw(0.1, {0.7, -0.6, 0}), {});
+  const Eigen::Vector3d crossing = b.T_mine_local.inverse() * Eigen::Vector3d(30, 0, 1);
+  const Pose guess = truth * pose_from_yaw(0.1, {0.7, -0.6, 0});
+  const Judgement right = judged(clouds_a, clouds_b, guess, crossing);
   EXPECT_GT(right.evidence.probability, 0.9);
-  EXPECT_LT((right.T_a_b.translation() - truth.translation()).norm(), 0.05);
-  const Judgement wrong = judge(clouds_a, clouds_b, Eigen::Translation3d(-20, 0, 0) * truth, {});
+  EXPECT_LT((right.T_a_b * crossing - truth * crossing).norm(), 0.05);
+  EXPECT_NEAR(right.T_a_b.linear().determinant(), 1, 1e-9);
+  EXPECT_GT(right.evidence.places, 1);
+  EXPECT_EQ(right.T_a_b.matrix(), judged(clouds_a, clouds_b, guess, crossing, 3).T_a_b.matrix());
+  const Judgement wrong = judged(clouds_a, clouds_b, Eigen::Translation3d(-20, 0, 0) * truth, crossing);
   EXPECT_LT(wrong.evidence.probability, 0.5);
-  EXPECT_EQ(judge({}, clouds_b, truth, {}).status, RegistrationStatus::too_little_overlap);
-  EXPECT_EQ(judge(clouds_a, clouds_b, Eigen::Translation3d(500, 0, 0) * truth, {}).status,
+  EXPECT_EQ(judged({}, clouds_b, truth, crossing).status, RegistrationStatus::too_little_overlap);
+  EXPECT_EQ(judged(clouds_a, clouds_b, Eigen::Translation3d(500, 0, 0) * truth, crossing).status,
             RegistrationStatus::too_little_overlap);
+}
+
+Evidence convincing() {
+  Evidence e;
+  e.pairs = 12;
+  e.places = e.places_agreeing = 6;
+  e.inlier_fraction = 0.8;
+  e.residual_m = 0.02;
+  e.overlap_m = 36;
+  e.weakest_hold = 0.1;
+  return e;
+}
+
+TEST(Probability, EveryKindOfEvidenceCounts) {
+  const auto p = [](const Evidence& e) { return probability(RegistrationStatus::converged, e); };
+  const Evidence good = convincing();
+  EXPECT_GT(p(good), 0.95);
+  const auto with = [&](double Evidence::*member, double value) {
+    Evidence e = good;
+    e.*member = value;
+    return p(e);
+  };
+  EXPECT_LT(with(&Evidence::worst_place_violation, 0.06), 0.5);
+  EXPECT_LT(with(&Evidence::residual_m, 0.12), 0.5);
+  EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.5);
+  EXPECT_LT(with(&Evidence::aliases, 3), 0.5) << "36 m of a mine that repeats itself";
+  EXPECT_EQ(with(&Evidence::tilt_deg, 3.1), 0);
+  EXPECT_LT(with(&Evidence::pairs, 1), p(good));
+  EXPECT_LE(probability(RegistrationStatus::degenerate, good), 0.4) << "slides along the drift: at most a candidate";
+  EXPECT_EQ(probability(RegistrationStatus::too_little_overlap, good), 0);
+  Evidence longer = good;
+  longer.aliases = 3;
+  longer.overlap_m = 101;
+  EXPECT_EQ(p(longer), p(good)) << "a longer overlap makes up for copies";
 }
 
 }  // namespace

@@ -217,6 +217,17 @@ TEST_F(HeadframeCommand, AnExportThatBreaksOffKeepsTheOldFile) {
   EXPECT_EQ(files(), std::set<std::string>{"map.ply"});
 }
 
+TEST_F(HeadframeCommand, ShowsTheTokenOfAFileThatIsItsOwners) {
+  const OperatorServer locked({}, {"right", nullptr});
+  std::ofstream(path("token")) << "right\n";
+  fs::permissions(path("token"), fs::perms::owner_read);
+  EXPECT_EQ(run_at(locked.where(), "--token-file " + path("token") + " status").code, 0);
+  expect_fault(run_at(locked.where(), "status"), 1, "operator.token");
+  fs::permissions(path("token"), fs::perms::owner_read | fs::perms::others_read);
+  expect_fault(run_at(locked.where(), "--token-file " + path("token") + " status"), 1, "chmod 600");
+  expect_fault(run_at(locked.where(), "--token-file " + path("none") + " status"), 1, "none");
+}
+
 TEST_F(HeadframeCommand, AFullDiskIsSaid) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   fs::create_symlink("/dev/full", path("map.ply.part"));

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <complex>
 #include <numbers>
 #include <random>
 
@@ -7,6 +8,7 @@
 #include "common/descriptor/scan_context.hpp"
 #include "common/descriptor/wall_profile.hpp"
 #include "server/place/descriptor_index.hpp"
+#include "server/place/fft2.hpp"
 #include "server/place/hypotheses.hpp"
 #include "tests/support/box_mine.hpp"
 
@@ -107,20 +109,106 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
   const auto a = drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1), b = drive(mine, {{75, 0}, {30, 0}, {30, 20}}, 2.0, 2);
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   HypothesisFinder finder({});
-  bool exhausted = false;
-  const auto found = finder.find(1, a.keyframes, 2, b.keyframes, {}, nullptr, exhausted);
-  EXPECT_TRUE(exhausted);
+  const auto find = [&] { return finder.find({1, a.keyframes}, {2, b.keyframes}, nullptr, [] { return std::vector<MatchedPair>(); }); };
+  const std::vector<Hypothesis> found = find()->hypotheses;
   ASSERT_FALSE(found.empty());
-  EXPECT_LT((found[0].T_a_b.translation() - truth.translation()).norm(), 2.0);
-  EXPECT_LT(rotation_angle_rad(found[0].T_a_b.inverse() * truth), 4 * degree);
+  const Eigen::Vector3d at = found[0].place_b;
+  EXPECT_LT((found[0].T_a_b * at - truth * at).norm(), 1.0);
+  EXPECT_LT(rotation_angle_rad(found[0].T_a_b.inverse() * truth), 3 * degree);
   for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i].score, found[i - 1].score);
+}
+
+TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
+  const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40)});
+  const auto a = drive(mine, {{0, 0}, {60, 0}}, 0, 1), b = drive(mine, {{75, 0}, {0, 0}}, 2.0, 2);
+  HypothesisFinder finder({});
+  const auto version = [&](std::size_t keyframes) {
+    const Found* found = finder.find({1, std::span(a.keyframes).first(keyframes)}, {2, b.keyframes}, nullptr,
+                                     [] { return std::vector<MatchedPair>(); });
+    return found ? static_cast<int>(found->version) : -1;
+  };
+  EXPECT_EQ(version(10), 1);
+  EXPECT_EQ(version(10), 1);
+  std::size_t grown = 10;  // the first length that is 15 m more
+  while (path_m(std::span(a.keyframes).first(grown)) - path_m(std::span(a.keyframes).first(10)) < 15) ++grown;
+  EXPECT_EQ(version(grown - 1), 1);
+  EXPECT_EQ(version(grown), 2);
+  finder.allow(0);
+  EXPECT_EQ(version(grown), 2) << "known: no search";
+  EXPECT_EQ(version(a.keyframes.size()), -1) << "it would take one";
+  finder.allow(1);
+  EXPECT_EQ(version(a.keyframes.size()), 3);
+}
+
+TEST(SessionWalls, LevelsAboveEachOtherAreDrawnApart) {
+  std::vector<Keyframe> spiral(80);
+  for (std::size_t i = 0; i < spiral.size(); ++i) {
+    const double angle = 0.2 * static_cast<double>(i);  // a turn takes 31 keyframes and 9.4 m of depth
+    spiral[i].T_local_sensor.translation() =
+        Eigen::Vector3d(15 * std::cos(angle), 15 * std::sin(angle), -0.3 * static_cast<double>(i));
+  }
+  const auto levels = cut_levels(spiral);
+  ASSERT_EQ(levels.size(), 3U);
+  EXPECT_EQ(levels[0].begin, 0U);
+  EXPECT_EQ(levels[1].begin, levels[0].end);
+  EXPECT_EQ(levels.back().end, spiral.size());
+  for (auto& k : spiral) k.T_local_sensor.translation().z() = 0;
+  EXPECT_EQ(cut_levels(spiral).size(), 1U);
+  EXPECT_TRUE(cut_levels({}).empty());
+}
+
+TEST(Fft2, IsTheSlowTransform) {
+  for (const std::size_t n : {4U, 8U, 32U}) {
+    std::mt19937 rng(1);
+    ComplexGrid grid(n * n);
+    for (auto* values : {&grid.re, &grid.im})
+      for (float& v : *values) v = static_cast<float>(rng() % 100) / 50 - 1;
+    const ComplexGrid before = grid;
+    Fft2 fft(n);
+    fft.forward(grid);
+    for (std::size_t k = 0; k < n * n; k += 5) {
+      std::complex<double> sum = 0;
+      for (std::size_t i = 0; i < n * n; ++i)
+        sum += std::complex<double>(before.re[i], before.im[i]) *
+               std::polar(1.0, -2 * std::numbers::pi * static_cast<double>((k / n) * (i / n) + (k % n) * (i % n)) /
+                                   static_cast<double>(n));
+      EXPECT_NEAR(grid.re[k], sum.real(), 1e-4);
+      EXPECT_NEAR(grid.im[k], sum.imag(), 1e-4);
+    }
+    fft.inverse(grid);
+    for (std::size_t i = 0; i < n * n; ++i)
+      EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 1e-3);
+  }
+  EXPECT_EQ(Fft2::size_for(1), 4U);
+  EXPECT_EQ(Fft2::size_for(128), 128U);
+  EXPECT_EQ(Fft2::size_for(129), 256U);
+}
+
+TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
+  const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40)});
+  const auto a = drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1);
+  const WallMap map = draw_wall_map(a.keyframes, 0.5F);
+  for (const double yaw : {0.1, 1.7, -2.98, -1.38}) {  // one in each quarter
+    WallMap turned = map;
+    for (auto* list : {&turned.walls, &turned.free})
+      for (auto& p : *list) p = Eigen::Rotation2Df(static_cast<float>(-yaw)) * (p - Eigen::Vector2f(5, 9));
+    const auto found = search_walls(map, turned, 1, 1);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(wrap_rad(found[0].yaw_rad - yaw), 0, 2 * degree);
+    EXPECT_LT((found[0].shift_m - Eigen::Vector2d(5, 9)).norm(), 2);
+    const WallField field(map);
+    const WallMatch coarse = field.refine(turned, found[0], WallField::Step::coarse),
+                    fine = field.refine(turned, coarse, WallField::Step::fine);
+    EXPECT_GE(fine.score, coarse.score);
+    EXPECT_LT((fine.shift_m - Eigen::Vector2d(5, 9)).norm(), 1);
+  }
 }
 
 TEST(Hypotheses, ThreadsDoNotChangeThem) {
   const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30)});
   const auto a = drive(mine, {{0, 0}, {58, 0}}, 0, 1), b = drive(mine, {{30, 28}, {30, 0}}, 1, 2);
   const WallMap map_a = draw_wall_map(a.keyframes, 1), map_b = draw_wall_map(b.keyframes, 1);
-  const auto one = correlate(map_a, map_b, 5, 1), many = correlate(map_a, map_b, 5, 7);
+  const auto one = search_walls(map_a, map_b, 5, 1), many = search_walls(map_a, map_b, 5, 7);
   ASSERT_EQ(one.size(), many.size());
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].score, many[i].score);
 }

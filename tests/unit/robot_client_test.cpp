@@ -302,12 +302,12 @@ TEST_F(RobotClientTest, AScanWithoutAPointLosesOnlyItself) {
   EXPECT_TRUE((*robot)->add_scan(3, Pose::Identity(), drift_scan()).value());
 }
 
-TEST_F(RobotClientTest, TlsIsAskedForAndNotThereYet) {
+TEST_F(RobotClientTest, WithoutCredentialItSaysHowToGetOne) {
   RobotConfig c = config(1);
   c.insecure = false;
   const auto robot = RobotClient::open(c);
   ASSERT_FALSE(robot);
-  EXPECT_NE(robot.error().message.find("insecure"), std::string::npos);
+  EXPECT_NE(robot.error().message.find("headframe robot add"), std::string::npos) << robot.error().message;
 }
 
 }  // namespace

@@ -124,6 +124,73 @@ TEST_F(Protocol, HolesEndTheConnectionAndRepeatsAreAcknowledgedAgain) {
   EXPECT_NE(report.message().find("7 comes next"), std::string::npos) << report.message();
 }
 
+TEST_F(Protocol, FieldsOfLaterVersionsAreSkippedAndUnknownBodiesAreNot) {
+  greet();
+  const std::string later_field("\xa0\x06\x01", 3);  // field 100, a varint
+  v1::RobotMessage message;
+  *message.mutable_keyframe() = to_proto(line_keyframe(1)).value();
+  message.set_backlog(7);
+  std::string bytes;
+  ASSERT_TRUE(append_frame(bytes, message.SerializeAsString() + later_field));
+  const auto events = feed(bytes);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(std::get<KeyframeReceived>(events[0]).backlog, 7U);
+  bytes.clear();
+  ASSERT_TRUE(append_frame(bytes, later_field));
+  EXPECT_TRUE(feed(bytes).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+}
+
+TEST_F(Protocol, ACloudPolicyThatIsNotKnownIsRefused) {
+  v1::RobotMessage message;
+  *message.mutable_hello() = to_proto(robot_hello());
+  message.mutable_hello()->set_clouds(static_cast<v1::CloudPolicy>(9));
+  EXPECT_TRUE(feed(frame(message)).empty());
+  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+}
+
+TEST_F(Protocol, ReorderedKeyframesEndTheConnectionForNow) {
+  greet();
+  EXPECT_EQ(feed(keyframe_frame(line_keyframe(1)) + keyframe_frame(line_keyframe(3)) + keyframe_frame(line_keyframe(2)))
+                .size(),
+            1U);
+  const auto report = error();
+  EXPECT_EQ(report.kind(), v1::ERROR_KIND_OUT_OF_ORDER);
+  EXPECT_FALSE(report.permanent()) << "the robot repeats from what is durable";
+}
+
+TEST_F(Protocol, ATornFrameIsNothingAndWhatWasNotAcknowledgedComesAgain) {
+  greet();
+  const std::string second = keyframe_frame(line_keyframe(2));
+  EXPECT_EQ(feed(keyframe_frame(line_keyframe(1)) + second.substr(0, second.size() - 1)).size(), 1U);
+  // The link drops before the ack of 1, which becomes durable all the same; the next connection starts there.
+  protocol = RobotProtocol(limits, now);
+  greet({1, {}});
+  EXPECT_TRUE(feed(keyframe_frame(line_keyframe(1))).empty()) << "a repeat is no event";
+  EXPECT_EQ(messages(protocol.take_output()).at(0).keyframe_ack().durable_keyframes(), 1U);
+  EXPECT_EQ(feed(second).size(), 1U);
+}
+
+TEST_F(Protocol, AClockThatJumpsBackEndsNothing) {
+  greet();
+  later(-3600);
+  EXPECT_FALSE(protocol.ended());
+  EXPECT_EQ(feed(keyframe_frame(line_keyframe(1))).size(), 1U);
+  later(limits.silence_s);
+  EXPECT_TRUE(protocol.ended());
+}
+
+TEST_F(Protocol, ThePolicyIsToldOnceAndTheLatestCounts) {
+  greet();
+  protocol.tell_policy({1000, "full"});
+  protocol.tell_policy({500, ""});
+  const auto sent = messages(protocol.take_output());
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].link_policy().bytes_per_s(), 500U);
+  EXPECT_EQ(sent[0].link_policy().hold(), "");
+  EXPECT_TRUE(protocol.take_output().empty());
+}
+
 TEST_F(Protocol, DescriptorsMustHaveTheSizesOfTheHello) {
   greet();
   Keyframe keyframe = line_keyframe(1);
@@ -177,6 +244,18 @@ TEST_F(Protocol, AFewCloudsMayOvertakeEachOtherButNotMany) {
   EXPECT_FALSE(protocol.ended());
   EXPECT_TRUE(feed(chunk_frame(7, cloud.size(), 0, "x")).empty());
   EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+}
+
+TEST(CloudAssembler, HoldsSoManyBytesOfUnfinishedCloudsAndNoMore) {
+  CloudAssembler clouds;
+  const std::size_t total = limits::cloud_bytes;
+  const std::string all_but_one(total - 1, 'x');
+  EXPECT_FALSE(clouds.add(1, total, 0, all_but_one).value());
+  EXPECT_FALSE(clouds.add(2, total, 0, all_but_one).value());
+  EXPECT_FALSE(clouds.add(3, total, 0, "xx").value());
+  EXPECT_FALSE(clouds.add(3, total, 2, "x"));
+  EXPECT_FALSE(clouds.add(1, total, 0, "x").value()) << "begun anew, its bytes are free again";
+  EXPECT_FALSE(clouds.add(3, total, 2, "x").value());
 }
 
 TEST_F(Protocol, SilenceIsAskedAboutAndThenEndsTheConnection) {

@@ -1,10 +1,13 @@
 #include "client/spool/spool.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 
+#include "common/wire/limits.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace headframe {
@@ -51,6 +54,14 @@ class SpoolTest : public testing::Test {
     ASSERT_TRUE(spool) << spool.error().message;
     for (std::uint64_t i = spool->last_sequence() + 1; i <= keyframes; ++i)
       ASSERT_TRUE(spool->append(keyframe(i), "cloud " + std::to_string(i)));
+  }
+  /// The log of a run before and after its third keyframe.
+  std::pair<std::string, std::string> logs_around_the_third() {
+    fill(2);
+    auto spool = open();
+    std::string two = bytes_of(log());
+    EXPECT_TRUE(spool->append(keyframe(3), "cloud 3"));
+    return {two, bytes_of(log())};
   }
   TempDir folder_;
 };
@@ -125,10 +136,7 @@ TEST_F(SpoolTest, SequencesHaveNoHoles) {
 }
 
 TEST_F(SpoolTest, KilledAtAnyByteOfTheLastRecordOnlyThatRecordIsGone) {
-  fill(2);
-  const std::string two = bytes_of(log());
-  fill(3);
-  const std::string three = bytes_of(log());
+  const auto [two, three] = logs_around_the_third();
   ASSERT_GT(three.size(), two.size());
   for (std::size_t cut = two.size(); cut < three.size(); ++cut) {
     write(log(), std::string_view(three).substr(0, cut));
@@ -149,10 +157,7 @@ TEST_F(SpoolTest, KilledAtAnyByteOfTheLastRecordOnlyThatRecordIsGone) {
 }
 
 TEST_F(SpoolTest, AFlippedByteIsNeverTakenForAKeyframe) {
-  fill(2);
-  const std::string two = bytes_of(log());
-  fill(3);
-  const std::string three = bytes_of(log());
+  const auto [two, three] = logs_around_the_third();
   for (std::size_t at = 0; at < three.size(); ++at) {
     std::string flipped = three;
     flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
@@ -203,12 +208,50 @@ TEST_F(SpoolTest, TheQuotaDropsTheOldestCloudsAndNoKeyframe) {
   EXPECT_EQ(spool->last_sequence(), 4U);
 }
 
+TEST_F(SpoolTest, ADiskWithoutRoomCostsCloudsAndNoKeyframe) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  auto spool = open();
+  ASSERT_TRUE(spool);
+  ASSERT_TRUE(spool->append(keyframe(1), std::string(1000, 'x')));
+  const rlimit small{20'000, before.rlim_max};  // of every file: a cloud does not fit
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  const auto added = spool->append(keyframe(2), std::string(50'000, 'x'));
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  ASSERT_TRUE(added) << added.error().message;
+  EXPECT_EQ(spool->last_sequence(), 2U);
+  EXPECT_EQ(spool->held_clouds(), 0U) << "the older one was given up for it first";
+  EXPECT_EQ(spool->dropped_clouds(), 2U);
+  EXPECT_TRUE(spool->append(keyframe(3), "cloud"));
+  EXPECT_EQ(spool->next_held_cloud(1), 3U);
+  EXPECT_TRUE(spool->keyframe(2));
+}
+
 TEST_F(SpoolTest, ADirectoryThatCanNotBeMadeIsOneClearLine) {
   write(folder_.path() / "file", "x");
   const auto spool = Spool::open({folder_.path() / "file" / "spool"}, rover());
   ASSERT_FALSE(spool);
   EXPECT_EQ(spool.error().code, ErrorCode::unavailable);
   EXPECT_NE(spool.error().message.find("spool"), std::string::npos);
+}
+
+TEST_F(SpoolTest, EveryOpeningIsARunAndTheNewestAreTold) {
+  std::vector<std::uint64_t> all;
+  for (std::size_t i = 0; i < limits::spool_runs + 3; ++i) {
+    auto spool = open();
+    ASSERT_TRUE(spool);
+    all.push_back(spool->identity().spool_runs.back());
+    EXPECT_TRUE(i != 1 || spool->run_welcomed());
+    ASSERT_TRUE(from_proto(to_proto(spool->identity())));
+    EXPECT_TRUE(i >= limits::spool_runs || spool->identity().spool_runs == all) << i;
+  }
+  EXPECT_EQ(std::set<std::uint64_t>(all.begin(), all.end()).size(), all.size()) << "each is another";
+  const auto spool = open();
+  auto told = spool->identity().spool_runs;
+  ASSERT_EQ(told.size(), limits::spool_runs);
+  EXPECT_EQ(told.front(), all[1]) << "the one that the server knows";
+  EXPECT_TRUE(std::equal(told.begin() + 1, told.end() - 1, all.end() - static_cast<std::ptrdiff_t>(told.size() - 2)));
 }
 
 }  // namespace

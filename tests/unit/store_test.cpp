@@ -1,12 +1,16 @@
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <future>
 #include <limits>
+#include <thread>
 
 #include "server/store/schema.hpp"
 #include "server/store/sqlite_store.hpp"
@@ -32,6 +36,36 @@ std::vector<Keyframe> keyframes(Store& store, SessionId session, std::uint64_t f
   std::vector<Keyframe> all;
   EXPECT_TRUE(store.each_keyframe(session, first, [&](Keyframe k) { all.push_back(std::move(k)); }));
   return all;
+}
+
+TEST(Store, KeepsRobotsAsTheyWerePutLast) {
+  const TempDir dir;
+  const RobotRecord ant{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false}, bee{"bee", "", "code", 1, 0, true};
+  {
+    const auto store = open(dir);
+    ASSERT_TRUE(write_and_wait(*store, PutRobot{bee}));
+    ASSERT_TRUE(write_and_wait(*store, PutRobot{{"ant", "old", "code", 1, 2, true}}));
+    ASSERT_TRUE(write_and_wait(*store, PutRobot{ant}));
+  }
+  const auto robots = open(dir)->robots();
+  ASSERT_TRUE(robots) << robots.error().message;
+  EXPECT_EQ(*robots, (std::vector<RobotRecord>{ant, bee}));
+}
+
+TEST(Store, KeepsTheLastRunOfASpool) {
+  const TempDir dir;
+  SessionRecord session = session_record(1, "ant");
+  {
+    const auto store = open(dir);
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session}));
+    ASSERT_TRUE(write_and_wait(*store, CompleteSession{1}));
+    session.spool_run = ~0ULL;  // all bits come back
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session}));
+  }
+  const auto sessions = open(dir)->sessions();
+  ASSERT_EQ(sessions->size(), 1U);
+  EXPECT_EQ(sessions->front().spool_run, ~0ULL);
+  EXPECT_TRUE(sessions->front().complete) << "nothing else changes";
 }
 
 TEST(Store, KeepsSessionsKeyframesAndCloudsBitForBit) {
@@ -125,6 +159,7 @@ TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
     ASSERT_TRUE(database && migrate(*database));
     ASSERT_TRUE(
         database->execute("DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"
+                          "DROP TABLE robots; ALTER TABLE sessions DROP COLUMN spool_run;"
                           "PRAGMA foreign_keys=OFF; PRAGMA user_version=1;"
                           "INSERT INTO alignments VALUES (1, 2, 1, 'published', x''),"
                           "(1, 3, 2, 'rejected', x''), (2, 3, 3, 'retracted', x'')"));
@@ -157,6 +192,20 @@ TEST(Store, RepeatsChangeNothingAndHolesFail) {
   EXPECT_EQ(store->cloud({1, 2}).value(), "first");
 }
 
+TEST(Store, AnotherKeyframeOfTheSameNumberFails) {
+  const TempDir dir;
+  const auto store = open(dir);
+  ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+  ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
+  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
+  Keyframe other = line_keyframe(1);
+  other.stamp_s += 1e-6;
+  const auto refused = write_and_wait(*store, PutKeyframe{1, other});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("was copied"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(keyframes(*store, 1).at(0).stamp_s, line_keyframe(1).stamp_s);
+}
+
 TEST(Store, FullQueueRefusesAtOnce) {
   const TempDir dir;
   const auto store = open(dir, {.queue_bytes = 4096});
@@ -167,21 +216,64 @@ TEST(Store, FullQueueRefusesAtOnce) {
   EXPECT_EQ(store->load().queued_bytes, 0U);
 }
 
-TEST(Store, FullDiskFailsWritesAndLosesNothing) {
-  const TempDir dir;
-  std::uint64_t durable = 0;  // counted by the writer's thread, read when all is settled
-  {
-    const auto store = open(dir, {.database_bytes = 1'000'000});
-    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
-    for (std::uint64_t i = 1; i < 3000; ++i) {
-      store->write(PutKeyframe{1, line_keyframe(i)}, [&](const Result<void>& result) { durable += result ? 1 : 0; });
-      if (i % 100 == 0) (void)write_and_wait(*store, CompleteSession{1});  // all before it are settled
-    }
-    ASSERT_FALSE(write_and_wait(*store, PutCloud{{1, 1}, std::string(2'000'000, 'x')}));
-    EXPECT_NE(store->load().last_error.find("disk is full"), std::string::npos) << store->load().last_error;
-    EXPECT_GE(durable, 100U);
-    EXPECT_EQ(keyframes(*store, 1).size(), durable) << "reads go on";
+/// Files of this process may not grow beyond this: a full disk that can be emptied.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
   }
+  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Store, AFullDiskIsWaitedOutAndNothingIsLost) {
+  const TempDir dir;
+  constexpr std::uint64_t all = 3000;
+  std::atomic<std::uint64_t> durable = 0, failed = 0;
+  {
+    const auto store = open(dir, {.retry_ms = 1});
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+    std::uint64_t before = 0;
+    {
+      const FileLimit limit(1'000'000);
+      for (std::uint64_t i = 1; i <= all; ++i)
+        store->write(PutKeyframe{1, line_keyframe(i)},
+                     [&](const Result<void>& result) { ++(result ? durable : failed); });
+      while (store->load().waits_for.empty()) std::this_thread::yield();
+      EXPECT_EQ(keyframes(*store, 1).size(), durable) << "reads go on";
+      before = durable;
+      EXPECT_LT(before, all);
+      EXPECT_EQ(store->load().last_error, store->load().waits_for);
+    }
+    EXPECT_TRUE(write_and_wait(*store, CompleteSession{1})) << "it goes on by itself";
+    EXPECT_EQ(durable, all);
+    EXPECT_EQ(failed, 0U);
+    EXPECT_EQ(store->load().waits_for, "");
+  }
+  EXPECT_EQ(keyframes(*open(dir), 1).size(), all);
+}
+
+TEST(Store, ClosedWhileTheDiskIsFullItFailsWhatWaits) {
+  const TempDir dir;
+  std::uint64_t durable = 0, failed = 0;  // counted by the writer's thread, read when it has ended
+  {
+    const auto store = open(dir, {.database_bytes = 1'000'000, .retry_ms = 1});
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+    for (std::uint64_t i = 1; i < 3000; ++i)
+      store->write(PutKeyframe{1, line_keyframe(i)},
+                   [&](const Result<void>& result) { ++(result ? durable : failed); });
+    while (store->load().waits_for.empty()) std::this_thread::yield();
+    EXPECT_NE(store->load().waits_for.find("disk is full"), std::string::npos) << store->load().waits_for;
+  }
+  EXPECT_GE(durable, 100U);
+  EXPECT_EQ(durable + failed, 2999U);
   const auto store = open(dir);  // room was made
   EXPECT_EQ(keyframes(*store, 1).size(), durable);
   EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(durable + 1)}));

@@ -46,7 +46,7 @@ class UplinkProtocolTest : public testing::Test {
   std::vector<std::string> sent(std::size_t most = 1000) {
     std::vector<std::string> words;
     while (words.size() < most) {
-      const auto frame = link_->next_frame(events_);
+      const auto frame = link_->next_frame(now_, chunk_bytes_, events_);
       if (!frame) break;
       FrameReader reader;
       reader.feed(*frame);
@@ -99,6 +99,7 @@ class UplinkProtocolTest : public testing::Test {
 
   using Words = std::vector<std::string>;
   UplinkLimits limits_;
+  std::size_t chunk_bytes_ = limits::chunk_bytes;
   Table table_;
   UplinkProtocol::Time now_{};
   std::optional<UplinkProtocol> link_;
@@ -222,6 +223,97 @@ TEST_F(UplinkProtocolTest, SilenceIsAskedAboutAndThenEndsTheLink) {
   take(link_->tick(now_));
   ASSERT_TRUE(link_->ended());
   EXPECT_FALSE(end()->permanent);
+}
+
+TEST_F(UplinkProtocolTest, AnAnswerThatIsLateIsAskedForAndThenPutsTheLinkInDoubt) {
+  table_.keyframes = 2;
+  start();
+  sent();
+  welcome();
+  now_ += 8s;
+  EXPECT_FALSE(link_->doubtful(now_)) << "nothing was sent that is answered";
+  EXPECT_EQ(sent(), (Words{"k1", "k2"}));
+  now_ += 1499ms;
+  take(link_->tick(now_));
+  EXPECT_EQ(sent(), Words{});
+  now_ += 1ms;
+  take(link_->tick(now_));
+  EXPECT_EQ(sent(), Words{"ping"});
+  now_ += 1499ms;
+  EXPECT_FALSE(link_->doubtful(now_));
+  now_ += 1ms;
+  EXPECT_TRUE(link_->doubtful(now_));
+  ack(1);
+  EXPECT_FALSE(link_->doubtful(now_)) << "anything heard will do";
+  now_ += 2999ms;
+  EXPECT_FALSE(link_->doubtful(now_));
+  now_ += 1ms;
+  EXPECT_TRUE(link_->doubtful(now_)) << "keyframe 2 is still not acknowledged";
+  ack(2);
+  now_ += 8s;
+  EXPECT_FALSE(link_->doubtful(now_));
+}
+
+TEST_F(UplinkProtocolTest, AClockThatJumpsEndsTheLinkAtWorst) {
+  table_.keyframes = 1;
+  start();
+  sent();
+  welcome();
+  sent();
+  now_ -= std::chrono::hours(1);
+  take(link_->tick(now_));
+  EXPECT_FALSE(link_->ended() || link_->doubtful(now_));
+  ack(1);
+  now_ += std::chrono::hours(24);
+  take(link_->tick(now_));
+  ASSERT_TRUE(link_->ended()) << "a suspended robot connects anew";
+  EXPECT_FALSE(end()->permanent);
+}
+
+TEST_F(UplinkProtocolTest, AChunkIsAsLargeAsTheCallerAllows) {
+  table_.keyframes = 1;
+  table_.clouds[1] = std::string(3000, 'x');
+  start();
+  sent();
+  welcome();
+  chunk_bytes_ = 0;
+  EXPECT_EQ(sent(), Words{"k1"}) << "keyframes do not wait for room";
+  chunk_bytes_ = 1024;
+  EXPECT_EQ(sent(), (Words{"c1:0", "c1:1", "c1:2"}));
+}
+
+TEST_F(UplinkProtocolTest, AKeyframeOvertakesTheRestOfACloud) {
+  table_.keyframes = 1;
+  table_.clouds[1] = std::string(3000, 'x');
+  chunk_bytes_ = 1024;
+  start();
+  sent();
+  welcome();
+  EXPECT_EQ(sent(2), (Words{"k1", "c1:0"}));
+  table_.keyframes = 2;
+  EXPECT_EQ(sent(), (Words{"k2", "c1:1", "c1:2"}));
+}
+
+TEST_F(UplinkProtocolTest, OnHoldOnlyControlIsSent) {
+  table_.keyframes = 1;
+  table_.clouds[1] = "cloud";
+  start();
+  sent();
+  welcome();
+  v1::ServerMessage policy, ping;
+  policy.mutable_link_policy()->set_bytes_per_s(5000);
+  policy.mutable_link_policy()->set_hold("the disk is\nfull");
+  hear(policy);
+  const auto* told = std::get_if<PolicyTold>(&events_.back());
+  ASSERT_NE(told, nullptr);
+  EXPECT_EQ(told->bytes_per_s, 5000);
+  EXPECT_EQ(told->hold, "the disk is full");
+  ping.mutable_ping();
+  hear(ping);
+  EXPECT_EQ(sent(), Words{"pong"});
+  policy.mutable_link_policy()->clear_hold();
+  hear(policy);
+  EXPECT_EQ(sent(), (Words{"k1", "c1:0"}));
 }
 
 TEST_F(UplinkProtocolTest, AServerThatDoesNotWelcomeIsGivenUp) {

@@ -62,9 +62,9 @@ std::string progress_text(double elapsed_s, const std::vector<RobotOutcome>& rob
          " maps in one frame";
 }
 
-std::vector<RobotOutcome> ask(const std::string& http) {
-  const auto sessions = http_get(http, "/api/v1/sessions", 5s);
-  const auto atlas = http_get(http, "/api/v1/atlas", 5s);
+std::vector<RobotOutcome> ask(const test::BaseStation& station) {
+  const auto sessions = http_get(station, "/api/v1/sessions", 5s);
+  const auto atlas = http_get(station, "/api/v1/atlas", 5s);
   return outcome_of(sessions.value_or(nlohmann::json()), atlas.value_or(nlohmann::json()), {});
 }
 
@@ -72,7 +72,7 @@ Result<void> watch(test::BaseStation& station, std::vector<Replay>& replays, Clo
   ProgressLine line;
   for (bool running = true; running;) {
     while (station.process().read_line(0ms)) continue;  // so that the server never waits for us
-    line.show(progress_text(seconds_since(start), ask(station.http())));
+    line.show(progress_text(seconds_since(start), ask(station)));
     running = false;
     for (Replay& replay : replays) {
       const int status = replay.process.poll();
@@ -85,18 +85,21 @@ Result<void> watch(test::BaseStation& station, std::vector<Replay>& replays, Clo
     if (running) std::this_thread::sleep_for(200ms);
   }
   line.show("robots are home; the server finishes its merges");
-  if (auto settled = http_get(station.http(), "/api/v1/atlas?wait=60", 70s); !settled)
-    return tl::unexpected(settled.error());
-  line.end(progress_text(seconds_since(start), ask(station.http())));
+  if (auto settled = http_get(station, "/api/v1/atlas?wait=60", 70s); !settled) return tl::unexpected(settled.error());
+  line.end(progress_text(seconds_since(start), ask(station)));
   return {};
 }
 
 Result<std::vector<Replay>> start_robots(const test::BaseStation& station, const fs::path& dir) {
   std::vector<Replay> replays;
   for (const DemoRobot& robot : demo_robots()) {
-    auto process = test::Process::start({test::program("headframe-replay"), "--server", station.robots(), "--robot",
-                                         robot.name, "--insecure", "--fast", (dir / "mine" / robot.name).string()},
-                                        (dir / (robot.name + ".log")).string());
+    const auto admission = station.admission(robot.name);
+    if (!admission) return tl::unexpected(admission.error());
+    std::vector<std::string> argv{
+        test::program("headframe-replay"), "--server", station.robots(), "--robot", robot.name, "--fast"};
+    argv.insert(argv.end(), admission->begin(), admission->end());
+    argv.push_back((dir / "mine" / robot.name).string());
+    auto process = test::Process::start(argv, (dir / (robot.name + ".log")).string());
     if (!process) return tl::unexpected(process.error());
     replays.push_back({robot.name, std::move(*process)});
   }
@@ -113,6 +116,7 @@ Result<bool> run(const fs::path& dir) {
               seconds_since(start));
   std::error_code ignored;
   fs::remove_all(dir / "data", ignored);
+  for (const DemoRobot& robot : demo_robots()) fs::remove(dir / ("data-" + robot.name + ".credential"), ignored);
   auto station = test::BaseStation::start(dir / "data");
   if (!station) return tl::unexpected(station.error());
   std::printf("headframe-server takes robots on %s, operator API on http://%s/\n", station->robots().c_str(),
@@ -121,8 +125,7 @@ Result<bool> run(const fs::path& dir) {
   if (!replays) return tl::unexpected(replays.error());
   if (auto ok = watch(*station, *replays, Clock::now()); !ok) return tl::unexpected(ok.error());
 
-  const auto sessions = http_get(station->http(), "/api/v1/sessions", 5s),
-             atlas = http_get(station->http(), "/api/v1/atlas", 5s);
+  const auto sessions = http_get(*station, "/api/v1/sessions", 5s), atlas = http_get(*station, "/api/v1/atlas", 5s);
   if (!sessions) return tl::unexpected(sessions.error());
   if (!atlas) return tl::unexpected(atlas.error());
   const auto robots = outcome_of(*sessions, *atlas, recordings);

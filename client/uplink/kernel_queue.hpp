@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstddef>
+
+namespace headframe {
+
+/// How many bytes of clouds may follow what the kernel holds of this TCP socket, so that a keyframe waits half a second
+/// at most behind them on a thin link: none while it holds more than the link delivers in its round trip and half a
+/// second, else what the link delivers in 50 ms. `most` where the kernel does not say.
+std::size_t kernel_room(int socket, std::size_t most);
+
+/// Lost packets of a TCP socket with little on its way are sent again after the same time, not after ever longer ones:
+/// the link is back seconds earlier after a gap.
+void expect_losses(int socket);
+
+}  // namespace headframe

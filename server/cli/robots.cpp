@@ -1,0 +1,58 @@
+#include <ctime>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "server/cli/commands.hpp"
+#include "server/cli/table.hpp"
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string time_text(const Json& seconds) {
+  if (!seconds.is_number()) return "-";
+  const auto time = static_cast<std::time_t>(seconds.get<double>());
+  std::tm local{};
+  char text[32];
+  ::localtime_r(&time, &local);
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local)};
+}
+
+}  // namespace
+
+Result<int> Commands::list_robots() {
+  const auto body = fetched("/api/v1/robots");
+  if (!body) return tl::unexpected(body.error());
+  if (json_) {
+    std::cout << *body;
+    return exit_ok;
+  }
+  const Json json = Json::parse(*body);
+  std::cout << "server fingerprint " << printable(json.at("fingerprint").get<std::string>()) << "\n";
+  for (const Json& row : json.at("robots"))
+    std::cout << printable(row.at("robot").get<std::string>()) << ": " << printable(row.at("state").get<std::string>())
+              << ", enrolled " << time_text(row.at("enrolled_s")) << ", code open until "
+              << time_text(row.at("code_expires_s")) << "\n";
+  return exit_ok;
+}
+
+Result<int> Commands::add_robot(const std::string& robot) {
+  const auto body = posted("/api/v1/robots/add?robot=" + percent_encoded(robot), 201);
+  if (!body) return tl::unexpected(body.error());
+  const auto enrolment = Json::parse(*body).at("enrolment").get<std::string>();
+  std::cout << (json_ ? *body : printable(enrolment) + "\n") << std::flush;
+  if (!json_)
+    std::cerr << "headframe: good for one robot, once, for an hour: headframe-replay --robot " << printable(robot)
+              << " --enrol ...\n";
+  return exit_ok;
+}
+
+Result<int> Commands::revoke_robot(const std::string& robot) {
+  const auto body = posted("/api/v1/robots/revoke?robot=" + percent_encoded(robot), 200);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : "robot " + printable(robot) + " is cut off\n");
+  return exit_ok;
+}
+
+}  // namespace headframe

@@ -1,0 +1,30 @@
+#include "server/operator/robot_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json time_or_null(double seconds) { return seconds > 0 ? Json(seconds) : Json(); }
+
+}  // namespace
+
+std::string robots_json(const std::vector<RobotRow>& robots, const std::string& fingerprint) {
+  Json rows = Json::array();
+  for (const RobotRow& row : robots)
+    rows.push_back({{"robot", row.robot},
+                    {"state", row.state},
+                    {"enrolled_s", time_or_null(row.enrolled_s)},
+                    {"code_expires_s", time_or_null(row.code_expires_s)}});
+  return text({{"fingerprint", fingerprint}, {"robots", std::move(rows)}});
+}
+
+std::string enrolment_json(const std::string& robot, const std::string& enrolment) {
+  return text({{"robot", robot}, {"enrolment", enrolment}});
+}
+
+}  // namespace headframe

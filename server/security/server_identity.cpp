@@ -1,0 +1,25 @@
+#include "server/security/server_identity.hpp"
+
+#include "common/security/private_file.hpp"
+#include "common/security/tls.hpp"
+
+namespace headframe {
+
+Result<ServerIdentity> server_identity(const std::filesystem::path& directory) {
+  const auto path = directory / "identity.pem";
+  auto pem = read_private_file(path);
+  if (!pem && pem.error().code == ErrorCode::not_found) {
+    pem = make_identity();
+    if (!pem) return tl::unexpected(pem.error());
+    if (auto written = write_private_file(path, *pem); !written) return tl::unexpected(written.error());
+  }
+  if (!pem) return tl::unexpected(pem.error());
+  auto tls = server_tls(*pem);
+  auto fingerprint = fingerprint_of(*pem);
+  if (!tls || !fingerprint)
+    return failure(ErrorCode::bad_input, path.string() + ": " + (tls ? fingerprint.error() : tls.error()).message +
+                                             "; restore it from a copy, or remove it and enrol all robots anew");
+  return ServerIdentity{std::move(*tls), std::move(*fingerprint)};
+}
+
+}  // namespace headframe

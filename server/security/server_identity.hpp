@@ -1,0 +1,21 @@
+#pragma once
+
+#include <boost/asio/ssl/context.hpp>
+#include <filesystem>
+#include <string>
+
+#include "common/result.hpp"
+
+namespace headframe {
+
+struct ServerIdentity {
+  boost::asio::ssl::context tls;
+  std::string fingerprint;  // 32 bytes: by this robots know the server
+};
+
+/// The key and certificate of DIRECTORY/identity.pem (mode 0600); made when it is not there. Whoever has this file can
+/// pretend to be this server; without it no robot knows the server again. Errors are those of read_private_file, but
+/// not_found; bad_input: something else is in the file.
+Result<ServerIdentity> server_identity(const std::filesystem::path& directory);
+
+}  // namespace headframe

@@ -1,0 +1,21 @@
+#pragma once
+// A robot whose every keyframe follows from its name and number, so that what arrives can be compared bit for bit.
+
+#include <cstdint>
+#include <string>
+
+#include "client/robot_client.hpp"
+
+namespace headframe::bench {
+
+inline constexpr int cloud_points = 6000;  // some 14 KB: two chunks
+
+/// Plain TCP to `host` (loopback), descriptors of its own, every cloud sent.
+RobotConfig drive_config(const std::string& robot, const std::filesystem::path& spool, const std::string& host,
+                         std::uint16_t port);
+
+/// Adds keyframe `number` (from 1) of the drive of `robot`, its cloud of about `points` points.
+Result<bool> add_drive_keyframe(RobotClient& client, const std::string& robot, std::uint64_t number,
+                                int points = cloud_points);
+
+}  // namespace headframe::bench

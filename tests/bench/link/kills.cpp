@@ -1,0 +1,163 @@
+#include "tests/bench/link/kills.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include "tests/support/base_station.hpp"
+
+namespace headframe::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+/// One base station and its robots, from the first keyframe to the last.
+class Block {
+ public:
+  Block(const KillPlan& plan, fs::path scratch, std::mt19937& random)
+      : plan_(plan), scratch_(std::move(scratch)), random_(random) {
+    for (int i = 0; i < plan.robots; ++i) names_.push_back("robot" + std::to_string(i));
+    robots_.resize(names_.size());
+  }
+
+  Result<void> run(int kills, KillOutcome& outcome) {
+    for (const auto& name : names_) {
+      auto made = produce(name, plan_.keyframes, scratch_ / "oracle" / name);
+      if (!made) return tl::unexpected(made.error());
+      produced_[name] = std::move(*made);
+    }
+    auto done = start_server();
+    for (std::size_t i = 0; done && i < robots_.size(); ++i) done = start_robot(i);
+    for (const int last = outcome.kills + kills; done && outcome.kills < last;) done = round(outcome);
+    for (auto& robot : robots_) {
+      if (!done) return done;
+      const auto ended = robot->wait(180s);
+      if (!ended || ended->status != 0)
+        return failure(ErrorCode::unavailable,
+                       "a robot did not finish: " + (ended ? ended->output : ended.error().message));
+    }
+    if (done) done = compare_all(outcome);
+    return done;
+  }
+
+ private:
+  int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+
+  Result<void> start_server() {
+    auto started = test::BaseStation::start(scratch_ / "data", listen_, true);
+    if (!started) return tl::unexpected(started.error());
+    listen_ = started->robots();  // the same port from now on
+    server_.emplace(std::move(*started));
+    return {};
+  }
+
+  Result<void> start_robot(std::size_t i) {
+    auto started = test::Process::start({test::program("headframe-link-robot"), names_[i], spool(i).string(),
+                                         listen_.substr(listen_.rfind(':') + 1), std::to_string(plan_.keyframes),
+                                         std::to_string(plan_.every_ms)});
+    if (!started) return tl::unexpected(started.error());
+    robots_[i].emplace(std::move(*started));
+    return {};
+  }
+
+  /// Victim -1 is the server.
+  Result<void> round(KillOutcome& outcome) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(pick(5, 400)));
+    std::vector<int> victims;
+    const int kind = pick(0, 9), robots = static_cast<int>(robots_.size());
+    for (int v = -1; v < robots; ++v)
+      if (kind == 9 || (kind >= 5 ? v == -1 : v == kind % robots)) victims.push_back(v);
+    std::shuffle(victims.begin(), victims.end(), random_);
+    for (const int v : victims) {
+      auto& process = v < 0 ? server_->process() : *robots_[static_cast<std::size_t>(v)];
+      process.signal(SIGKILL);
+      (void)process.wait(10s);
+      ++outcome.kills;
+      outcome.server_kills += v < 0 ? 1 : 0;
+    }
+    auto told = snapshot();
+    std::shuffle(victims.begin(), victims.end(), random_);
+    for (const int v : victims)
+      if (auto done = v < 0 ? start_server() : start_robot(static_cast<std::size_t>(v)); !done) return done;
+    if (!told) return tl::unexpected(told.error());
+    return compare(*told, outcome);
+  }
+
+  /// What every robot, dead or halted for the moment, was told.
+  Result<std::map<std::string, Told>> snapshot() {
+    std::map<std::string, Told> all;
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const fs::path copy = scratch_ / "copy";
+      fs::remove_all(copy);
+      robots_[i]->signal(SIGSTOP);
+      fs::create_directories(copy / "clouds");
+      std::error_code gone;
+      if (fs::exists(spool(i) / "session.log")) fs::copy_file(spool(i) / "session.log", copy / "session.log");
+      for (const auto& cloud : fs::directory_iterator(spool(i) / "clouds", gone))
+        fs::create_hard_link(cloud.path(), copy / "clouds" / cloud.path().filename(), gone);
+      robots_[i]->signal(SIGCONT);
+      auto one = told(names_[i], copy);
+      if (!one) return tl::unexpected(one.error());
+      all[names_[i]] = std::move(*one);
+    }
+    return all;
+  }
+
+  Result<void> compare(const std::map<std::string, Told>& told, KillOutcome& outcome) {
+    const auto faults = audit(scratch_ / "data", produced_, told);
+    if (!faults) return tl::unexpected(faults.error());
+    ++outcome.compares;
+    const auto stored = outcome.faults.keyframes, clouds = outcome.faults.clouds;
+    outcome.faults.add(*faults);
+    outcome.faults.keyframes = stored;  // counted once a block, by compare_all()
+    outcome.faults.clouds = clouds;
+    return {};
+  }
+
+  /// All have finished: every keyframe and cloud that was produced must be there.
+  Result<void> compare_all(KillOutcome& outcome) {
+    std::map<std::string, Told> everything;
+    for (const auto& [name, produced] : produced_) {
+      Told& all = everything[name];
+      all.keyframes = all.produced = plan_.keyframes;
+      for (std::uint64_t s = 1; s <= plan_.keyframes; ++s) all.clouds.insert(s);
+    }
+    const auto faults = audit(scratch_ / "data", produced_, everything);
+    if (!faults) return tl::unexpected(faults.error());
+    ++outcome.compares;
+    outcome.faults.add(*faults);
+    return {};
+  }
+
+  fs::path spool(std::size_t i) const { return scratch_ / "spools" / names_[i]; }
+
+  const KillPlan plan_;
+  const fs::path scratch_;
+  std::mt19937& random_;
+  std::vector<std::string> names_;
+  std::map<std::string, Produced> produced_;
+  std::string listen_ = "127.0.0.1:0";
+  std::optional<test::BaseStation> server_;
+  std::vector<std::optional<test::Process>> robots_;
+};
+
+}  // namespace
+
+Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch) {
+  std::mt19937 random(plan.seed);
+  KillOutcome outcome;
+  while (outcome.kills < plan.count) {
+    const fs::path folder = scratch / ("block" + std::to_string(outcome.compares));
+    const int kills = std::min(plan.kills_a_block, plan.count - outcome.kills);
+    auto done = Block(plan, folder, random).run(kills, outcome);
+    if (!done) return tl::unexpected(done.error());
+    fs::remove_all(folder);
+  }
+  return outcome;
+}
+
+}  // namespace headframe::bench

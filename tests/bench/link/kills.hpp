@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+
+#include "tests/bench/link/audit.hpp"
+
+namespace headframe::bench {
+
+struct KillPlan {
+  int count = 300;
+  std::uint32_t seed = 1;
+  int robots = 3;
+  int kills_a_block = 20;  // then the robots may finish, all is compared, and new ones begin
+  std::uint64_t keyframes = 700;
+  int every_ms = 10;  // a keyframe and its cloud, each robot
+};
+
+struct KillOutcome {
+  int kills = 0;  // processes killed with SIGKILL
+  int server_kills = 0;
+  int compares = 0;
+  Faults faults;
+};
+
+/// Kills the server, a robot, or all at seeded moments under load; restarts them in a seeded order; compares after
+/// every restart. Real processes, data below `scratch`. Fails when a program does not start or does not finish.
+Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch);
+
+}  // namespace headframe::bench

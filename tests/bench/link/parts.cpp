@@ -1,0 +1,140 @@
+#include "tests/bench/link/parts.hpp"
+
+#include <cstdio>
+#include <thread>
+
+#include "tests/bench/link/faults.hpp"
+#include "tests/support/base_station.hpp"
+
+namespace headframe::bench {
+namespace {
+
+constexpr double ack_bar_ms = 250;
+
+void print(const LoadOutcome& o) {
+  std::printf("  %6d %9llu %8.1f %8.1f %9.1f %8llu %8llu %8.1f %+8.1f %7.2f %7.2f %7.0f %s\n", o.robots,
+              static_cast<unsigned long long>(o.keyframes), o.ack_p50_ms, o.ack_p99_ms, o.ack_max_ms,
+              static_cast<unsigned long long>(o.unacknowledged), static_cast<unsigned long long>(o.broken_links),
+              o.rss_mb, o.rss_growth_mb, o.server_cores, o.robots_cores, o.late_ms, o.broken_why.c_str());
+  std::fflush(stdout);
+}
+
+/// A folder in memory where there is one: robots have disks of their own. The server's data stay on the disk.
+Result<LoadOutcome> load_once(const LoadPlan& plan) {
+  const test::ScratchFolder disk;
+  const std::filesystem::path memory = "/dev/shm";
+  const auto spools = std::filesystem::is_directory(memory) ? memory / disk.path().filename() : disk.path() / "robots";
+  auto outcome = load(plan, disk.path(), spools);
+  std::error_code ignored;
+  std::filesystem::remove_all(spools, ignored);
+  return outcome;
+}
+
+}  // namespace
+
+nlohmann::json link_kills(const KillPlan& plan) {
+  const test::ScratchFolder scratch;
+  const auto outcome = kill_campaign(plan, scratch.path());
+  if (!outcome) return std::fprintf(stderr, "link kills: %s\n", outcome.error().message.c_str()), nlohmann::json();
+  const Faults& f = outcome->faults;
+  const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
+  std::printf(
+      "link kills (seed %u)\n  %d kills, %d of them of the server; %d compares; %llu keyframes and %llu clouds\n",
+      plan.seed, outcome->kills, outcome->server_kills, outcome->compares, n(f.keyframes), n(f.clouds));
+  std::printf("  lost %llu, duplicated %llu, corrupted %llu; clouds lost %llu, corrupted %llu %s\n", n(f.lost),
+              n(f.duplicated), n(f.corrupted), n(f.clouds_lost), n(f.clouds_corrupted), f.first.c_str());
+  return {{"kills", outcome->kills},
+          {"lost", f.lost + f.clouds_lost},
+          {"duplicated", f.duplicated},
+          {"corrupted", f.corrupted},
+          {"clouds_lost", f.clouds_lost},
+          {"clouds_corrupted", f.clouds_corrupted},
+          {"kill_keyframes", f.keyframes},
+          {"kill_clouds", f.clouds},
+          {"kill_compares", outcome->compares},
+          {"server_kills", outcome->server_kills}};
+}
+
+nlohmann::json link_faults(double seconds, std::uint32_t seed) {
+  constexpr std::size_t robots = 4;
+  const test::ScratchFolder scratch;
+  const auto radios = bad_radios();
+  std::vector<Result<FaultOutcome>> runs(radios.size() * robots), outcomes;
+  std::vector<std::thread> threads;
+  threads.reserve(runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    threads.emplace_back([&, i] {
+      const FaultPlan plan{radios[i / robots], seconds, 1, seed + static_cast<std::uint32_t>(i)};
+      runs[i] = drive_over(plan, scratch.path() / std::to_string(i));
+    });
+  for (auto& thread : threads) thread.join();
+  outcomes.reserve(radios.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i]) return std::fprintf(stderr, "link faults: %s\n", runs[i].error().message.c_str()), nlohmann::json();
+    if (i % robots == 0)
+      outcomes.push_back(runs[i]);
+    else
+      outcomes.back()->add(*runs[i]);
+  }
+  nlohmann::json rows = nlohmann::json::array(), figures;
+  std::uint64_t wrong = 0;
+  std::printf(
+      "link faults (%.0f s each; 4 robots, each over a radio of its own, a keyframe a second with its cloud)\n"
+      "  radio             keyframes  lag p50 s  p95 s  max s  recovery p95 s  clouds meanwhile  lost  doubled  "
+      "corrupt\n",
+      seconds);
+  for (const auto& done : outcomes) {
+    const auto& f = done->faults;
+    const double p50 = quantile(done->lag_s, 0.5), p95 = quantile(done->lag_s, 0.95), most = quantile(done->lag_s, 1);
+    const double recovery = quantile(done->recovery_s, 0.95);
+    std::printf("  %-16s %10llu %10.2f %6.2f %6.2f %15.2f %17llu %5llu %8llu %8llu %s\n", done->name.c_str(),
+                static_cast<unsigned long long>(f.keyframes), p50, p95, most, recovery,
+                static_cast<unsigned long long>(done->clouds), static_cast<unsigned long long>(f.lost + f.clouds_lost),
+                static_cast<unsigned long long>(f.duplicated),
+                static_cast<unsigned long long>(f.corrupted + f.clouds_corrupted), f.first.c_str());
+    wrong += f.sum();
+    rows.push_back({{"radio", done->name},
+                    {"keyframes", f.keyframes},
+                    {"lag_p50_s", p50},
+                    {"lag_p95_s", p95},
+                    {"lag_max_s", most},
+                    {"recovery_p95_s", recovery},
+                    {"clouds", done->clouds},
+                    {"bytes", done->bytes},
+                    {"faults", f.sum()}});
+  }
+  return {{"radios", rows},
+          {"radio_faults", wrong},
+          {"recovery_p95_s", rows[3]["recovery_p95_s"]},
+          {"recovery_together_p95_s", rows[4]["recovery_p95_s"]},
+          {"lag_64kbit_max_s", rows[2]["lag_max_s"]}};
+}
+
+nlohmann::json link_load(const LoadPlan& plan, bool until_it_breaks) {
+  std::printf(
+      "link load (%.0f s, a keyframe a second each with a cloud of %d points)\n"
+      "  robots keyframes   p50 ms   p99 ms    max ms  unacked  dropped   rss MB   growth  server  robots late ms\n",
+      plan.seconds, plan.points);
+  const auto first = load_once(plan);
+  if (!first) return std::fprintf(stderr, "link load: %s\n", first.error().message.c_str()), nlohmann::json();
+  print(*first);
+  nlohmann::json figures{{"robots", first->robots},           {"ack_p50_ms", first->ack_p50_ms},
+                         {"ack_p99_ms", first->ack_p99_ms},   {"ack_max_ms", first->ack_max_ms},
+                         {"overflows", first->broken_links},  {"unacknowledged", first->unacknowledged},
+                         {"rss_mb", first->rss_mb},           {"rss_growth_mb", first->rss_growth_mb},
+                         {"load_seconds", plan.seconds},      {"server_cores", first->server_cores},
+                         {"bench_cores", first->robots_cores}};
+  LoadPlan more = plan;
+  more.seconds = 30;
+  for (auto last = *first; until_it_breaks && last.ack_p99_ms <= ack_bar_ms && last.broken_links == 0;) {
+    more.robots = more.robots * 3 / 2;
+    const auto next = load_once(more);
+    if (!next) return std::fprintf(stderr, "link load: %s\n", next.error().message.c_str()), figures;
+    print(*next);
+    last = *next;
+    figures["breaks_at_robots"] = last.robots;
+  }
+  return figures;
+}
+
+}  // namespace headframe::bench

@@ -1,0 +1,20 @@
+#pragma once
+// The parts of ./run bench link: each measures, prints its table and gives its figures; null when a program failed.
+
+#include <cstdint>
+
+#include "tests/bench/link/kills.hpp"
+#include "tests/bench/link/link.hpp"
+#include "tests/bench/link/load.hpp"
+
+namespace headframe::bench {
+
+nlohmann::json link_kills(const KillPlan& plan);
+
+/// All bad radios at the same time, each with robots and a server of its own.
+nlohmann::json link_faults(double seconds, std::uint32_t seed);
+
+/// The plan, then if wanted ever more robots for 30 s until the bar of 250 ms breaks.
+nlohmann::json link_load(const LoadPlan& plan, bool until_it_breaks);
+
+}  // namespace headframe::bench

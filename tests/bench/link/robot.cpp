@@ -1,0 +1,29 @@
+// headframe-link-robot: one robot as a process of its own, to be killed. Goes on where its spool ends, stops when all
+// of its keyframes and clouds are acknowledged.
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+#include "tests/bench/link/drive.hpp"
+
+int main(int argc, char** argv) {
+  using namespace headframe;
+  if (argc != 6) return std::fprintf(stderr, "usage: headframe-link-robot ROBOT SPOOL PORT KEYFRAMES EVERY_MS\n"), 2;
+  const std::string robot = argv[1];
+  const auto port = static_cast<std::uint16_t>(std::atoi(argv[3]));
+  const auto keyframes = static_cast<std::uint64_t>(std::atoll(argv[4]));
+  const auto client = RobotClient::open(bench::drive_config(robot, argv[2], "127.0.0.1", port));
+  if (!client) return std::fprintf(stderr, "%s\n", client.error().message.c_str()), 1;
+  for (const auto& warning : (*client)->warnings()) std::printf("%s\n", warning.c_str());
+  auto due = std::chrono::steady_clock::now();
+  for (std::uint64_t i = (*client)->progress().keyframes + 1; i <= keyframes; ++i) {
+    if (const auto added = bench::add_drive_keyframe(**client, robot, i); !added || !*added)
+      return std::fprintf(stderr, "keyframe: %s\n", added ? "not new" : added.error().message.c_str()), 1;
+    std::this_thread::sleep_until(due += std::chrono::milliseconds(std::atoi(argv[5])));
+  }
+  const auto done = (*client)->finish(std::chrono::seconds(120));
+  if (!done) std::fprintf(stderr, "%s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+}

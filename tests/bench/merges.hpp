@@ -1,0 +1,20 @@
+#pragma once
+// ./run bench merges: can merges be trusted, and how long do they take?
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace headframe::bench {
+
+/// Pairs of sessions in simulated mines that were never used to set a weight: what was merged, what should have been,
+/// how far off; a table by kind and by overlap. Draws the five worst into `pictures`.
+nlohmann::json campaign(int mines, const std::filesystem::path& pictures);
+
+/// All pairs of the recordings, within and across their sets, with the evidence.
+nlohmann::json recordings_crossed(const std::filesystem::path& recordings);
+
+/// From the trigger to the published transform, by stage; two sessions of 300 keyframes, then with others in the
+/// database.
+nlohmann::json merge_times();
+
+}  // namespace headframe::bench

@@ -1,0 +1,52 @@
+#include "tests/bench/pipeline_run.hpp"
+
+#include "common/descriptor/family.hpp"
+
+namespace headframe::bench {
+
+SessionId PipelineRun::add(const DrivenSession& session) {
+  sessions.push_back(&session);
+  const auto id = static_cast<SessionId>(sessions.size());
+  pipeline.add_session(id, make_family(default_family_name).value()->id());
+  for (const Keyframe& keyframe : session.keyframes) {
+    pipeline.add_keyframe(id, keyframe);
+    pipeline.prepare_cloud({id, keyframe.sequence}, *this);
+  }
+  pipeline.complete_session(id);
+  pipeline.prepare_session(id, *this);
+  return id;
+}
+
+StageTimes PipelineRun::attempt(SessionId id) {
+  StageTimes total;
+  for (bool more = true; more;) {
+    const AttemptReport report = pipeline.attempt(id, *this);
+    more = report.unfinished;
+    total.hypotheses_ms += report.times.hypotheses_ms;
+    total.sampling_ms += report.times.sampling_ms;
+    total.registration_ms += report.times.registration_ms;
+    total.verification_ms += report.times.verification_ms;
+    total.atlas_ms += report.times.atlas_ms;
+  }
+  return total;
+}
+
+CloudState PipelineRun::state(const KeyframeRef& /*keyframe*/) const { return CloudState::stored; }
+
+Result<KeyframeCloud> PipelineRun::load(const KeyframeRef& keyframe) {
+  return session(keyframe.session).clouds.at(keyframe.sequence - 1);
+}
+
+Outcome judge_outcome(const PipelineRun& run, SessionId a, SessionId b) {
+  Outcome out;
+  for (const Alignment& alignment : run.pipeline.alignments()) {
+    if (alignment.a != a || alignment.b != b || alignment.state != AlignmentState::published) continue;
+    out.merged = true;
+    if (run.session(a).world != run.session(b).world) continue;
+    out.error = overlap_error(run.session(a).path, run.session(b).path, alignment.T_a_b);
+    out.right = out.error.pairs > 0 && out.error.translation_m < 1 && out.error.rotation_deg < 3;
+  }
+  return out;
+}
+
+}  // namespace headframe::bench

@@ -1,0 +1,67 @@
+#include <cstdio>
+#include <numbers>
+
+#include "tests/bench/merges.hpp"
+#include "tests/bench/pipeline_run.hpp"
+
+namespace headframe::bench {
+namespace {
+
+struct Set {
+  const char* name;
+  std::vector<const char*> robots;
+};
+
+/// tunnel-four and tunnel-apart share a world.
+std::string world_of(const std::string& set) { return set.starts_with("tunnel-four") || set.starts_with("tunnel-apart") ? "tunnel" : set; }
+
+bool truly_near(const DrivenSession& a, const DrivenSession& b) {
+  if (a.world != b.world) return false;
+  return overlap_error(a.path, b.path, Pose::Identity()).pairs > 0;
+}
+
+}  // namespace
+
+nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
+  const std::vector<Set> sets{{"nclt-two-robots", {"r1", "r2"}},
+                              {"tunnel-two", {"r1", "r2"}},
+                              {"tunnel-four", {"s1", "s2", "s3", "s4"}},
+                              {"tunnel-apart", {"r1", "r2"}}};
+  std::vector<DrivenSession> sessions;
+  for (const Set& set : sets)
+    for (const char* robot : set.robots)
+      if (std::filesystem::exists(recordings / set.name / robot)) {
+        sessions.push_back(read_driven_session(recordings / set.name, robot));
+        sessions.back().world = world_of(sessions.back().world);
+      }
+  if (sessions.empty()) {
+    std::printf("recordings: none at %s\n", recordings.c_str());
+    return nullptr;
+  }
+  PipelineRun run;
+  for (const DrivenSession& s : sessions) run.add(s);
+  const auto count = static_cast<SessionId>(sessions.size());
+  for (SessionId id = 1; id <= count; ++id) run.attempt(id);
+  std::printf("recordings, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, error\n",
+              sessions.size());
+  nlohmann::json out{{"false", 0}, {"true_pairs", 0}, {"merged", 0}};
+  for (const Alignment& k : run.pipeline.alignments()) {
+    const DrivenSession &a = run.session(k.a), &b = run.session(k.b);
+    const bool near = truly_near(a, b);
+    const Outcome outcome = judge_outcome(run, k.a, k.b);
+    const Evidence& e = k.evidence;
+    out["true_pairs"] = out["true_pairs"].get<int>() + near;
+    out["merged"] = out["merged"].get<int>() + outcome.right;
+    out["false"] = out["false"].get<int>() + (outcome.merged && !outcome.right);
+    if (near || e.probability > 0.01)
+      std::printf("  %-20s %-20s %-9s %.3f %.3f  %.4f %.3f m %4.0f m %2.0f  %s %.3f m %.2f deg\n", a.name.c_str(),
+                  b.name.c_str(), std::string(to_string(k.state)).c_str(), e.probability, e.runner_up,
+                  e.freespace_violation, e.residual_m, e.overlap_m, e.aliases, near ? "true pair" : "-",
+                  outcome.error.translation_m, outcome.error.rotation_deg);
+  }
+  std::printf("  %d true pairs, %d merged rightly, %d false\n", out["true_pairs"].get<int>(), out["merged"].get<int>(),
+              out["false"].get<int>());
+  return out;
+}
+
+}  // namespace headframe::bench

@@ -1,0 +1,31 @@
+#pragma once
+// A bad link in this process, for machines where no namespaces may be made.
+
+#include <cstdint>
+#include <memory>
+
+namespace headframe::test {
+
+struct LinkFaults {
+  std::uint32_t seed = 1;
+  int cuts = 10;                   // connections that are closed in the middle, first
+  int stalls = 1;                  // then connections that fall silent and stay open
+  std::size_t most_bytes = 60000;  // of both directions together, until it happens
+};
+
+/// Forwards connections to 127.0.0.1:port in pieces of 1 to 1500 bytes, and breaks them at seeded places; when all
+/// faults are spent it forwards for good. Runs a thread of its own.
+class FaultyProxy {
+ public:
+  FaultyProxy(std::uint16_t port, const LinkFaults& faults);
+  ~FaultyProxy();
+
+  std::uint16_t port() const;  // where it listens
+  int faults() const;          // that have happened
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace headframe::test

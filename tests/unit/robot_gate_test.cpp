@@ -1,0 +1,114 @@
+// The gate with a real store and a manual clock.
+#include "server/security/robot_gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "common/security/secret.hpp"
+#include "server/store/sqlite_store.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace headframe {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::ip::make_address;
+
+struct Gate : testing::Test {
+  void SetUp() override { reopen(); }
+  void reopen() {
+    gate.reset();
+    store.reset();
+    store = open_sqlite_store(dir.path()).value();
+    RobotGate::Seams seams{
+        [this] { return now_s; },
+        [this](const std::string& robot, const std::string& why) { ended += robot + " " + why + "\n"; }};
+    gate =
+        std::make_unique<RobotGate>(*store, seams, AttemptLimits{.failures = 2, .forgiven_per_s = 1, .addresses = 9});
+    ASSERT_TRUE(gate->restore());
+  }
+  std::string open(const std::string& robot) {
+    std::promise<std::string> code;
+    gate->open(robot, [&](const Result<std::string>& opened) { code.set_value(opened.value()); });
+    return code.get_future().get();
+  }
+  Result<void> admit(const std::string& robot, const Credential& shown, const std::string& from = "10.0.0.1") {
+    std::promise<Result<void>> done;
+    gate->admit(robot, shown, make_address(from), now, [&](const Result<void>& r) { done.set_value(r); });
+    return done.get_future().get();
+  }
+  Result<void> revoke(const std::string& robot) {
+    std::promise<Result<void>> done;
+    gate->revoke(robot, [&](const Result<void>& r) { done.set_value(r); });
+    return done.get_future().get();
+  }
+
+  TempDir dir;
+  double now_s = 1000;
+  AttemptLimiter::Time now{};
+  std::string ended;
+  std::unique_ptr<Store> store;
+  std::unique_ptr<RobotGate> gate;
+  const std::string token = random_secret(token_bytes), other = random_secret(token_bytes);
+};
+
+TEST_F(Gate, WhatItSaidYesToOutlivesTheServer) {
+  const std::string code = open("ant");
+  reopen();
+  EXPECT_TRUE(admit("ant", {token, code}));
+  reopen();
+  EXPECT_TRUE(admit("ant", {token, ""}));
+  EXPECT_FALSE(admit("ant", {other, code})) << "used, also after a restart";
+  EXPECT_TRUE(revoke("ant"));
+  reopen();
+  EXPECT_FALSE(admit("ant", {token, ""}));
+}
+
+TEST_F(Gate, ConnectionsEndWithTheirCredential) {
+  EXPECT_TRUE(admit("ant", {token, open("ant")}));
+  EXPECT_EQ(ended, "ant it has enrolled anew\n") << "there is none the first time, and nobody minds";
+  ended.clear();
+  EXPECT_TRUE(admit("ant", {token, ""}));
+  EXPECT_EQ(ended, "");
+  EXPECT_TRUE(admit("ant", {other, open("ant")}));
+  EXPECT_EQ(ended, "ant it has enrolled anew\n");
+  EXPECT_FALSE(gate->holds("ant", token));
+  ended.clear();
+  EXPECT_TRUE(revoke("ant"));
+  EXPECT_EQ(ended, "ant it was revoked\n");
+  EXPECT_EQ(revoke("bee").error().code, ErrorCode::not_found);
+}
+
+TEST_F(Gate, FailedAttemptsAreLimitedByAddressAndTokensThatFitAreNot) {
+  EXPECT_TRUE(admit("ant", {token, open("ant")}));
+  const std::string code = open("bee");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(admit("bee", {other, "guess"}).error().code, ErrorCode::refused);
+  const auto limited = admit("bee", {other, code});
+  ASSERT_FALSE(limited) << "not even the right code";
+  EXPECT_EQ(limited.error().code, ErrorCode::unavailable);
+  EXPECT_TRUE(admit("ant", {token, ""})) << "who is known gets in";
+  EXPECT_TRUE(admit("bee", {other, code}, "10.0.0.2")) << "another address is not concerned";
+  now += 1s;
+  EXPECT_EQ(admit("bee", {token, "guess"}).error().code, ErrorCode::refused) << "looked at again";
+}
+
+TEST_F(Gate, AFullDiskOpensNothing) {
+  const std::string code = open("ant");
+  gate.reset();
+  store.reset();
+  store = open_sqlite_store(dir.path(), {.queue_bytes = 1}).value();  // every write is one too many
+  gate = std::make_unique<RobotGate>(*store, RobotGate::Seams{[this] { return now_s; }, {}});
+  ASSERT_TRUE(gate->restore());
+  EXPECT_EQ(admit("ant", {token, code}).error().code, ErrorCode::unavailable);
+  EXPECT_EQ(admit("ant", {token, ""}).error().code, ErrorCode::refused) << "nothing was granted";
+  bool failed = false;
+  gate->open("bee", [&](const Result<std::string>& opened) { failed = !opened; });
+  EXPECT_TRUE(failed);
+  EXPECT_EQ(gate->robots().size(), 1U);
+  EXPECT_FALSE(revoke("ant"));
+  EXPECT_FALSE(admit("ant", {token, code})) << "revoked all the same, as long as this server lives";
+}
+
+}  // namespace
+}  // namespace headframe
