@@ -13,6 +13,7 @@
 #include "server/atlas/decisions.hpp"
 #include "server/merge_config.hpp"
 #include "server/place/descriptor_index.hpp"
+#include "server/stage_times.hpp"
 
 namespace headframe {
 
@@ -29,14 +30,6 @@ class CloudSource {
   virtual CloudState state(const KeyframeRef& keyframe) const = 0;
   /// In the keyframe's sensor frame.
   virtual Result<KeyframeCloud> load(const KeyframeRef& keyframe) = 0;
-};
-
-struct StageTimes {
-  double hypotheses_ms = 0;
-  double sampling_ms = 0;
-  double registration_ms = 0;
-  double verification_ms = 0;
-  double atlas_ms = 0;
 };
 
 /// What one attempt to merge a session did, or one decision of the operator.

@@ -58,6 +58,18 @@ Pending StationView::pending() const {
   return pending;
 }
 
+Workload StationView::workload() const {
+  const StoreLoad load = store_.load();
+  const auto [attempts, stages] = worker_.effort();
+  return {load.queued_writes,
+          load.queued_bytes,
+          load.durable_writes,
+          load.failed_writes,
+          load.last_error,
+          attempts,
+          stages};
+}
+
 LinkHealth StationView::link_health() const {
   const LinkCounts& counts = hub_.counts();
   return {hub_.policy().hold, store_.load().queued_bytes, counts.refused, counts.replaced, counts.failed, counts.stuck,

@@ -18,6 +18,7 @@ class StationView : public Station {
   std::vector<SessionRow> sessions() const override;
   AtlasView atlas() const override;
   Pending pending() const override;
+  Workload workload() const override;
   LinkHealth link_health() const override;
   MergeConfig merge_config() const override { return config_; }
   void when_idle(double timeout_s, std::function<void(Pending)> callback) override;

@@ -44,14 +44,15 @@ std::vector<Finding> findings_of(const Evidence& e) {
   add("pairs", e.pairs, side(e.pairs < few_pairs), text("%.0f keyframes come within 10 m of the other's", e.pairs));
   if (e.places > 0)
     add("places_agreeing", e.places_agreeing, side(e.places_agreeing < e.places),
-        text("%.0f of %.0f places along the overlap, registered each by itself, agree", e.places_agreeing, e.places));
+        text("%.0f of %.0f places along the overlap, registered each by itself, agree; they would move by %.2f m",
+             e.places_agreeing, e.places, e.spread_m));
   add("weakest_hold", e.weakest_hold, side(e.weakest_hold < hardly_held),
       e.weakest_hold < free_to_slide ? "the walls do not hold the position along the drift"
       : e.weakest_hold < hardly_held ? "the walls hardly hold the position along the drift"
                                      : "the walls hold the position in every direction");
   if (e.slide_ratio > 0)
     add("slide_ratio", e.slide_ratio, side(e.slide_ratio > slid_as_well),
-        text("slid by 3 or 6 m along its weakest direction it fits %.0f %% as well", 100 * e.slide_ratio));
+        text("slid a few metres along its weakest direction it fits %.0f %% as well", 100 * e.slide_ratio));
   add("tilt_deg", e.tilt_deg, side(e.tilt_deg > tilted_deg),
       text("the two disagree on gravity by %.2f deg", e.tilt_deg));
   add("runner_up", e.runner_up, Speaks::neither,

@@ -44,11 +44,44 @@ bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
          error.translation().norm() < tolerance.translation_m + 0.01 * T.translation().norm();
 }
 
-bool stronger(const Alignment& x, const Alignment& y) {
-  const auto rank = [](const Alignment& k) {
-    return std::tuple(k.ruling != Ruling::confirmed, -k.evidence.probability, -k.evidence.seen_points, k.a, k.b);
+bool usable(const Alignment& k) { return k.state == AlignmentState::verified || k.state == AlignmentState::published; }
+
+/// Of each alignment: in how many triangles of usable ones it closes, less those that it does not. A wrong one fails
+/// with every third session that both know, a right one only with those that the wrong one spoils.
+std::vector<int> triangle_votes(std::span<const Alignment> alignments, const LoopTolerance& tolerance) {
+  std::map<SessionId, std::map<SessionId, std::size_t>> between;  // [a][b], a < b
+  for (std::size_t i = 0; i < alignments.size(); ++i)
+    if (usable(alignments[i])) between[alignments[i].a][alignments[i].b] = i;
+  std::vector<int> votes(alignments.size(), 0);
+  for (const auto& [a, from_a] : between)
+    for (const auto& [b, ab] : from_a) {
+      const auto from_b = between.find(b);
+      if (from_b == between.end()) continue;
+      for (const auto& [c, bc] : from_b->second) {
+        const auto ac = from_a.find(c);
+        if (ac == from_a.end()) continue;
+        const Pose T_a_c = alignments[ab].T_a_b * alignments[bc].T_a_b;
+        const int vote = agrees(T_a_c, alignments[ac->second].T_a_b, tolerance) ? 1 : -1;
+        for (const std::size_t i : {ab, bc, ac->second}) votes[i] += vote;
+      }
+    }
+  return votes;
+}
+
+/// Indices of the usable ones, the strongest first.
+std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, const LoopTolerance& tolerance) {
+  const std::vector<int> votes = triangle_votes(alignments, tolerance);
+  std::vector<std::size_t> order;
+  order.reserve(alignments.size());
+  for (std::size_t i = 0; i < alignments.size(); ++i)
+    if (usable(alignments[i])) order.push_back(i);
+  const auto rank = [&](std::size_t i) {
+    const Alignment& k = alignments[i];
+    return std::tuple(k.ruling != Ruling::confirmed, -votes[i], -k.evidence.probability, -k.evidence.seen_points, k.a,
+                      k.b);
   };
-  return rank(x) < rank(y);
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return rank(i) < rank(j); });
+  return order;
 }
 
 /// Gauss-Newton over the session frames of one component (the first stays), each alignment with equal weight: a metre
@@ -107,15 +140,9 @@ MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const 
                            const LoopTolerance& tolerance) {
   MergeResult result;
   for (const Alignment& alignment : alignments) result.states.push_back(alignment.state);
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < alignments.size(); ++i)
-    if (alignments[i].state == AlignmentState::verified || alignments[i].state == AlignmentState::published)
-      order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return stronger(alignments[i], alignments[j]); });
-
   Growing growing(sessions);
   std::vector<Alignment> published;
-  for (const std::size_t i : order) {
+  for (const std::size_t i : by_strength(alignments, tolerance)) {
     const Alignment& alignment = alignments[i];
     const bool loop = growing.component_of.at(alignment.a) == growing.component_of.at(alignment.b);
     if (loop && !agrees(growing.T_a_b(alignment), alignment.T_a_b, tolerance)) {

@@ -18,12 +18,13 @@ struct MergeResult {
   std::vector<AlignmentState> states;  // of each alignment of the input: what it is now
 };
 
-/// Sequential merging under the overlap constraint: verified alignments are taken strongest first, those that the
-/// operator confirmed before all others; one that joins two components merges them; one that closes a loop is published
-/// when it agrees with the loop, and held back (verified, or retracted if it had been published) when it does not. The
-/// published ones are then made to agree by least squares over the session frames. The outcome depends on the set of
-/// alignments only, not on the order they came in. Alignments in state candidate, retracted or rejected are not used.
-/// Poses of a component are relative to its lowest session id.
+/// Sequential merging under the overlap constraint: verified alignments are taken strongest first; one that joins two
+/// components merges them; one that closes a loop is published when it agrees with the loop, and held back (verified,
+/// or retracted if it had been published) when it does not. Strongest are those that the operator confirmed, then those
+/// that close more triangles with others than they fail to close, then the more probable. The published ones are then
+/// made to agree by least squares over the session frames. The outcome depends on the set of alignments only, not on
+/// the order they came in. Alignments in state candidate, retracted or rejected are not used. Poses of a component are
+/// relative to its lowest session id.
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance = {});
 

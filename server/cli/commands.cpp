@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "server/cli/part_file.hpp"
 #include "server/cli/table.hpp"
@@ -51,8 +52,9 @@ class Progress {
 
 Result<std::string> format_of(const std::string& file) {
   const std::string extension = file.size() > 4 ? file.substr(file.size() - 4) : "";
-  if (extension == ".ply" || extension == ".pcd") return extension.substr(1);
-  return failure(ErrorCode::invalid_argument, file + " ends in neither .ply nor .pcd; the ending chooses the format");
+  if (extension == ".ply" || extension == ".pcd" || extension == ".las") return extension.substr(1);
+  return failure(ErrorCode::invalid_argument,
+                 file + " ends in none of .ply, .pcd and .las; the ending chooses the format");
 }
 
 /// The one session that `wanted` names.
@@ -148,6 +150,22 @@ Result<int> Commands::merge(std::optional<double> wait_s) {
   return waited ? print_waited(*waited) : tl::unexpected(waited.error());
 }
 
+Result<int> Commands::watch(double every_s, int times) {
+  const bool terminal = isatty(STDOUT_FILENO) != 0 && !json_;
+  for (int shown = 1;; ++shown) {
+    const auto status = fetched("/api/v1/status"), sessions = fetched("/api/v1/sessions");
+    if (!status) return tl::unexpected(status.error());
+    if (!sessions) return tl::unexpected(sessions.error());
+    std::string screen =
+        json_ ? *status
+              : status_view(Json::parse(*status)) + "\n" + sessions_view(Json::parse(*sessions), terminal_width());
+    if (terminal) screen = "\x1b[H\x1b[2J" + screen;
+    std::cout << screen << std::flush;
+    if (shown == times) return exit_ok;
+    std::this_thread::sleep_for(std::chrono::duration<double>(every_s));
+  }
+}
+
 Result<Commands::Waited> Commands::wait_for_idle(std::optional<double> wait_s, bool progress) {
   const auto start = Clock::now();
   Progress line(progress);
@@ -211,8 +229,10 @@ Result<int> Commands::trajectory(const std::string& session, const std::string& 
   if (!row) return tl::unexpected(row.error());
   const auto robot = row->at("robot").get<std::string>();
   const auto name = row->at("session").get<std::string>();
-  const auto received_bytes =
-      download("/api/v1/trajectory?robot=" + percent_encoded(robot) + "&session=" + percent_encoded(name), file);
+  const bool csv = file.size() > 4 && file.substr(file.size() - 4) == ".csv";
+  const auto received_bytes = download("/api/v1/trajectory?robot=" + percent_encoded(robot) +
+                                           "&session=" + percent_encoded(name) + (csv ? "&format=csv" : ""),
+                                       file);
   if (!received_bytes) return tl::unexpected(received_bytes.error());
   if (json_) {
     std::cout << Json{{"file", file}, {"robot", robot}, {"session", name}, {"bytes", *received_bytes}}.dump() << '\n';

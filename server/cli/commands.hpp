@@ -28,9 +28,12 @@ class Commands {
   Result<int> explain(const std::string& a, const std::string& b);
   /// Queues an attempt for every session, then as atlas(wait_s) with progress; without wait_s as long as it takes.
   Result<int> merge(std::optional<double> wait_s);
-  /// The format is the file's extension: .ply or .pcd.
+  /// Shows status and sessions, again every `every_s`, on a terminal in place; `times` 0: until it is ended. With json:
+  /// one line of status each time.
+  Result<int> watch(double every_s, int times);
+  /// The format is the file's extension: .ply, .pcd or .las.
   Result<int> export_map(const std::string& component, const std::string& file, std::optional<double> voxel_m);
-  /// session: "robot/session", or "robot" when it has just one.
+  /// session: "robot/session", or "robot" when it has just one. CSV when the file ends in .csv, TUM otherwise.
   Result<int> trajectory(const std::string& session, const std::string& file);
 
   // robots.cpp

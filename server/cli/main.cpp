@@ -17,9 +17,27 @@ struct Options {
   std::string http = "127.0.0.1:7448", token_file;
   bool json = false;
   std::optional<double> wait_s, voxel_m;
+  double every_s = 1;
+  int times = 0;
   std::string component, session, file, robot, alignment, a, b;
   std::function<Result<int>(Commands&)> command;
 };
+
+/// Completes subcommands, then the options of the one that was given, then files.
+std::string completion(const CLI::App& app) {
+  std::string commands, cases;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    std::string options;
+    for (const CLI::Option* option : sub->get_options())
+      for (const std::string& name : option->get_lnames()) options += (options.empty() ? "--" : " --") + name;
+    commands += (commands.empty() ? "" : " ") + sub->get_name();
+    cases += "      " + sub->get_name() + ") words=\"" + options + "\" ;;\n";
+  }
+  return "_headframe() {\n  local word words=\"" + commands + " --http --json --help\"\n" +
+         "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    case \"$word\" in\n" + cases +
+         "    esac\n  done\n  COMPREPLY=($(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
+         "complete -o default -F _headframe headframe\n";
+}
 
 void add_commands(CLI::App& app, Options& options) {
   const auto add = [&](const char* name, const char* what, auto run) {
@@ -36,6 +54,16 @@ void add_commands(CLI::App& app, Options& options) {
   wait(add("atlas", "Which sessions are merged, where, and on what evidence",
            [&](Commands& c) { return c.atlas(options.wait_s); }),
        "Wait until no merge work is pending; exit status 3 when it still is");
+  CLI::App* watch = add("watch", "Status and sessions, shown again and again",
+                        [&](Commands& c) { return c.watch(options.every_s, options.times); });
+  watch->add_option("--every", options.every_s, "Between two looks (default 1)")
+      ->check(CLI::Range(0.01, 3600.0))
+      ->type_name("SECONDS");
+  watch->add_option("--times", options.times, "End after so many looks")->check(CLI::Range(1, 1000000));
+  add("completion", "A script for bash: source <(headframe completion)", [&app](Commands&) -> Result<int> {
+    std::cout << completion(app);
+    return headframe::exit_ok;
+  });
   add("alignments", "Every alignment with its evidence", [](Commands& c) { return c.alignments(); });
   const auto decision = [&](const char* name, const char* what) {
     add(name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment); })
@@ -61,7 +89,7 @@ void add_commands(CLI::App& app, Options& options) {
   map->add_option("--voxel", options.voxel_m, "One point per cube within each keyframe, 0: every point (default 0.1)")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("M");
-  map->add_option("FILE", options.file, "FILE.ply or FILE.pcd")->required();
+  map->add_option("FILE", options.file, "FILE.ply, FILE.pcd or FILE.las")->required();
   CLI::App* path = add("trajectory", "A session's trajectory in its component's frame, as TUM text",
                        [&](Commands& c) { return c.trajectory(options.session, options.file); });
   path->add_option("SESSION", options.session, "robot/session, or robot when it has just one")->required();

@@ -154,6 +154,11 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
     return;
   }
   const StageTimes& t = report.times;
+  {
+    const std::lock_guard lock(mutex_);
+    ++effort_.first;
+    effort_.second += t;
+  }
   spdlog::info(
       "attempt: session {} ({}), {:.0f} ms: hypotheses {:.0f}, sampling {:.0f}, registration {:.0f}, verification "
       "{:.0f}, atlas {:.0f}; {} alignments changed, {} clouds wanted{}",

@@ -52,6 +52,8 @@ class MergeWorker : public MergeNews, private CloudSource {
 
   Pending pending() const;
   std::shared_ptr<const MergeView> view() const;
+  /// Attempts since start(), and where their time went.
+  std::pair<std::uint64_t, StageTimes> effort() const;
 
  private:
   using Time = MergeSchedule::Time;
@@ -101,6 +103,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   Mailbox mailbox_;
   std::vector<Order> orders_;
   Pending pending_;  // of the schedule, when the worker looked last
+  std::pair<std::uint64_t, StageTimes> effort_;
   bool busy_ = false, stopping_ = false;
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();
   std::thread thread_;

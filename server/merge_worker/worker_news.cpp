@@ -78,6 +78,11 @@ Pending MergeWorker::pending() const {
   return pending;
 }
 
+std::pair<std::uint64_t, StageTimes> MergeWorker::effort() const {
+  const std::lock_guard lock(mutex_);
+  return effort_;
+}
+
 std::shared_ptr<const MergeView> MergeWorker::view() const {
   const std::lock_guard lock(mutex_);
   return view_;

@@ -43,7 +43,48 @@ Json alignment_object(const AlignmentRow& row) {
           {"evidence", std::move(evidence)}};
 }
 
+Json session_object(const SessionRow& row) {
+  return {{"robot", row.key.robot},
+          {"session", row.key.session},
+          {"id", row.id},
+          {"family", {{"name", row.family.name}, {"version", row.family.version}}},
+          {"sensor",
+           {{"model", row.sensor.model},
+            {"beams", row.sensor.beams},
+            {"fov_up_deg", number(row.sensor.fov_up_deg)},
+            {"fov_down_deg", number(row.sensor.fov_down_deg)},
+            {"max_range_m", number(row.sensor.max_range_m)}}},
+          {"connected", row.connected},
+          {"complete", row.complete},
+          {"keyframes", row.keyframes},
+          {"clouds", row.clouds},
+          {"bytes_received", row.bytes_received},
+          {"backlog", row.backlog},
+          {"bytes_per_s", number(row.bytes_per_s)},
+          {"link_age_s", row.link_age_s >= 0 ? number(row.link_age_s) : Json()},
+          {"distance_m", number(row.distance_m)},
+          {"trigger_to_transform_ms", row.trigger_to_transform_ms >= 0 ? number(row.trigger_to_transform_ms) : Json()}};
+}
+
 }  // namespace
+
+std::string session_event(std::string_view type, const SessionRow& row) {
+  Json event{{"type", type}};
+  event.update(session_object(row));
+  return text(event);
+}
+
+std::string alignment_event(const AlignmentRow& row) {
+  return text({{"type", "alignment"}, {"alignment", alignment_object(row)}});
+}
+
+std::string revision_event(const Atlas& atlas) {
+  return text({{"type", "revision"}, {"revision", atlas.revision}, {"components", atlas.components.size()}});
+}
+
+std::string pending_event(const Pending& pending) {
+  return text({{"type", "pending"}, {"pending", pending_object(pending)}});
+}
 
 std::string error_json(const Error& error) {
   return text({{"error", {{"code", to_string(error.code)}, {"message", error.message}}}});
@@ -91,27 +132,9 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
   Json rows = Json::array();
   for (const SessionRow& row : sessions) {
     const auto component = component_of.find(row.id);
-    const bool placed = row.trigger_to_transform_ms >= 0;
-    rows.push_back({{"robot", row.key.robot},
-                    {"session", row.key.session},
-                    {"family", {{"name", row.family.name}, {"version", row.family.version}}},
-                    {"sensor",
-                     {{"model", row.sensor.model},
-                      {"beams", row.sensor.beams},
-                      {"fov_up_deg", number(row.sensor.fov_up_deg)},
-                      {"fov_down_deg", number(row.sensor.fov_down_deg)},
-                      {"max_range_m", number(row.sensor.max_range_m)}}},
-                    {"connected", row.connected},
-                    {"complete", row.complete},
-                    {"keyframes", row.keyframes},
-                    {"clouds", row.clouds},
-                    {"bytes_received", row.bytes_received},
-                    {"backlog", row.backlog},
-                    {"bytes_per_s", number(row.bytes_per_s)},
-                    {"link_age_s", row.link_age_s >= 0 ? number(row.link_age_s) : Json(nullptr)},
-                    {"distance_m", number(row.distance_m)},
-                    {"component", component == component_of.end() ? Json(nullptr) : Json(component->second)},
-                    {"trigger_to_transform_ms", placed ? number(row.trigger_to_transform_ms) : Json(nullptr)}});
+    Json object = session_object(row);
+    object["component"] = component == component_of.end() ? Json(nullptr) : Json(component->second);
+    rows.push_back(std::move(object));
   }
   return text({{"sessions", std::move(rows)}});
 }

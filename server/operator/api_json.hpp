@@ -2,6 +2,7 @@
 // The JSON of the operator's API, as text. Numbers that are not finite become null. Pure.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/atlas/explain.hpp"
@@ -31,5 +32,11 @@ std::string alignment_json(const AtlasView& view, AlignmentId id);
 /// alignment may be null: nothing has been tried.
 std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
                              const Explanation& explanation);
+
+// Events (event_diff.hpp), one JSON object each, "type" first.
+std::string session_event(std::string_view type, const SessionRow& row);
+std::string alignment_event(const AlignmentRow& row);
+std::string revision_event(const Atlas& atlas);
+std::string pending_event(const Pending& pending);
 
 }  // namespace headframe

@@ -9,6 +9,7 @@
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 #include <sstream>
 
 namespace headframe {
@@ -31,6 +32,15 @@ void set_common(Response& response, std::string_view content_type, bool keep_ali
 }
 
 std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
+
+/// A page can give a WebSocket no header: it offers the protocols "headframe" and the token.
+template <class Request>
+std::string credentials_of(const Request& request) {
+  const std::string_view offered = text(request[http::field::sec_websocket_protocol]);
+  constexpr std::string_view prefix = "headframe, ";
+  if (offered.substr(0, prefix.size()) == prefix) return "Bearer " + std::string(offered.substr(prefix.size()));
+  return std::string(text(request[http::field::authorization]));
+}
 
 constexpr double linger_s = 2;
 constexpr std::size_t linger_bytes = 1024 * 1024;
@@ -91,8 +101,8 @@ void HttpSession::on_read(Code code) {
   if (auto refusal = turned_down()) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
-    perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->limits,
-                  uptime.count(), shared_->robots));
+    perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->tiles,
+                  shared_->limits, uptime.count(), shared_->robots));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
@@ -103,8 +113,7 @@ std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
   const auto& request = parser_->get();
   if (is_public(text(request.target()))) return std::nullopt;
-  const auto verdict =
-      shared_->guard.check(text(request[http::field::authorization]), from_, std::chrono::steady_clock::now());
+  const auto verdict = shared_->guard.check(credentials_of(request), from_, std::chrono::steady_clock::now());
   if (verdict == Verdict::welcome) return std::nullopt;
   if (verdict == Verdict::limited) {
     keep_alive_ = false;
@@ -136,6 +145,7 @@ void HttpSession::refuse(Code code) {
 
 void HttpSession::perform(Reply reply) {
   if (auto* ready = std::get_if<Ready>(&reply)) return send(std::move(*ready));
+  if (std::holds_alternative<Upgrade>(reply)) return upgrade();
   if (const auto* later = std::get_if<Later>(&reply)) return answer_later(*later);
   if (parser_->get().version() < 11)
     return send(error_reply(505, {ErrorCode::incompatible, "this resource is sent in chunks; ask with HTTP/1.1"}));
@@ -144,11 +154,25 @@ void HttpSession::perform(Reply reply) {
   pull();
 }
 
+/// The connection goes over to the event feed.
+void HttpSession::upgrade() {
+  const auto& request = parser_->get();
+  if (!beast::websocket::is_upgrade(request))
+    return send(error_reply(426, {ErrorCode::invalid_argument, "events are told over WebSocket; ask for an upgrade"}));
+  if (!same_origin(text(request[http::field::origin]), text(request[http::field::host])))
+    return send(error_reply({ErrorCode::refused, "a page of another origin may not listen"}));
+  if (!shared_->events->take_place())
+    return send(error_reply({ErrorCode::unavailable, "too many listen already; close some pages"}));
+  shared_->events->serve(beast::tcp_stream(stream_.release_socket()), parser_->release());
+  shared_->forget(shared_from_this());
+}
+
 void HttpSession::send(Ready ready) {
   auto response = std::make_shared<http::response<http::string_body>>();
   response->version(11);
   response->result(static_cast<unsigned>(ready.status));
   set_common(*response, ready.content_type, keep_alive_);
+  if (ready.gzip) response->set(http::field::content_encoding, "gzip");
   if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
   if (ready.bearer) response->set(http::field::www_authenticate, "Bearer");
   response->body() = std::move(ready.body);

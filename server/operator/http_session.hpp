@@ -15,6 +15,7 @@
 #include <set>
 #include <string>
 
+#include "server/operator/event_feed.hpp"
 #include "server/operator/operator_api.hpp"
 #include "server/operator/router.hpp"
 #include "server/security/operator_guard.hpp"
@@ -26,14 +27,22 @@ class HttpSession;
 /// What all connections share. Thread safe.
 class HttpShared : public std::enable_shared_from_this<HttpShared> {
  public:
-  HttpShared(Station& the_station, const OperatorLimits& the_limits, const OperatorAccess& access)
-      : station(the_station), limits(the_limits), guard(access.token), robots(access.robots) {}
+  HttpShared(boost::asio::io_context& io, Station& the_station, const OperatorLimits& the_limits,
+             const OperatorAccess& access)
+      : station(the_station),
+        limits(the_limits),
+        guard(access.token),
+        robots(access.robots),
+        tiles(the_station),
+        events(std::make_shared<EventFeed>(io, the_station, the_limits.events)) {}
 
   Station& station;
   const OperatorLimits limits;
   OperatorGuard guard;
   RobotAdmin* const robots;  // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
+  PointTiles tiles;
+  const std::shared_ptr<EventFeed> events;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
   /// Starts a connection: told 503 when limits.connections are served, dropped when as many are being told so.
@@ -66,6 +75,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void refuse(Code code);
   std::optional<Ready> turned_down();
   void perform(Reply reply);
+  void upgrade();
   void send(Ready ready);
   void answer_later(const Later& later);
   void pull();

@@ -6,6 +6,8 @@
 #include <map>
 #include <sstream>
 
+#include "server/operator/las.hpp"
+
 namespace headframe {
 namespace {
 
@@ -95,6 +97,8 @@ Result<void> MapExport::count(Item& item) {
   const auto points = thinned(item);
   if (points) {
     item.points = points->size();
+    if (request_.format == CloudFormat::las)
+      for (const Eigen::Vector3f& p_sensor : *points) box_m_.extend(item.T_component_sensor * p_sensor.cast<double>());
   } else if (points.error().code != ErrorCode::not_found) {  // a keyframe whose cloud is not stored is left out
     return tl::unexpected(points.error());
   }
@@ -121,9 +125,14 @@ Result<std::string> MapExport::written(const Item& item) const {
   const bool ply = request_.format == CloudFormat::ply;
   const auto [red, green, blue] = item.colour;
   std::string out;
-  out.reserve(points->size() * (ply ? 15 : 16));
+  out.reserve(points->size() * 26);
   for (const Eigen::Vector3f& p_sensor : *points) {
-    const Eigen::Vector3f p_component = (item.T_component_sensor * p_sensor.cast<double>()).cast<float>();
+    const Eigen::Vector3d p_m = item.T_component_sensor * p_sensor.cast<double>();
+    if (request_.format == CloudFormat::las) {
+      append_las_point(out, p_m, item.colour);
+      continue;
+    }
+    const Eigen::Vector3f p_component = p_m.cast<float>();
     for (int axis = 0; axis < 3; ++axis) append(out, p_component[axis]);
     if (ply) {
       for (std::uint8_t channel : item.colour) append(out, channel);
@@ -137,6 +146,9 @@ Result<std::string> MapExport::written(const Item& item) const {
 std::string MapExport::header() const {
   std::size_t points = 0;
   for (const Item& item : items_) points += item.points;
+  if (request_.format == CloudFormat::las)
+    return las_header(static_cast<std::uint32_t>(points), points > 0 ? box_m_.min() : Eigen::Vector3d(0, 0, 0),
+                      points > 0 ? box_m_.max() : Eigen::Vector3d(0, 0, 0));
   const bool ply = request_.format == CloudFormat::ply;
   std::ostringstream out;
   out << (ply ? "ply\nformat binary_little_endian 1.0\n" : "# .PCD v0.7 - Point Cloud Data file format\n");

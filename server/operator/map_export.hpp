@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <vector>
@@ -9,7 +10,7 @@
 
 namespace headframe {
 
-enum class CloudFormat { ply, pcd };
+enum class CloudFormat { ply, pcd, las };
 
 struct ExportRequest {
   SessionId component = 0;
@@ -17,9 +18,9 @@ struct ExportRequest {
   double voxel_m = 0.1;  // one point per cube, within each keyframe; 0: every point
 };
 
-/// The stored clouds of one component as binary little-endian PLY or PCD, in the component's frame (m), coloured by
-/// robot. Both formats say the number of points first, so the first pass counts and the second writes; one keyframe's
-/// cloud is in memory at a time. Clouds stored after the first pass are left out.
+/// The stored clouds of one component as binary little-endian PLY or PCD, or as LAS, in the component's frame (m),
+/// coloured by robot. All formats say the number of points first, so the first pass counts and the second writes; one
+/// keyframe's cloud is in memory at a time. Clouds stored after the first pass are left out.
 class MapExport : public BodySource {
  public:
   MapExport(const Station& station, ExportRequest request) : station_(station), request_(request) {}
@@ -50,6 +51,7 @@ class MapExport : public BodySource {
   std::vector<Item> items_;
   std::vector<std::string> legend_;  // one line for each robot
   std::size_t at_ = 0;
+  Eigen::AlignedBox3d box_m_;  // of all points, for LAS
 };
 
 /// "No component 7; there are 1, 4.", for every place that needs a component.

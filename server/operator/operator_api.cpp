@@ -41,6 +41,7 @@ void HttpShared::stop() {
     sessions.swap(sessions_);
   }
   for (const auto& session : sessions) session->close();
+  events->stop();
   disk.stop();
   disk.join();
 }
@@ -50,7 +51,7 @@ struct OperatorApi::Listener : std::enable_shared_from_this<Listener> {
       : io(the_io),
         acceptor(net::make_strand(the_io)),
         pause(acceptor.get_executor()),
-        shared(std::make_shared<HttpShared>(station, limits, access)) {}
+        shared(std::make_shared<HttpShared>(the_io, station, limits, access)) {}
 
   Result<void> open(const std::string& host, std::uint16_t port);
   void accept();

@@ -5,8 +5,10 @@
 #include <charconv>
 
 #include "server/operator/api_json.hpp"
+#include "server/operator/embedded_files.hpp"
 #include "server/operator/explain_request.hpp"
 #include "server/operator/map_export.hpp"
+#include "server/operator/metrics.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/robot_json.hpp"
 #include "server/operator/trajectory_export.hpp"
@@ -18,6 +20,7 @@ using Query = std::map<std::string, std::string>;
 
 struct Context {
   Station& station;
+  PointTiles& tiles;
   const OperatorLimits& limits;
   double uptime_s;
   RobotAdmin* robots;
@@ -27,9 +30,39 @@ Ready json(std::string body, int status = 200) { return {status, "application/js
 
 Result<Reply> healthz(const Query&, const Context&) { return json("{\"status\":\"ok\"}\n"); }
 
+Result<Reply> readyz(const Query&, const Context& context) {
+  const std::string error = context.station.workload().disk_error;
+  if (error.empty()) return json("{\"status\":\"ready\"}\n");
+  return failure(ErrorCode::unavailable, "the disk refuses writes: " + error);
+}
+
+Result<Reply> metrics(const Query&, const Context& context) {
+  const Station& station = context.station;
+  return Ready{
+      200,
+      "text/plain; version=0.0.4; charset=utf-8",
+      metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(), context.uptime_s),
+      {}};
+}
+
+Ready file_reply(const EmbeddedFile& file) {
+  return {200, std::string(file.content_type), std::string(file.bytes), {}, file.gzip};
+}
+
+Result<Reply> page(const Query&, const Context&) {
+  if (const auto file = embedded_file("/")) return file_reply(*file);
+  return Ready{200,
+               "text/plain; charset=utf-8",
+               "This headframe-server was built without its page; the API is under /api/v1/\n",
+               {}};
+}
+
+Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedded_file("/api/v1/openapi.json")); }
+
 Result<Reply> status(const Query&, const Context& context) {
   const Station& station = context.station;
-  return json(status_json(station.sessions(), station.atlas(), station.pending(), station.link_health(), context.uptime_s));
+  return json(
+      status_json(station.sessions(), station.atlas(), station.pending(), station.link_health(), context.uptime_s));
 }
 
 Result<Reply> sessions(const Query&, const Context& context) {
@@ -95,11 +128,15 @@ Result<Reply> explain_pair(const Query& query, const Context& context) {
   return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
 }
 
+Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }
+
 Result<CloudFormat> cloud_format(const Query& query) {
   const auto format = query.find("format");
   if (format == query.end() || format->second == "ply") return CloudFormat::ply;
   if (format->second == "pcd") return CloudFormat::pcd;
-  return failure(ErrorCode::invalid_argument, "parameter \"format\" is \"" + format->second + "\"; give ply or pcd");
+  if (format->second == "las") return CloudFormat::las;
+  return failure(ErrorCode::invalid_argument,
+                 "parameter \"format\" is \"" + format->second + "\"; give ply, pcd or las");
 }
 
 Result<double> voxel(const Query& query) {
@@ -135,8 +172,49 @@ Result<Reply> trajectory(const Query& query, const Context& context) {
   if (!robot) return tl::unexpected(robot.error());
   const auto session = required(query, "session");
   if (!session) return tl::unexpected(session.error());
-  return Stream{"text/plain; charset=utf-8",
-                std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session})};
+  const auto format = query.find("format");
+  const bool csv = format != query.end() && format->second == "csv";
+  if (format != query.end() && !csv && format->second != "tum")
+    return failure(ErrorCode::invalid_argument, "parameter \"format\" is \"" + format->second + "\"; give tum or csv");
+  return Stream{csv ? "text/csv; charset=utf-8" : "text/plain; charset=utf-8",
+                std::make_unique<TrajectoryExport>(context.station, SessionKey{*robot, *session},
+                                                   csv ? TrajectoryFormat::csv : TrajectoryFormat::tum)};
+}
+
+/// The session whose id is in the path.
+Result<SessionRow> session_in_path(const Query& query, const Context& context) {
+  const std::string& text = query.at("id");
+  SessionId id = 0;
+  const char* end = text.data() + text.size();
+  const bool number = std::from_chars(text.data(), end, id).ptr == end;
+  for (SessionRow& row : context.station.sessions())
+    if (number && row.id == id) return std::move(row);
+  return failure(ErrorCode::not_found, "there is no session " + text + "; GET /api/v1/sessions lists their ids");
+}
+
+Result<std::size_t> whole_number(const Query& query, const char* name, double otherwise, double most) {
+  const auto found = query.find(name);
+  if (found == query.end()) return static_cast<std::size_t>(otherwise);
+  return parse_number(name, found->second, 0, most).map([](double value) { return static_cast<std::size_t>(value); });
+}
+
+Result<Reply> points(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  const auto level = whole_number(query, "level", 2, static_cast<double>(level_cube_m.size() - 1));
+  const auto first = whole_number(query, "from", 0, 1e9), most = whole_number(query, "most", 1e6, 1e7);
+  for (const auto* number : {&level, &first, &most})
+    if (!*number) return tl::unexpected(number->error());
+  return Stream{"application/octet-stream",
+                std::make_unique<PointStream>(context.tiles.tile(row->id, *level), *first, *most)};
+}
+
+Result<Reply> path(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  const auto first = whole_number(query, "from", 1, 1e15);
+  if (!first) return tl::unexpected(first.error());
+  return Stream{"application/json", std::make_unique<PathJson>(context.station, row->id, *first)};
 }
 
 Result<RobotAdmin*> robot_admin(const Context& context) {
@@ -178,16 +256,23 @@ struct Route {
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 13> routes{{{"GET", "/healthz", {}, healthz},
+constexpr std::array<Route, 20> routes{{{"GET", "/", {}, page},
+                                        {"GET", "/api/v1/openapi.json", {}, openapi},
+                                        {"GET", "/healthz", {}, healthz},
+                                        {"GET", "/readyz", {}, readyz},
+                                        {"GET", "/metrics", {}, metrics},
                                         {"GET", "/api/v1/status", {}, status},
                                         {"GET", "/api/v1/sessions", {}, sessions},
                                         {"GET", "/api/v1/atlas", {"wait"}, atlas},
                                         {"GET", "/api/v1/alignments", {}, alignments},
                                         {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                                         {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
+                                        {"GET", "/api/v1/events", {}, events},
+                                        {"GET", "/api/v1/sessions/{id}/points", {"level", "from", "most"}, points},
+                                        {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},
                                         {"POST", "/api/v1/merge", {}, merge},
                                         {"GET", "/api/v1/export", {"component", "format", "voxel"}, map},
-                                        {"GET", "/api/v1/trajectory", {"robot", "session"}, trajectory},
+                                        {"GET", "/api/v1/trajectory", {"robot", "session", "format"}, trajectory},
                                         {"GET", "/api/v1/robots", {}, robots},
                                         {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
                                         {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}}};
@@ -226,6 +311,8 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
     captured.clear();
     return matches(other.path, target->path, captured);
   });
+  if (const auto file = embedded_file(target->path); file && route == routes.end() && method == "GET")
+    return file_reply(*file);
   if (route == routes.end())
     return failure(ErrorCode::not_found, "there is nothing at \"" + target->path + "\"; the API is under /api/v1/");
   if (route->method != method) {
@@ -242,11 +329,26 @@ Result<Reply> routed(std::string_view method, std::string_view text, const Conte
 
 }  // namespace
 
-bool is_public(std::string_view target) { return target.substr(0, target.find('?')) == "/healthz"; }
+std::vector<RouteName> route_names() {
+  std::vector<RouteName> names;
+  names.reserve(routes.size());
+  for (const Route& route : routes) {
+    names.push_back({route.method, route.path, {}});
+    for (const std::string_view parameter : route.parameters)
+      if (!parameter.empty()) names.back().parameters.push_back(parameter);
+  }
+  return names;
+}
 
-Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s, RobotAdmin* robots) {
-  auto reply = routed(method, target, {station, limits, uptime_s, robots});
+/// Probes, and the page, which asks for the token itself.
+bool is_public(std::string_view target) {
+  const std::string_view path = target.substr(0, target.find('?'));
+  return path == "/healthz" || path == "/readyz" || path == "/" || embedded_file(path);
+}
+
+Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
+            const OperatorLimits& limits, double uptime_s, RobotAdmin* robots) {
+  auto reply = routed(method, target, {station, tiles, limits, uptime_s, robots});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
 }

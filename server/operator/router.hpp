@@ -9,19 +9,12 @@
 #include <variant>
 
 #include "server/operator/body_source.hpp"
+#include "server/operator/operator_limits.hpp"
+#include "server/operator/point_tiles.hpp"
 #include "server/operator/robot_admin.hpp"
 #include "server/operator/station.hpp"
 
 namespace headframe {
-
-struct OperatorLimits {
-  std::size_t header_bytes = 8 * 1024;
-  std::size_t body_bytes = 64 * 1024;
-  std::size_t connections = 64;  // further ones are told 503
-  double idle_s = 30;            // for a request to come, from the end of the one before it
-  double write_s = 30;           // for each piece of a response to leave
-  double wait_s = 3600;          // the most that ?wait= may ask for
-};
 
 /// A response that is known at once.
 struct Ready {
@@ -29,6 +22,7 @@ struct Ready {
   std::string content_type;
   std::string body;
   std::string allow;    // of a 405
+  bool gzip = false;    // how the body is encoded
   bool bearer = false;  // of a 401: a token is wanted
 };
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
@@ -39,15 +33,24 @@ struct Stream {
   std::string content_type;
   std::unique_ptr<BodySource> body;
 };
-using Reply = std::variant<Ready, Later, Stream>;
+/// The connection becomes a WebSocket that is told events.
+struct Upgrade {};
+using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 
 /// Whether a target is for everybody; all others want the operator's token.
 bool is_public(std::string_view target);
 
 /// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
 /// `robots`, which is null where none has to enrol.
-Reply route(std::string_view method, std::string_view target, Station& station, const OperatorLimits& limits,
-            double uptime_s, RobotAdmin* robots = nullptr);
+Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
+            const OperatorLimits& limits, double uptime_s, RobotAdmin* robots = nullptr);
+
+/// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
+struct RouteName {
+  std::string_view method, path;
+  std::vector<std::string_view> parameters;
+};
+std::vector<RouteName> route_names();
 
 /// An error as JSON, with the HTTP status that fits its code, or with the one given.
 Ready error_reply(const Error& error);

@@ -12,6 +12,7 @@
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
 #include "server/merge_config.hpp"
+#include "server/stage_times.hpp"
 
 namespace headframe {
 
@@ -50,6 +51,17 @@ struct Pending {
   bool idle() const { return attempts + keyframes + awaited_submaps == 0; }
 };
 
+/// What the server has done and what waits for the disk, since it began.
+struct Workload {
+  std::size_t queued_writes = 0;
+  std::size_t queued_bytes = 0;
+  std::uint64_t durable_writes = 0;
+  std::uint64_t failed_writes = 0;
+  std::string disk_error;  // empty when the last write was well
+  std::uint64_t attempts = 0;
+  StageTimes stages;  // summed over the attempts
+};
+
 /// The robots' connections, all together, since the server started.
 struct LinkHealth {
   std::string hold;                // why nothing is acknowledged now (a full disk); empty: all is well
@@ -68,6 +80,7 @@ class Station {
   virtual std::vector<SessionRow> sessions() const = 0;
   virtual AtlasView atlas() const = 0;
   virtual Pending pending() const = 0;
+  virtual Workload workload() const = 0;
   virtual LinkHealth link_health() const { return {}; }
   virtual MergeConfig merge_config() const = 0;
   /// Calls back once, from any thread, as soon as nothing is pending (at once if so), or when timeout_s is over; with

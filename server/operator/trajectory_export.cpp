@@ -19,13 +19,15 @@ Result<Frame> frame_of(const Atlas& atlas, SessionId session) {
   return failure(ErrorCode::unavailable, "the session is not in the atlas yet; try again in a moment");
 }
 
-std::string tum_line(double stamp_s, const Pose& T) {
+std::string line_of(double stamp_s, const Pose& T, TrajectoryFormat format) {
   const Eigen::Vector3d t = T.translation();
   const Eigen::Quaterniond q(T.rotation());
   std::array<char, 320> line;
   const int size = std::snprintf(line.data(), line.size(), "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n", stamp_s, t.x(),
                                  t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-  return {line.data(), std::min(static_cast<std::size_t>(std::max(size, 0)), line.size() - 1)};
+  std::string out(line.data(), std::min(static_cast<std::size_t>(std::max(size, 0)), line.size() - 1));
+  if (format == TrajectoryFormat::csv) std::replace(out.begin(), out.end(), ' ', ',');
+  return out;
 }
 
 }  // namespace
@@ -46,11 +48,33 @@ Result<std::string> TrajectoryExport::text() const {
   if (!frame) return tl::unexpected(frame.error());
   const auto keyframes = station_.trajectory(row->id);
   if (!keyframes) return tl::unexpected(keyframes.error());
-  std::string out =
-      "# headframe: frame of component " + std::to_string(frame->component) + "; stamp_s x_m y_m z_m qx qy qz qw\n";
+  std::string out = format_ == TrajectoryFormat::csv
+                        ? "stamp_s,x_m,y_m,z_m,qx,qy,qz,qw\n"
+                        : "# headframe: frame of component " + std::to_string(frame->component) +
+                              "; stamp_s x_m y_m z_m qx qy qz qw\n";
   for (const Keyframe& keyframe : *keyframes)
-    out += tum_line(keyframe.stamp_s, frame->T_component_session * keyframe.T_local_sensor);
+    out += line_of(keyframe.stamp_s, frame->T_component_session * keyframe.T_local_sensor, format_);
   return out;
+}
+
+Result<std::optional<std::string>> PathJson::next() {
+  if (std::exchange(done_, true)) return std::nullopt;
+  const auto keyframes = station_.trajectory(session_);
+  if (!keyframes) return tl::unexpected(keyframes.error());
+  std::string out = R"({"columns":["sequence","stamp_s","x_m","y_m","z_m","qx","qy","qz","qw"],"keyframes":[)";
+  const char* comma = "";
+  for (const Keyframe& keyframe : *keyframes) {
+    if (keyframe.sequence < first_) continue;
+    const Eigen::Vector3d t = keyframe.T_local_sensor.translation();
+    const Eigen::Quaterniond q(keyframe.T_local_sensor.rotation());
+    std::array<char, 320> row;
+    const int size = std::snprintf(row.data(), row.size(), "%s[%llu,%.6f,%.3f,%.3f,%.3f,%.6f,%.6f,%.6f,%.6f]", comma,
+                                   static_cast<unsigned long long>(keyframe.sequence), keyframe.stamp_s, t.x(), t.y(),
+                                   t.z(), q.x(), q.y(), q.z(), q.w());
+    out.append(row.data(), std::min(static_cast<std::size_t>(std::max(size, 0)), row.size() - 1));
+    comma = ",";
+  }
+  return out + "]}\n";
 }
 
 }  // namespace headframe

@@ -7,11 +7,15 @@
 
 namespace headframe {
 
-/// A session's keyframes as TUM text ("stamp x y z qx qy qz qw", s and m) in its component's frame, in one piece after
-/// a comment that names the frame. not_found: no such robot or session.
+enum class TrajectoryFormat { tum, csv };
+
+/// A session's keyframes in its component's frame, in one piece: as TUM text ("stamp x y z qx qy qz qw", s and m) after
+/// a comment that names the frame, or as CSV with the same columns named in its first line. not_found: no such robot or
+/// session.
 class TrajectoryExport : public BodySource {
  public:
-  TrajectoryExport(const Station& station, SessionKey key) : station_(station), key_(std::move(key)) {}
+  TrajectoryExport(const Station& station, SessionKey key, TrajectoryFormat format = TrajectoryFormat::tum)
+      : station_(station), key_(std::move(key)), format_(format) {}
   Result<std::optional<std::string>> next() override;
 
  private:
@@ -19,6 +23,22 @@ class TrajectoryExport : public BodySource {
 
   const Station& station_;
   SessionKey key_;
+  TrajectoryFormat format_;
+  bool done_ = false;
+};
+
+/// Keyframes from sequence `first` on in the session's own frame, as JSON: {"columns": [...], "keyframes": [[...],
+/// ...]}.
+class PathJson : public BodySource {
+ public:
+  PathJson(const Station& station, SessionId session, std::uint64_t first)
+      : station_(station), session_(session), first_(first) {}
+  Result<std::optional<std::string>> next() override;
+
+ private:
+  const Station& station_;
+  SessionId session_;
+  std::uint64_t first_;
   bool done_ = false;
 };
 

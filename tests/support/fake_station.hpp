@@ -45,8 +45,24 @@ class FakeStation : public Station {
     if (timer_.joinable()) timer_.join();
   }
 
-  std::vector<SessionRow> sessions() const override { return rows; }
-  AtlasView atlas() const override { return view; }
+  std::vector<SessionRow> sessions() const override {
+    const std::lock_guard lock(mutex_);
+    return rows;
+  }
+  AtlasView atlas() const override {
+    const std::lock_guard lock(mutex_);
+    return view;
+  }
+  /// Changes rows or view while the server looks at them.
+  template <class Change>
+  void change(Change what) {
+    const std::lock_guard lock(mutex_);
+    what();
+  }
+  Workload workload() const override {
+    const std::lock_guard lock(mutex_);
+    return work;
+  }
   MergeConfig merge_config() const override { return {}; }
   Pending pending() const override {
     const std::lock_guard lock(mutex_);
@@ -108,7 +124,7 @@ class FakeStation : public Station {
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override {
     ++clouds_read;
     const std::lock_guard gate(cloud_gate);
-    if (sequence == 3) return failure(ErrorCode::not_found, "no cloud");
+    if (sequence == 3 || sequence == withheld) return failure(ErrorCode::not_found, "no cloud");
     if (cloud_that_breaks == clouds_read) return failure(ErrorCode::bad_input, "a damaged cloud");
     KeyframeCloud out{{Sweep{}, Sweep{}}};
     for (int i = 0; i < points; ++i)
@@ -120,7 +136,9 @@ class FakeStation : public Station {
 
   std::vector<SessionRow> rows;
   AtlasView view;
+  Workload work;
   int points = 10;
+  std::uint64_t withheld = 0;  // the keyframe whose cloud has not come
   bool broken_trajectory = false;
   int cloud_that_breaks = 0;  // the n-th that is read
   bool merge_makes_work = false;

@@ -15,7 +15,19 @@ ExplainedSession session(const std::string& name) { return {name, "scan_context 
 Alignment good() {
   Alignment k{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {10, 20, 1}), {}};
   k.verdict = AlignmentState::verified;
-  k.evidence = {0.98, 12, 5, 5, 0.9, 0.05, 0.6, 0.5, 20000, 0.001, 0.001, 0.1, 0.7, 0.2, 0.4, 0.0};
+  Evidence& e = k.evidence;
+  e.probability = 0.98;
+  e.pairs = 12;
+  e.places = e.places_agreeing = 5;
+  e.inlier_fraction = 0.9;
+  e.rmse_m = 0.05;
+  e.overlap_a = 0.6;
+  e.overlap_b = 0.5;
+  e.seen_points = 20000;
+  e.freespace_violation = e.own_violation = 0.001;
+  e.weakest_hold = 0.1;
+  e.slide_ratio = 0.7;
+  e.tilt_deg = 0.2;
   return k;
 }
 

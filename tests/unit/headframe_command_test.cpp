@@ -162,12 +162,33 @@ TEST_F(HeadframeCommand, ExplainsInWords) {
   expect_fault(run("explain alpha"), 2, "B is required");
 }
 
+TEST_F(HeadframeCommand, WatchShowsStatusAndSessionsAgain) {
+  const std::string out = run("watch --times 2 --every 0.01").out;
+  const auto first = out.find("revision 7, 2 components");
+  ASSERT_NE(first, std::string::npos) << out;
+  EXPECT_NE(out.find("beta/run/1", first), std::string::npos);
+  EXPECT_NE(out.find("revision 7, 2 components", first + 1), std::string::npos) << out;
+  EXPECT_EQ(Json::parse(run("watch --json --times 1").out)["revision"], 7);
+  expect_fault(run_at("127.0.0.1:1", "watch"), 1, "no headframe-server answers");
+}
+
+TEST_F(HeadframeCommand, CompletesInBash) {
+  const auto completed = [&](const std::string& words, int at) {
+    std::ofstream(path("try.sh")) << "source <(" << HEADFRAME_COMMAND << " completion)\nCOMP_WORDS=(" << words
+                                  << ")\nCOMP_CWORD=" << at << "\n_headframe\necho \"${COMPREPLY[@]}\"\n";
+    std::ignore = std::system(("bash " + path("try.sh") + " >" + path("out") + " 2>&1").c_str());
+    return contents(path("out"));
+  };
+  EXPECT_EQ(completed("headframe re", 1), "refuse retract\n");
+  EXPECT_EQ(completed("headframe export --v", 2), "--voxel\n");
+}
+
 TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run(""), 2, "say what to do");
   expect_fault(run("atlsa"), 2, "atlsa");
   expect_fault(run("atlas --wait soon"), 2, "soon");
   expect_fault(run("atlas --wait -1"), 2, "-1");
-  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply nor .pcd");
+  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd and .las");
   expect_fault(run("export " + path("map.ply")), 2, "--component");
   expect_fault(run_at("nowhere", "status"), 2, "HOST:PORT");
   expect_fault(run_at("127.0.0.1:0", "status"), 2, "HOST:PORT");

@@ -91,6 +91,22 @@ TEST(MergeGraph, AnAlignmentThatContradictsALoopIsHeldBackAndAPublishedOneRetrac
   }
 }
 
+TEST(MergeGraph, ALaterLoopTakesAPublishedMergeOutHoweverSureItLooked) {
+  // 1-2 is wrong and was published first. The loop over 3 can not tell which of three is wrong; the one over 4 can.
+  auto wrong = edge(1, 2, 0.99, pose_from_yaw(0, {6, 0, 0}));
+  wrong.state = AlignmentState::published;
+  std::vector<Alignment> edges{wrong, edge(1, 3, 0.92), edge(2, 3, 0.91)};
+  auto result = merge_sessions(sessions, edges);
+  EXPECT_EQ(result.states[0], AlignmentState::published);
+  EXPECT_EQ(result.states[2], AlignmentState::verified) << "the least probable of the three is held back";
+  edges.push_back(edge(1, 4, 0.92));
+  edges.push_back(edge(2, 4, 0.91));
+  result = merge_sessions(sessions, edges);
+  EXPECT_EQ(result.states[0], AlignmentState::retracted);
+  for (std::size_t i = 1; i < edges.size(); ++i) EXPECT_EQ(result.states[i], AlignmentState::published) << i;
+  EXPECT_LT(worst_error_m(result), 1e-9);
+}
+
 TEST(MergeGraph, AConfirmedAlignmentIsTheStrongestAndWaitsForAnotherConfirmedOne) {
   const Pose wrong = pose_from_yaw(0, {6, 0, 0});
   auto edges = loop();

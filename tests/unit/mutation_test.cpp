@@ -129,6 +129,7 @@ TEST(Mutation, RequestsGetAnAnswerAndOnlyTheirOwnChangesHappen) {
                                          "/api/v1/robots/add?robot=a",
                                          "/api/v1/explain?a=alpha/run&b=beta/run",
                                          "/api/v1/alignments/1/confirm"};
+  PointTiles tiles(station);
   int answered = 0, refused = 0;
   const int inputs = mutations();
   for (int i = 0; i < inputs; ++i) {
@@ -136,7 +137,7 @@ TEST(Mutation, RequestsGetAnAnswerAndOnlyTheirOwnChangesHappen) {
     const std::string target =
         mutator.below(5) == 0 ? whole : mutator.spoil(whole, targets[mutator.below(targets.size())]);
     const int merges = station.merges;
-    const Reply reply = route("GET", target, station, OperatorLimits{}, 1);
+    const Reply reply = route("GET", target, station, tiles, OperatorLimits{}, 1);
     EXPECT_EQ(station.merges, merges) << "a GET changes nothing: " << target;
     const auto* ready = std::get_if<Ready>(&reply);
     ++(ready != nullptr && ready->status >= 400 ? refused : answered);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/cli/http_client.hpp"
+#include "server/operator/router.hpp"
 #include "tests/support/operator_server.hpp"
 
 namespace headframe {
@@ -41,6 +42,80 @@ TEST_F(OperatorApiTest, SaysThatItIsThere) {
   EXPECT_EQ(status["bytes_received"], 3000);
   EXPECT_EQ(status["alignments"], (Json{{"published", 1}, {"rejected", 1}}));
   EXPECT_EQ(status["pending"], (Json{{"attempts", 0}, {"keyframes", 0}, {"awaited_submaps", 0}}));
+}
+
+TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
+  server.station.work.attempts = 5;
+  server.station.work.stages.registration_ms = 1500;
+  const HttpResponse response = get("/metrics");
+  EXPECT_EQ(response.status, 200);
+  std::istringstream lines(response.body);
+  std::map<std::string, double> samples;
+  std::set<std::string> described;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("# TYPE ", 0) == 0) described.insert(line.substr(7, line.find(' ', 7) - 7));
+    if (line.empty() || line[0] == '#') continue;
+    const std::size_t space = line.rfind(' ');
+    EXPECT_TRUE(samples.emplace(line.substr(0, space), std::stod(line.substr(space + 1))).second) << line;
+    EXPECT_TRUE(described.contains(line.substr(0, line.find_first_of("{ ")))) << line;
+  }
+  EXPECT_EQ(samples["headframe_robots_connected"], 2);
+  EXPECT_EQ(samples["headframe_keyframes"], 9);
+  EXPECT_EQ(samples["headframe_alignments{state=\"published\"}"], 1);
+  EXPECT_EQ(samples["headframe_alignments{state=\"candidate\"}"], 0);
+  EXPECT_EQ(samples["headframe_merge_attempts_total"], 5);
+  EXPECT_EQ(samples["headframe_merge_seconds_total{stage=\"registration\"}"], 1.5);
+}
+
+TEST_F(OperatorApiTest, IsReadyUnlessTheDiskRefuses) {
+  EXPECT_EQ(get("/readyz").status, 200);
+  server.station.change([&] { server.station.work.disk_error = "disk is full"; });
+  expect_error(get("/readyz"), 503, "unavailable", "disk is full");
+  EXPECT_EQ(get("/healthz").status, 200) << "alive all the same";
+}
+
+TEST_F(OperatorApiTest, TheOpenApiFileNamesJustTheRoutesThereAre) {
+  const Json api = Json::parse(get("/api/v1/openapi.json").body);
+  std::set<std::string> described, served;
+  for (const auto& [path, operations] : api["paths"].items())
+    for (const auto& [method, operation] : operations.items()) {
+      std::string line = method + " " + path;
+      std::set<std::string> parameters;
+      for (const Json& parameter : operation.value("parameters", Json::array())) {
+        const auto name = parameter["name"].get<std::string>();
+        if (parameter["in"] == "query") parameters.insert(name);
+        if (parameter["in"] == "path") {
+          EXPECT_NE(path.find("{" + name + "}"), std::string::npos) << line;
+        }
+      }
+      for (const auto& name : parameters) line += " " + name;
+      described.insert(line);
+    }
+  for (const RouteName& route : route_names()) {
+    std::string line = (route.method == "GET" ? "get " : "post ") + std::string(route.path);
+    for (const auto& name : std::set<std::string>(route.parameters.begin(), route.parameters.end())) line += " " + name;
+    served.insert(line);
+  }
+  EXPECT_EQ(described, served);
+}
+
+TEST_F(OperatorApiTest, HasAPageOrSaysThatItHasNone) {
+  const HttpResponse page = get("/");
+  EXPECT_EQ(page.status, 200);
+  EXPECT_FALSE(page.body.empty());
+  expect_error(get("/no-such-file.js"), 404, "not_found", "nothing at");
+}
+
+TEST_F(OperatorApiTest, PointsAndPathOfASession) {
+  EXPECT_EQ(get("/api/v1/sessions/1/points?level=4").body.size(), 2 * 20 + 6U * 11);
+  EXPECT_EQ(get("/api/v1/sessions/1/points?level=4&from=1").body.size(), 20 + 6U);
+  const Json path = Json::parse(get("/api/v1/sessions/2/trajectory?from=2").body);
+  ASSERT_EQ(path["keyframes"].size(), 2U);
+  EXPECT_EQ(path["keyframes"][0].size(), path["columns"].size());
+  EXPECT_EQ(path["keyframes"][0][1], 201.0);
+  expect_error(get("/api/v1/sessions/7/points"), 404, "not_found", "no session 7");
+  expect_error(get("/api/v1/sessions/1x/trajectory"), 404, "not_found", "no session 1x");
+  expect_error(get("/api/v1/sessions/1/points?level=5"), 400, "invalid_argument", "from 0 to 4");
 }
 
 TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
@@ -121,7 +196,7 @@ TEST_F(OperatorApiTest, MergeIsQueued) {
 
 TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
   expect_error(get("/api/v1/nothing"), 404, "not_found", "/api/v1/nothing");
-  expect_error(get("/"), 404, "not_found", "/api/v1/");
+  expect_error(get("/api"), 404, "not_found", "/api/v1/");
   expect_error(get("/api/v1/merge"), 405, "refused", "POST");
   expect_error(post("/api/v1/atlas"), 405, "refused", "GET");
   EXPECT_EQ(server.station.merges, 0);
@@ -133,7 +208,7 @@ TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
   expect_error(get("/api/v1/export"), 400, "invalid_argument", "component");
   expect_error(get("/api/v1/export?component=one"), 400, "invalid_argument", "one");
   expect_error(get("/api/v1/export?component=2"), 404, "not_found", "there are 1, 3");
-  expect_error(get("/api/v1/export?component=1&format=stl"), 400, "invalid_argument", "ply or pcd");
+  expect_error(get("/api/v1/export?component=1&format=stl"), 400, "invalid_argument", "ply, pcd or las");
   for (const char* voxel : {"0.009", "101", "-1", "x"})
     expect_error(get(std::string("/api/v1/export?component=1&voxel=") + voxel), 400, "invalid_argument", "voxel");
   for (const char* voxel : {"0", "0.01", "100"})
@@ -192,6 +267,10 @@ TEST_F(OperatorApiTest, TrajectoryIsInTheComponentsFrame) {
   const double half = std::sqrt(0.5);
   const std::vector<double> second{201, 10, 21, 30, 0, 0, half, half};  // T_1_2 turns x to y
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(numbers[8 + i], second[i], 1e-6) << i;
+  const std::string csv = get("/api/v1/trajectory?robot=beta&session=run%2F1&format=csv").body;
+  EXPECT_EQ(csv.rfind("stamp_s,x_m,y_m,z_m,qx,qy,qz,qw\n200.000000,10.000000,20.000000,30.000000,0", 0), 0U) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  expect_error(get("/api/v1/trajectory?robot=beta&session=run%2F1&format=kml"), 400, "invalid_argument", "tum or csv");
   server.station.broken_trajectory = true;
   expect_error(get("/api/v1/trajectory?robot=beta&session=run%2F1"), 500, "bad_input", "damaged");
 }

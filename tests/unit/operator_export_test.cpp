@@ -80,6 +80,37 @@ TEST_F(OperatorExportTest, PcdHasTheSamePoints) {
   }
 }
 
+template <class T>
+T value_at(const std::string& file, std::size_t offset) {
+  T value{};
+  std::memcpy(&value, file.data() + offset, sizeof value);
+  return value;
+}
+
+TEST_F(OperatorExportTest, LasHasTheSamePointsToAMillimetre) {
+  const std::string las = get("component=1&format=las");
+  const CloudFile ply = read_ply(get("component=1"));
+  ASSERT_EQ(las.substr(0, 4), "LASF");
+  EXPECT_EQ(las[24] * 10 + las[25], 12) << "version 1.2";
+  EXPECT_EQ(value_at<std::uint16_t>(las, 94), 227) << "bytes of the header";
+  EXPECT_EQ(value_at<std::uint32_t>(las, 96), 227U) << "where the points begin";
+  EXPECT_EQ(las[104], 2) << "point format";
+  ASSERT_EQ(value_at<std::uint32_t>(las, 107), ply.declared);
+  ASSERT_EQ(las.size(), 227 + 26 * ply.declared);
+  double most_x = -1e9, least_x = 1e9;
+  for (std::size_t i = 0; i < ply.declared; ++i) {
+    const std::size_t at = 227 + 26 * i;
+    const double x = value_at<std::int32_t>(las, at) * value_at<double>(las, 131);
+    EXPECT_NEAR(x, ply.vertices[i].x, 6e-4);
+    EXPECT_NEAR(value_at<std::int32_t>(las, at + 8) * 0.001, ply.vertices[i].z, 6e-4);
+    EXPECT_EQ(value_at<std::uint16_t>(las, at + 20) / 257U, ply.vertices[i].colour >> 16) << "red";
+    most_x = std::max(most_x, x);
+    least_x = std::min(least_x, x);
+  }
+  EXPECT_NEAR(value_at<double>(las, 179), most_x, 6e-4);
+  EXPECT_NEAR(value_at<double>(las, 187), least_x, 6e-4);
+}
+
 TEST_F(OperatorExportTest, VoxelThinsWithinAKeyframe) {
   EXPECT_EQ(read_ply(get("component=3&voxel=0.99")).declared, 20U) << "points are 1 m apart";
   EXPECT_EQ(read_ply(get("component=3&voxel=5")).declared, 4U) << "10 m in cubes of 5 m, two keyframes";

@@ -1,0 +1,152 @@
+#include "server/operator/event_feed.hpp"
+
+#include <boost/asio/post.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "server/operator/event_queue.hpp"
+
+namespace headframe {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = boost::beast::websocket;
+using Code = beast::error_code;
+
+/// One client. Everything but tell() and close() runs on the strand of its socket.
+class EventSocket : public std::enable_shared_from_this<EventSocket> {
+ public:
+  EventSocket(beast::tcp_stream stream, std::shared_ptr<EventFeed> feed, std::size_t queued_bytes)
+      : socket_(std::move(stream)), feed_(std::move(feed)), queue_(queued_bytes) {}
+  ~EventSocket() { feed_->give_place(); }
+  EventSocket(const EventSocket&) = delete;
+  EventSocket& operator=(const EventSocket&) = delete;
+
+  void accept(EventFeed::Request request) {
+    socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+    socket_.read_message_max(1024);                                    // nothing is asked of clients
+    if (!request[beast::http::field::sec_websocket_protocol].empty())  // a page's, with its token
+      socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+        response.set(beast::http::field::sec_websocket_protocol, "headframe");
+      }));
+    auto kept = std::make_shared<EventFeed::Request>(std::move(request));
+    socket_.async_accept(*kept, [self = shared_from_this(), kept](Code code) {
+      if (code) return;
+      self->feed_->join(self);
+      self->read();
+    });
+  }
+
+  void tell(const Event& event, const std::function<Event()>& snapshot) {
+    net::post(socket_.get_executor(), [self = shared_from_this(), event, snapshot] {
+      self->queue_.push(event, snapshot);
+      if (!self->writing_) self->write();
+    });
+  }
+
+  void close() {
+    net::post(socket_.get_executor(), [self = shared_from_this()] { self->end(); });
+  }
+
+ private:
+  void read() {
+    socket_.async_read(buffer_, [self = shared_from_this()](Code code, std::size_t) {
+      if (code) return self->end();
+      self->buffer_.clear();
+      self->read();
+    });
+  }
+
+  void write() {
+    const Event event = ended_ ? nullptr : queue_.pop();
+    if (!event) return;
+    writing_ = true;
+    socket_.text(true);
+    socket_.async_write(net::buffer(*event), [self = shared_from_this(), event](Code code, std::size_t) {
+      self->writing_ = false;
+      code ? self->end() : self->write();
+    });
+  }
+
+  void end() {
+    if (std::exchange(ended_, true)) return;
+    beast::get_lowest_layer(socket_).close();
+    feed_->leave(shared_from_this());
+  }
+
+  websocket::stream<beast::tcp_stream> socket_;
+  const std::shared_ptr<EventFeed> feed_;
+  beast::flat_buffer buffer_;
+  EventQueue queue_;
+  bool writing_ = false, ended_ = false;
+};
+
+bool EventFeed::take_place() {
+  if (++places_ <= limits_.clients && !stopped_) return true;
+  --places_;
+  return false;
+}
+
+void EventFeed::give_place() { --places_; }
+
+void EventFeed::serve(beast::tcp_stream stream, Request request) {
+  stream.expires_never();
+  std::make_shared<EventSocket>(std::move(stream), shared_from_this(), limits_.queued_bytes)
+      ->accept(std::move(request));
+}
+
+void EventFeed::stop() {
+  stopped_ = true;
+  std::set<std::shared_ptr<EventSocket>> sockets;
+  {
+    const std::lock_guard lock(mutex_);
+    sockets.swap(sockets_);
+    timer_.cancel();
+  }
+  for (const auto& socket : sockets) socket->close();
+}
+
+void EventFeed::join(const std::shared_ptr<EventSocket>& socket) {
+  const std::lock_guard lock(mutex_);
+  if (stopped_) return socket->close();
+  const bool first = sockets_.empty();
+  if (first) last_ = std::make_shared<const StationLook>(look_at(station_));
+  sockets_.insert(socket);
+  const auto snapshot = std::make_shared<const std::string>(snapshot_event(*last_));
+  socket->tell(snapshot, [snapshot] { return snapshot; });
+  if (first) look_again();
+}
+
+void EventFeed::leave(const std::shared_ptr<EventSocket>& socket) {
+  const std::lock_guard lock(mutex_);
+  sockets_.erase(socket);
+}
+
+/// Under the lock.
+void EventFeed::look_again() {
+  timer_.expires_after(limits_.look);
+  timer_.async_wait([weak = weak_from_this()](Code code) {
+    if (const auto self = weak.lock(); self && !code) self->look();
+  });
+}
+
+void EventFeed::look() {
+  const std::lock_guard lock(mutex_);
+  if (stopped_ || sockets_.empty()) return;
+  const auto now = std::make_shared<const StationLook>(look_at(station_));
+  const auto snapshot = [now] { return std::make_shared<const std::string>(snapshot_event(*now)); };
+  for (std::string& text : events_between(*last_, *now)) {
+    const auto event = std::make_shared<const std::string>(std::move(text));
+    for (const auto& socket : sockets_) socket->tell(event, snapshot);
+  }
+  last_ = now;
+  look_again();
+}
+
+bool same_origin(std::string_view origin, std::string_view host) {
+  if (origin.empty()) return true;  // no browser
+  const std::size_t scheme = origin.find("://");
+  return scheme != std::string_view::npos && origin.substr(scheme + 3) == host;
+}
+
+}  // namespace headframe

@@ -1,0 +1,61 @@
+#pragma once
+// GET /api/v1/events: WebSocket clients that are told what happens. Included by the .cpp files of this room only.
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "server/operator/event_diff.hpp"
+#include "server/operator/operator_limits.hpp"
+
+namespace headframe {
+
+class EventSocket;
+
+/// Looks at the station while there are clients and tells each of them the differences: first a snapshot, then events
+/// that lead on from it. A client that reads too slowly loses what was queued and gets a snapshot instead, so that its
+/// queue is bounded and what it knows is never wrong. Thread safe.
+class EventFeed : public std::enable_shared_from_this<EventFeed> {
+ public:
+  using Request = boost::beast::http::request<boost::beast::http::string_body>;
+
+  EventFeed(boost::asio::io_context& io, const Station& station, const EventLimits& limits = {})
+      : station_(station), limits_(limits), timer_(boost::asio::make_strand(io)) {}
+
+  /// Room for one more; a place that is taken is given back by the socket's end.
+  bool take_place();
+  void give_place();
+  /// Takes over a connection whose request asks for an upgrade, and that has a place.
+  void serve(boost::beast::tcp_stream stream, Request request);
+  /// Ends all clients.
+  void stop();
+
+ private:
+  friend class EventSocket;
+  void join(const std::shared_ptr<EventSocket>& socket);
+  void leave(const std::shared_ptr<EventSocket>& socket);
+  void look_again();
+  void look();
+
+  const Station& station_;
+  const EventLimits limits_;
+  std::mutex mutex_;
+  boost::asio::steady_timer timer_;
+  std::shared_ptr<const StationLook> last_;
+  std::set<std::shared_ptr<EventSocket>> sockets_;
+  std::atomic<std::size_t> places_ = 0;
+  std::atomic<bool> stopped_ = false;
+};
+
+/// Whether a request may open a WebSocket: a page of another origin may not.
+bool same_origin(std::string_view origin, std::string_view host);
+
+}  // namespace headframe

@@ -1,0 +1,90 @@
+#include "server/operator/metrics.hpp"
+
+#include <array>
+#include <map>
+#include <sstream>
+
+namespace headframe {
+namespace {
+
+class Page {
+ public:
+  void family(const char* name, const char* type, const char* help) {
+    name_ = name;
+    out_ << "# HELP headframe_" << name << ' ' << help << "\n# TYPE headframe_" << name << ' ' << type << '\n';
+  }
+  /// labels: {key="value"} or nothing; values are ours, never a peer's.
+  template <class Value>
+  void sample(Value value, const std::string& labels = {}) {
+    out_ << "headframe_" << name_ << labels << ' ' << value << '\n';
+  }
+  template <class Value>
+  void one(const char* name, const char* type, const char* help, Value value) {
+    family(name, type, help);
+    sample(value);
+  }
+  std::string text() const { return out_.str(); }
+
+ private:
+  std::ostringstream out_;
+  const char* name_ = "";
+};
+
+std::string label(const char* key, std::string_view value) {
+  std::string out = "{";
+  out.append(key).append("=\"").append(value).append("\"}");
+  return out;
+}
+
+void add_stages(Page& page, const Workload& work) {
+  page.one("merge_attempts_total", "counter", "Attempts to merge a session.", work.attempts);
+  page.family("merge_seconds_total", "counter", "Time spent in attempts, by stage.");
+  const std::array<std::pair<const char*, double>, 5> stages{{{"hypotheses", work.stages.hypotheses_ms},
+                                                              {"sampling", work.stages.sampling_ms},
+                                                              {"registration", work.stages.registration_ms},
+                                                              {"verification", work.stages.verification_ms},
+                                                              {"atlas", work.stages.atlas_ms}}};
+  for (const auto& [stage, ms] : stages) page.sample(ms / 1000, label("stage", stage));
+}
+
+}  // namespace
+
+std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
+                         const Workload& work, double uptime_s) {
+  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
+  for (const SessionRow& row : sessions) {
+    connected += row.connected ? 1 : 0;
+    keyframes += row.keyframes;
+    clouds += row.clouds;
+    bytes += row.bytes_received;
+  }
+  std::map<AlignmentState, std::size_t> states;
+  for (const auto state : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::published,
+                           AlignmentState::retracted, AlignmentState::rejected})
+    states[state] = 0;
+  for (const AlignmentRow& row : view.alignments) ++states[row.alignment.state];
+
+  Page page;
+  page.one("uptime_seconds", "gauge", "Since the operator API began.", uptime_s);
+  page.one("sessions", "gauge", "Sessions known.", sessions.size());
+  page.one("robots_connected", "gauge", "Robots connected now.", connected);
+  page.one("keyframes", "gauge", "Keyframes stored.", keyframes);
+  page.one("clouds", "gauge", "Clouds stored.", clouds);
+  page.one("robot_bytes_received_total", "counter", "Bytes from robots since the server began.", bytes);
+  page.one("revision", "counter", "Revision of the atlas.", view.atlas.revision);
+  page.one("components", "gauge", "Components of the atlas.", view.atlas.components.size());
+  page.family("alignments", "gauge", "Alignments by state.");
+  for (const auto& [state, count] : states) page.sample(count, label("state", to_string(state)));
+  page.family("pending", "gauge", "What has still to be done before the atlas is settled.");
+  page.sample(pending.attempts, label("kind", "attempts"));
+  page.sample(pending.keyframes, label("kind", "keyframes"));
+  page.sample(pending.awaited_submaps, label("kind", "awaited_submaps"));
+  page.one("store_queued_writes", "gauge", "Writes that wait for the disk.", work.queued_writes);
+  page.one("store_queued_bytes", "gauge", "Bytes that wait for the disk.", work.queued_bytes);
+  page.one("store_durable_writes_total", "counter", "Writes that are on disk.", work.durable_writes);
+  page.one("store_failed_writes_total", "counter", "Writes that failed.", work.failed_writes);
+  add_stages(page, work);
+  return page.text();
+}
+
+}  // namespace headframe

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+namespace headframe {
+
+struct EventLimits {
+  std::size_t clients = 32;              // further ones are told 503
+  std::size_t queued_bytes = 4UL << 20;  // of one client; beyond it all is dropped and a new snapshot sent
+  std::chrono::milliseconds look{100};   // between two looks at the station; none without clients
+};
+
+struct OperatorLimits {
+  std::size_t header_bytes = 8 * 1024;
+  std::size_t body_bytes = 64 * 1024;
+  std::size_t connections = 64;  // further ones are told 503
+  double idle_s = 30;            // for a request to come, from the end of the one before it
+  double write_s = 30;           // for each piece of a response to leave
+  double wait_s = 3600;          // the most that ?wait= may ask for
+  EventLimits events;
+};
+
+}  // namespace headframe
