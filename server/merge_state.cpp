@@ -8,9 +8,9 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t neighbours = 5;       // of each keyframe, in the votes
-constexpr std::size_t exact_up_to = 20000;  // keyframes of a family; FLANN beyond
-constexpr std::size_t asked_of_index = 20;  // nearest keyframes of any session, to see who looks alike ...
+constexpr std::size_t neighbours = 5;        // of each keyframe, in the votes
+constexpr std::size_t exact_up_to = 20000;   // keyframes of a family; FLANN beyond
+constexpr std::size_t asked_of_index = 20;   // nearest keyframes of any session, to see who looks alike ...
 constexpr std::size_t keyframes_asked = 30;  // ... for so many keyframes spread over a session
 constexpr std::size_t judged_closely = 4;    // hopeful placements of a pair that are judged with all evidence
 constexpr double elsewhere_m = 6, elsewhere_rad = 0.5;  // a session turned or moved less lies where it is
@@ -65,8 +65,7 @@ std::vector<MatchedPair> MergePipeline::State::match_descriptors(SessionId a, Se
     if (q.empty()) continue;
     std::vector<MatchedPair> nearest;
     for (std::size_t i = 0; i < of_a.size(); ++i)
-      if (of_a[i].descriptor.q.size() == q.size())
-        nearest.push_back({i, j, squared_distance(of_a[i].descriptor.q, q)});
+      if (of_a[i].descriptor.q.size() == q.size()) nearest.push_back({i, j, squared_distance(of_a[i].descriptor.q, q)});
     const std::size_t taken = std::min(neighbours, nearest.size());
     std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(taken), nearest.end(),
                       [](const auto& m, const auto& n) {
@@ -126,8 +125,8 @@ double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
   for_blocks(cases.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Hypothesis& h = cases[i].hypothesis;
     const Glance g = glance(cases[i].a, cases[i].b, h.T_a_b, h.place_b, judge);
-    alike[i] = fits_alone(g) && differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m,
-                                       elsewhere_rad);
+    alike[i] = fits_alone(g) &&
+               differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m, elsewhere_rad);
   });
   session.self = {session.path_m, static_cast<double>(std::count(alike.begin(), alike.end(), 1))};
   return session.self.aliases;
@@ -162,9 +161,9 @@ std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& 
     Evidence& e = verdict.judgement.evidence;
     e.support = cases[i].hypothesis.score;
     e.aliases = self_aliases + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
-      return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b, g.place.p_b,
-                                     same_placement_m, same_placement_rad);
-    }));
+                  return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b,
+                                                 g.place.p_b, same_placement_m, same_placement_rad);
+                }));
     e.probability = probability(verdict.judgement.status, e);
     verdicts.push_back(verdict);
   }

@@ -33,15 +33,15 @@ struct Evidence {
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
-  double seen_points = 0;          // that speak for it, both ways
-  double freespace_violation = 0;  // points of one map that the other's rays pass through / points that say anything
+  double seen_points = 0;            // that speak for it, both ways
+  double freespace_violation = 0;    // points of one map that the other's rays pass through / points that say anything
   double worst_place_violation = 0;  // the same at the place that contradicts most
   double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
-  double slide_ratio = 0;    // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
-  double tilt_deg = 0;       // gravity disagreement after registration
-  double support = 0;        // wall map score of the hypothesis it came from
-  double runner_up = 0;      // probability of the best different hypothesis
+  double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
+  double tilt_deg = 0;     // gravity disagreement after registration
+  double support = 0;      // wall map score of the hypothesis it came from
+  double runner_up = 0;    // probability of the best different hypothesis
 };
 
 /// Odds of the best different hypothesis over the odds of this one: near 1 they can not be told apart.

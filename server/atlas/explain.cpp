@@ -114,10 +114,10 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
     if (e.probability < config.accept_probability)
       missing.push_back(text("the probability is %.3f and must be %.2f", e.probability, config.accept_probability));
     if (runner_up_share(e) >= config.runner_up_share)
-      missing.push_back(
-          text("a different placement is nearly as good (its odds are %.2f of this one's, must be below %.2f): drive on "
-               "to where the two would differ",
-               runner_up_share(e), config.runner_up_share));
+      missing.push_back(text(
+          "a different placement is nearly as good (its odds are %.2f of this one's, must be below %.2f): drive on "
+          "to where the two would differ",
+          runner_up_share(e), config.runner_up_share));
     if (e.weakest_hold < hardly_held)
       missing.push_back("the position along the drift is held by nothing: drive on to a junction or a bend");
     if (e.aliases > 0 && e.overlap_m < 30 * e.aliases)

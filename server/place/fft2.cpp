@@ -33,10 +33,10 @@ struct Twiddle {
 HEADFRAME_WIDE void butterfly4(Rows a, Rows b, Rows c, Rows d, OutRows y, std::size_t step, std::size_t count,
                                Twiddle w1, Twiddle w2, Twiddle w3) {
   const float *ar = a.re, *ai = a.im, *br = b.re, *bi = b.im, *cr = c.re, *ci = c.im, *dr = d.re, *di = d.im;
-  float *__restrict y0r = y.re, *__restrict y0i = y.im;
-  float *__restrict y1r = y.re + step, *__restrict y1i = y.im + step;
-  float *__restrict y2r = y.re + 2 * step, *__restrict y2i = y.im + 2 * step;
-  float *__restrict y3r = y.re + 3 * step, *__restrict y3i = y.im + 3 * step;
+  float* __restrict y0r = y.re, * __restrict y0i = y.im;
+  float* __restrict y1r = y.re + step, * __restrict y1i = y.im + step;
+  float* __restrict y2r = y.re + 2 * step, * __restrict y2i = y.im + 2 * step;
+  float* __restrict y3r = y.re + 3 * step, * __restrict y3i = y.im + 3 * step;
   for (std::size_t k = 0; k < count; ++k) {
     const float acr = ar[k] + cr[k], aci = ai[k] + ci[k], amr = ar[k] - cr[k], ami = ai[k] - ci[k];
     const float bdr = br[k] + dr[k], bdi = bi[k] + di[k], bmr = br[k] - dr[k], bmi = bi[k] - di[k];
@@ -53,8 +53,8 @@ HEADFRAME_WIDE void butterfly4(Rows a, Rows b, Rows c, Rows d, OutRows y, std::s
 }
 
 HEADFRAME_WIDE void butterfly2(Rows a, Rows b, OutRows y, std::size_t step, std::size_t count) {
-  float *__restrict y0r = y.re, *__restrict y0i = y.im;
-  float *__restrict y1r = y.re + step, *__restrict y1i = y.im + step;
+  float* __restrict y0r = y.re, * __restrict y0i = y.im;
+  float* __restrict y1r = y.re + step, * __restrict y1i = y.im + step;
   for (std::size_t k = 0; k < count; ++k) {
     y0r[k] = a.re[k] + b.re[k];
     y0i[k] = a.im[k] + b.im[k];
@@ -79,8 +79,8 @@ std::size_t Fft2::size_for(std::size_t cells) {
   return n;
 }
 
-/// Transforms along y and writes the result turned over: value (ky, x) to row x, column ky. A strip of columns at a time
-/// stays in the cache through all stages.
+/// Transforms along y and writes the result turned over: value (ky, x) to row x, column ky. A strip of columns at a
+/// time stays in the cache through all stages.
 void Fft2::columns_transposed(const ComplexGrid& in, ComplexGrid& out) {
   for (std::size_t first = 0; first < n_; first += strip) {
     const std::size_t width = std::min(strip, n_ - first);

@@ -107,7 +107,7 @@ void best_first(std::vector<Lead>& leads) {
 /// The levels of both sessions on each other, and the descriptors' transforms on every level they fit: refined by the
 /// walls, a few metres first, then the best to half a cell.
 std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::span<const Pose> proposed,
-                         const HypothesisFinder::Config& config) {
+                           const HypothesisFinder::Config& config) {
   std::vector<Lead> leads;
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {

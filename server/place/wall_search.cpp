@@ -15,9 +15,9 @@ namespace headframe {
 namespace {
 
 constexpr float coarse_m = 1.5F;
-constexpr float clear_m = 1;  // free ground nearer to a wall says nothing in cells as coarse as that
-constexpr float penalty = 3;                       // of a wall where the other map is free, against a wall on a wall
-constexpr std::size_t quarter_turns = 45;          // 180 turns of 2 deg: each grid serves four, a right angle apart
+constexpr float clear_m = 1;               // free ground nearer to a wall says nothing in cells as coarse as that
+constexpr float penalty = 3;               // of a wall where the other map is free, against a wall on a wall
+constexpr std::size_t quarter_turns = 45;  // 180 turns of 2 deg: each grid serves four, a right angle apart
 constexpr std::size_t peaks_per_turn = 12;
 constexpr double same_place_m = 4, same_yaw_rad = 12 * std::numbers::pi / 180;
 
@@ -86,7 +86,12 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
 class Correlator {
  public:
   Correlator(const WallMap& a, const WallMap& b)
-      : b_(b), middle_a_(Box(a).middle()), middle_b_(Box(b).middle()), n_(size_for(a, b)), wall_(n_ * n_), free_(n_ * n_) {
+      : b_(b),
+        middle_a_(Box(a).middle()),
+        middle_b_(Box(b).middle()),
+        n_(size_for(a, b)),
+        wall_(n_ * n_),
+        free_(n_ * n_) {
     ComplexGrid grid(n_ * n_);
     draw(a, middle_a_, 0, grid);
     ComplexGrid worth(n_ * n_);  // real: to a wall of b that falls there; imaginary: to a free cell of b
@@ -234,8 +239,8 @@ class Correlator {
     const auto signed_cell = [&](std::size_t c) {
       return static_cast<double>(c) - (c >= n_ / 2 ? static_cast<double>(n_) : 0);
     };
-    const Eigen::Vector2d at =
-        middle_a_.cast<double>() + static_cast<double>(coarse_m) * Eigen::Vector2d(signed_cell(i % n_), signed_cell(i / n_));
+    const Eigen::Vector2d at = middle_a_.cast<double>() + static_cast<double>(coarse_m) *
+                                                              Eigen::Vector2d(signed_cell(i % n_), signed_cell(i / n_));
     return {wrap_rad(yaw), at - Eigen::Rotation2Dd(yaw) * middle(), score};
   }
 

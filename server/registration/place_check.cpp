@@ -84,9 +84,9 @@ PlaceCheck register_place(std::span<const PlacedCloud> a, std::span<const Placed
   const double here = share_on_surface(maps.back(), source.points, T);
   double slid = 0;
   for (const double way : {-1.0, -0.5, 0.5, 1.0})
-    slid = std::max(slid, share_on_surface(maps.back(), source.points,
-                                           Eigen::Translation3d(way * config.slide_m *
-                                                                out.registration.weakest_direction) * T));
+    slid = std::max(
+        slid, share_on_surface(maps.back(), source.points,
+                               Eigen::Translation3d(way * config.slide_m * out.registration.weakest_direction) * T));
   out.slide_ratio = here > 0 ? slid / here : 1;
   return out;
 }

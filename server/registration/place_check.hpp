@@ -10,7 +10,7 @@
 namespace headframe {
 
 struct PlaceConfig {
-  double radius_m = 18;      // of b's submap; a's reaches slack_m further
+  double radius_m = 18;  // of b's submap; a's reaches slack_m further
   double slack_m = 3;
   float leaf_m = 0.2F;       // of both submaps
   double look_m = 15;        // free space is asked of points nearer than this to the place ...
@@ -22,9 +22,9 @@ struct PlaceConfig {
 struct PlaceCheck {
   Eigen::Vector3d p_a = Eigen::Vector3d::Zero(), p_b = Eigen::Vector3d::Zero();  // the place, in both local frames
   Registration registration;
-  double residual_m = 1;     // median distance of b's surface from a's, in cubes of half a metre, along the normals
-  double slide_ratio = 1;    // best share of points on a surface after a slide along the weakest direction / share here
-  Visibility between, own;   // of each by the other; of each by itself, every other cloud
+  double residual_m = 1;    // median distance of b's surface from a's, in cubes of half a metre, along the normals
+  double slide_ratio = 1;   // best share of points on a surface after a slide along the weakest direction / share here
+  Visibility between, own;  // of each by the other; of each by itself, every other cloud
 };
 
 /// Registers b's submap around p_b on a's by VGICP, from T_a_b. Clouds are all that is there of each session near the

@@ -28,7 +28,8 @@ Points without_strays(const Points& points) {
   return kept;
 }
 
-/// What is left of dust is met once, by the sweep that made it: what the others see through as often as they meet it is left out.
+/// What is left of dust is met once, by the sweep that made it: what the others see through as often as they meet it is
+/// left out.
 Points without_transients(Points points, const std::vector<PreparedCloud::View>& views) {
   std::erase_if(points, [&](const Eigen::Vector3f& p) {
     int through = 0, hits = 0;
@@ -81,8 +82,8 @@ class SeenCubes {
 std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
   constexpr int half = 1 << 20;
   const Eigen::Vector3i c = (p / leaf_m).array().floor().cast<int>() + half;
-  return std::uint64_t{static_cast<std::uint32_t>(c.x())} << 42 | std::uint64_t{static_cast<std::uint32_t>(c.y())} << 21 |
-         static_cast<std::uint32_t>(c.z());
+  return std::uint64_t{static_cast<std::uint32_t>(c.x())} << 42 |
+         std::uint64_t{static_cast<std::uint32_t>(c.y())} << 21 | static_cast<std::uint32_t>(c.z());
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 
 namespace headframe {
 
-/// A keyframe's cloud made ready once, when it arrives: surfels for registration, and what each sweep saw for free-space
-/// checks. Points that the keyframe's own other sweeps see through (dust, people) are left out.
+/// A keyframe's cloud made ready once, when it arrives: surfels for registration, and what each sweep saw for
+/// free-space checks. Points that the keyframe's own other sweeps see through (dust, people) are left out.
 struct PreparedCloud {
   struct View {
     Eigen::Vector3f origin;  // in the keyframe's sensor frame

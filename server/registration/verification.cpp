@@ -127,8 +127,8 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
-/// Everything both sessions have where they meet, registered at once from T_0: pulls out a slide along a drift that each
-/// place by itself allows. T_0 when that does not converge nearby.
+/// Everything both sessions have where they meet, registered at once from T_0: pulls out a slide along a drift that
+/// each place by itself allows. T_0 when that does not converge nearby.
 Pose align_overlap(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Clouds& shared_b,
                    const Pose& T_0, const JudgeConfig& config) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -198,7 +198,8 @@ Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud>
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
-  const Clouds b = near_other(all_a, all_b, T_0, config.look_m), a = near_other(all_b, all_a, T_0.inverse(), config.look_m);
+  const Clouds b = near_other(all_a, all_b, T_0, config.look_m),
+               a = near_other(all_b, all_a, T_0.inverse(), config.look_m);
   const auto chosen = spread(first.place.p_b, near_other(a, b, T_0, config.meet_m), config.places);
   std::vector<PlaceCheck> places(chosen.size());
   for_blocks(chosen.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
@@ -212,7 +213,8 @@ Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud>
     out.T_a_b = align_overlap(a, b, shared, out.T_a_b, config);
   // Each place is looked at where its own registration put it: drift is not a contradiction, other rock is.
   for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    if (i > 0) look_at_place(places[i], a, b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b, config.place);
+    if (i > 0)
+      look_at_place(places[i], a, b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b, config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
   const Clouds shared = near_other(a, b, out.T_a_b, config.meet_m);
@@ -241,13 +243,12 @@ double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap) return 0;
   if (e.tilt_deg > 3) return 0;
   // README, "How sure", says on which pairs these weights were fitted, and on which they were checked.
-  const double contradiction = std::log10(e.worst_place_violation + 2e-3) + 2.7;         // 0: none
-  const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);          // 0: 3 cm
+  const double contradiction = std::log10(e.worst_place_violation + 2e-3) + 2.7;  // 0: none
+  const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);    // 0: 3 cm
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
   const double asked_m = 30 * e.aliases;
-  const double short_overlap =
-      asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
+  const double short_overlap = asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
                    4 * few_pairs + 12 * short_overlap + 6 * tiny_overlap;

@@ -10,10 +10,10 @@
 namespace headframe {
 
 struct JudgeConfig {
-  double meet_m = 10;      // a keyframe of b this near to one of a's is a place of the overlap
-  double look_m = 35;      // clouds within this of the other session's keyframes take part
-  std::size_t places = 6;  // at most
-  double place_drift_m = 1.5;  // how far a place may move by itself: the drift of both sessions ...
+  double meet_m = 10;               // a keyframe of b this near to one of a's is a place of the overlap
+  double look_m = 35;               // clouds within this of the other session's keyframes take part
+  std::size_t places = 6;           // at most
+  double place_drift_m = 1.5;       // how far a place may move by itself: the drift of both sessions ...
   double place_drift_share = 0.02;  // ... and this much of its distance from the first place
   double place_drift_rad = 0.07;
   double hopeless_inliers = 0.2;  // at the first place: not looked at any closer

@@ -24,8 +24,9 @@ struct PairResult {
 
 mine::Request request_for(mine::Kind kind, std::uint64_t number) {
   static constexpr std::array overlaps{20.0, 30.0, 45.0, 25.0, 60.0, 35.0, 22.0};
-  static const std::vector<std::vector<std::string>> sensors{
-      {"os1-32", "vlp16-hires", "os1-32"}, {"vlp16-hires", "os1-32", "vlp16-hires"}, {"os1-32", "os1-32", "vlp16-hires"}};
+  static const std::vector<std::vector<std::string>> sensors{{"os1-32", "vlp16-hires", "os1-32"},
+                                                             {"vlp16-hires", "os1-32", "vlp16-hires"},
+                                                             {"os1-32", "os1-32", "vlp16-hires"}};
   mine::Request r;
   r.kind = kind;
   r.seed = first_seed + number;
@@ -67,14 +68,15 @@ picture::Layer layer_of(const DrivenSession& session, const Pose& T, std::size_t
   return layer;
 }
 
-void draw(const PipelineRun& run, SessionId a, SessionId b, const PairResult& result, const std::filesystem::path& file) {
+void draw(const PipelineRun& run, SessionId a, SessionId b, const PairResult& result,
+          const std::filesystem::path& file) {
   const Alignment* found = alignment_of(run, a, b);
   picture::TopView view;
   view.title = result.a + " and " + result.b;
   char line[160];
   std::snprintf(line, sizeof line, "overlap %.0f %%, %s, probability %.3f, %.2f m off", result.overlap_pct,
-                result.merged ? (result.right ? "merged" : "merged WRONGLY") : "not merged", result.evidence.probability,
-                result.te_m);
+                result.merged ? (result.right ? "merged" : "merged WRONGLY") : "not merged",
+                result.evidence.probability, result.te_m);
   view.subtitle = line;
   view.panels = {{"as placed best",
                   {layer_of(run.session(a), Pose::Identity(), 0),
@@ -127,7 +129,10 @@ struct Row {
 nlohmann::json print_row(const std::string& name, const Row& row) {
   std::printf("  %-28s %5d %7d %6d %9.3f %9.2f\n", name.c_str(), row.pairs, row.merged, row.wrong, median_of(row.te_m),
               median_of(row.re_deg));
-  return {{"pairs", row.pairs}, {"merged", row.merged}, {"false", row.wrong}, {"te_m", median_of(row.te_m)},
+  return {{"pairs", row.pairs},
+          {"merged", row.merged},
+          {"false", row.wrong},
+          {"te_m", median_of(row.te_m)},
           {"re_deg", median_of(row.re_deg)}};
 }
 
@@ -163,8 +168,9 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
     run_batch(kind, static_cast<std::uint64_t>(m), results, pictures);
   }
   std::fprintf(stderr, "\n");
-  std::printf("merges: pairs, merged rightly, merged wrongly, median error near the overlap\n  %-28s %5s %7s %6s %9s %9s\n",
-              "", "pairs", "merged", "wrong", "m", "deg");
+  std::printf(
+      "merges: pairs, merged rightly, merged wrongly, median error near the overlap\n  %-28s %5s %7s %6s %9s %9s\n", "",
+      "pairs", "merged", "wrong", "m", "deg");
   nlohmann::json out;
   const auto add = [&](const std::string& name, auto&& belongs) {
     out["rows"][name] = print_row(name, row_of(results, belongs));
@@ -183,17 +189,24 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
   const double recall = bar.pairs > 0 ? static_cast<double>(bar.merged) / bar.pairs : 0;
   // No false merge in n: the rate is below this with 95 % confidence (1 - 0.05^(1/n)).
   const double bound = all.pairs > 0 && all.wrong == 0 ? 1 - std::pow(0.05, 1.0 / all.pairs) : -1;
-  std::printf("  %d pairs: %d false (95 %% upper bound of the rate %.4f); recall %.3f (%d of %d with >= 18 %%); without "
-              "drift %.3f m %.2f deg\n",
-              all.pairs, all.wrong, bound, recall, bar.merged, bar.pairs, median_of(still.te_m), median_of(still.re_deg));
+  std::printf(
+      "  %d pairs: %d false (95 %% upper bound of the rate %.4f); recall %.3f (%d of %d with >= 18 %%); without "
+      "drift %.3f m %.2f deg\n",
+      all.pairs, all.wrong, bound, recall, bar.merged, bar.pairs, median_of(still.te_m), median_of(still.re_deg));
   for (const PairResult& r : results)
     if (r.merged ? !r.right : knowable(r) && r.overlap_pct >= bar_overlap_pct)
-      std::printf("  %s: %s and %s, overlap %.0f %%, p %.3f, violations %.4f, misfit %.3f m, %.0f m shared, %.0f aliases\n",
-                  r.merged ? "FALSE" : "missed", r.a.c_str(), r.b.c_str(), r.overlap_pct, r.evidence.probability,
-                  r.evidence.freespace_violation, r.evidence.residual_m, r.evidence.overlap_m, r.evidence.aliases);
-  out.update({{"pairs", all.pairs}, {"false", all.wrong}, {"false_rate_bound_95", bound}, {"recall", recall},
-              {"te_m", median_of(still.te_m)}, {"re_deg", median_of(still.re_deg)},
-              {"te_drift_m", median_of(bar.te_m)}, {"re_drift_deg", median_of(bar.re_deg)}});
+      std::printf(
+          "  %s: %s and %s, overlap %.0f %%, p %.3f, violations %.4f, misfit %.3f m, %.0f m shared, %.0f aliases\n",
+          r.merged ? "FALSE" : "missed", r.a.c_str(), r.b.c_str(), r.overlap_pct, r.evidence.probability,
+          r.evidence.freespace_violation, r.evidence.residual_m, r.evidence.overlap_m, r.evidence.aliases);
+  out.update({{"pairs", all.pairs},
+              {"false", all.wrong},
+              {"false_rate_bound_95", bound},
+              {"recall", recall},
+              {"te_m", median_of(still.te_m)},
+              {"re_deg", median_of(still.re_deg)},
+              {"te_drift_m", median_of(bar.te_m)},
+              {"re_drift_deg", median_of(bar.re_deg)}});
   return out;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/session/keyframe.hpp"
 #include "common/cloud/point_cloud.hpp"
+#include "common/session/keyframe.hpp"
 #include "tests/mine/scenario.hpp"
 #include "tests/support/truth.hpp"
 

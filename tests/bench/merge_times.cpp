@@ -79,16 +79,20 @@ nlohmann::json merge_times() {
   std::printf("merge: trigger to published, two sessions of %zu keyframes on average, %d of %zu pairs published\n",
               keyframes / (2 * mines.size()), timed.published, mines.size());
   const double p50 = quantile(timed.total, 0.5), p95 = quantile(timed.total, 0.95);
-  std::printf("  p50 %.0f ms, p95 %.0f ms; medians by stage: hypotheses %.0f, clouds %.0f, registration %.0f, evidence %.0f, "
-              "atlas %.1f ms\n",
-              p50, p95, quantile(timed.hypotheses, 0.5), quantile(timed.sampling, 0.5),
-              quantile(timed.registration, 0.5), quantile(timed.verification, 0.5), quantile(timed.atlas, 0.5));
-  nlohmann::json out{{"p50_ms", p50}, {"p95_ms", p95}, {"keyframes", keyframes / (2 * mines.size())},
-                     {"stages_ms", {{"hypotheses", quantile(timed.hypotheses, 0.5)},
-                                    {"clouds", quantile(timed.sampling, 0.5)},
-                                    {"registration", quantile(timed.registration, 0.5)},
-                                    {"evidence", quantile(timed.verification, 0.5)},
-                                    {"atlas", quantile(timed.atlas, 0.5)}}}};
+  std::printf(
+      "  p50 %.0f ms, p95 %.0f ms; medians by stage: hypotheses %.0f, clouds %.0f, registration %.0f, evidence %.0f, "
+      "atlas %.1f ms\n",
+      p50, p95, quantile(timed.hypotheses, 0.5), quantile(timed.sampling, 0.5), quantile(timed.registration, 0.5),
+      quantile(timed.verification, 0.5), quantile(timed.atlas, 0.5));
+  nlohmann::json out{{"p50_ms", p50},
+                     {"p95_ms", p95},
+                     {"keyframes", keyframes / (2 * mines.size())},
+                     {"stages_ms",
+                      {{"hypotheses", quantile(timed.hypotheses, 0.5)},
+                       {"clouds", quantile(timed.sampling, 0.5)},
+                       {"registration", quantile(timed.registration, 0.5)},
+                       {"evidence", quantile(timed.verification, 0.5)},
+                       {"atlas", quantile(timed.atlas, 0.5)}}}};
   // Others in the database, of the same kinds: what they add to the same trigger.
   std::vector<DrivenSession> others;
   for (const std::size_t count : {8U, 28U, 98U}) {

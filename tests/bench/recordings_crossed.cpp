@@ -13,7 +13,9 @@ struct Set {
 };
 
 /// tunnel-four and tunnel-apart share a world.
-std::string world_of(const std::string& set) { return set.starts_with("tunnel-four") || set.starts_with("tunnel-apart") ? "tunnel" : set; }
+std::string world_of(const std::string& set) {
+  return set.starts_with("tunnel-four") || set.starts_with("tunnel-apart") ? "tunnel" : set;
+}
 
 bool truly_near(const DrivenSession& a, const DrivenSession& b) {
   if (a.world != b.world) return false;
@@ -42,8 +44,9 @@ nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
   for (const DrivenSession& s : sessions) run.add(s);
   const auto count = static_cast<SessionId>(sessions.size());
   for (SessionId id = 1; id <= count; ++id) run.attempt(id);
-  std::printf("recordings, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, error\n",
-              sessions.size());
+  std::printf(
+      "recordings, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, error\n",
+      sessions.size());
   nlohmann::json out{{"false", 0}, {"true_pairs", 0}, {"merged", 0}};
   for (const Alignment& k : run.pipeline.alignments()) {
     const DrivenSession &a = run.session(k.a), &b = run.session(k.b);

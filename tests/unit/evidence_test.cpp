@@ -77,7 +77,8 @@ TEST(Visibility, AVehicleThatDroveOnIsTransient) {
   auto d = drive(drift, {{-6, 0}, {6, 0}}, 0, 1, 2);
   for (int y = 0; y < 20; ++y)  // one keyframe sees a vehicle 4 m ahead that none of the others does
     for (int z = 0; z < 20; ++z)
-      d.clouds[1].sweeps[0].points.emplace_back(4, -0.5F + 0.05F * static_cast<float>(y), -0.5F + 0.05F * static_cast<float>(z));
+      d.clouds[1].sweeps[0].points.emplace_back(4, -0.5F + 0.05F * static_cast<float>(y),
+                                                -0.5F + 0.05F * static_cast<float>(z));
   const auto clouds = placed(d);
   const Eigen::Vector3d vehicle = d.keyframes[1].T_local_sensor * Eigen::Vector3d(4, 0, 0);
   const auto nearest = [&](const Submap& submap) {

@@ -34,9 +34,7 @@ TEST(Parallel, CallsMayBeNestedAndComeFromManyThreads) {
       for_blocks(50, 1, 4, [&](std::size_t, std::size_t, std::size_t) { ++count; });
     });
   };
-  {
-    const std::jthread a(outer), b(outer), c(outer);
-  }
+  { const std::jthread a(outer), b(outer), c(outer); }
   EXPECT_EQ(count, 3 * 2500);
 }
 

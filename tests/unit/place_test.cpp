@@ -109,7 +109,9 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
   const auto a = drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1), b = drive(mine, {{75, 0}, {30, 0}, {30, 20}}, 2.0, 2);
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   HypothesisFinder finder({});
-  const auto find = [&] { return finder.find({1, a.keyframes}, {2, b.keyframes}, nullptr, [] { return std::vector<MatchedPair>(); }); };
+  const auto find = [&] {
+    return finder.find({1, a.keyframes}, {2, b.keyframes}, nullptr, [] { return std::vector<MatchedPair>(); });
+  };
   const std::vector<Hypothesis> found = find()->hypotheses;
   ASSERT_FALSE(found.empty());
   const Eigen::Vector3d at = found[0].place_b;
@@ -176,8 +178,7 @@ TEST(Fft2, IsTheSlowTransform) {
       EXPECT_NEAR(grid.im[k], sum.imag(), 1e-4);
     }
     fft.inverse(grid);
-    for (std::size_t i = 0; i < n * n; ++i)
-      EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 1e-3);
+    for (std::size_t i = 0; i < n * n; ++i) EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 1e-3);
   }
   EXPECT_EQ(Fft2::size_for(1), 4U);
   EXPECT_EQ(Fft2::size_for(128), 128U);
