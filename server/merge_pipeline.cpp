@@ -124,8 +124,8 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
     report.changed.push_back(alignments.back());
     return;
   }
-  // What the operator ruled on stays in sight until something better than nothing turns up.
-  if (known->ruling != Ruling::none && now == AlignmentState::rejected) return;
+  // What the operator ruled on stays in sight until something turns up that could be published.
+  if (known->ruling != Ruling::none && now != AlignmentState::verified) return;
   const bool refused_once = decisions.proposal(known->id, best.T_a_b, e.seen_points) == Proposal::as_candidate;
   if (refused_once && now == AlignmentState::verified) now = AlignmentState::candidate;
   known->verdict = now;

@@ -52,6 +52,7 @@ std::vector<SessionId> MergePipeline::State::partners(SessionId id) const {
         if (const auto found = alike.find(n.keyframe.session); found != alike.end()) ++found->second;
   }
   std::vector<SessionId> order;
+  order.reserve(alike.size());
   for (const auto& [other, count] : alike) order.push_back(other);
   std::stable_sort(order.begin(), order.end(), [&](SessionId x, SessionId y) { return alike.at(x) > alike.at(y); });
   return order;
@@ -90,6 +91,7 @@ std::vector<PlacedCloud> MergePipeline::State::clouds_near(SessionId id, Session
                                                            CloudSource& clouds, std::vector<KeyframeRef>& missing) {
   const double reach_m = JudgeConfig{}.look_m, needed_m = 2.5 * JudgeConfig{}.meet_m;
   std::vector<Eigen::Vector3d> others;
+  others.reserve(sessions[other].keyframes.size());
   for (const Keyframe& k : sessions[other].keyframes) others.push_back(T_id_other * k.T_local_sensor.translation());
   std::vector<PlacedCloud> near;
   std::vector<std::pair<double, KeyframeRef>> absent;

@@ -49,7 +49,9 @@ std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<s
 double runner_up_share(const Evidence& e) {
   constexpr double certain = 1 - 1e-9;
   const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
-  return e.probability > 0 ? odds(e.runner_up) / odds(e.probability) : 1;
+  // What contradicts this one makes its lead count for less.
+  const double doubt = e.worst_place_violation > 1e-3 ? 6 : 1;
+  return e.probability > 0 ? doubt * odds(e.runner_up) / odds(e.probability) : 1;
 }
 
 std::span<const EvidenceField> evidence_fields() { return fields; }

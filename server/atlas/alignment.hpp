@@ -44,7 +44,7 @@ struct Evidence {
   double runner_up = 0;    // probability of the best different hypothesis
 };
 
-/// Odds of the best different hypothesis over the odds of this one: near 1 they can not be told apart.
+/// Odds of the runner-up over this one's, six times that where free space contradicts this one. Near 1: not told apart.
 double runner_up_share(const Evidence& evidence);
 
 struct EvidenceField {

@@ -54,7 +54,9 @@ class Canvas {
   };
 
   static bool is_wall(const Cell& cell) { return cell.wall > 0 && 2 * cell.wall >= cell.free; }
-  static std::size_t offset(int x, int y) { return static_cast<std::size_t>(y * tile_cells + x); }
+  static std::size_t offset(int x, int y) {
+    return static_cast<std::size_t>(y) * tile_cells + static_cast<std::size_t>(x);
+  }
   static int tile_of(int cell) { return cell >= 0 ? cell / tile_cells : -((tile_cells - 1 - cell) / tile_cells); }
   static std::uint64_t key(int x, int y) {
     return std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(y);

@@ -295,7 +295,7 @@ int WallField::score(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen:
   const auto at = [&](const Eigen::Vector2f& p) -> const Cell* {
     const float x = R(0, 0) * p.x() + R(0, 1) * p.y() + t.x(), y = R(1, 0) * p.x() + R(1, 1) * p.y() + t.y();
     if (!(x >= 0 && y >= 0 && x < width && y < height)) return nullptr;
-    return &cells_[static_cast<std::size_t>(static_cast<int>(y) * columns_ + static_cast<int>(x))];
+    return &cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
   };
   for (std::size_t i = 0; i < b.walls.size(); i += every)
     if (const Cell* c = at(b.walls[i])) score += c->for_wall;

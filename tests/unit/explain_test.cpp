@@ -86,10 +86,10 @@ TEST(Explain, WhatTheVerdictAsksForIsNamedWithBothFigures) {
   k.state = AlignmentState::candidate;
   EXPECT_TRUE(explained(k).missing.empty());
   k.evidence.probability = 0.85;
-  k.evidence.runner_up = 0.6;
+  k.evidence.runner_up = 0.8;
   const Explanation e = explained(k);
   EXPECT_TRUE(says(e.missing, "the probability is 0.850 and must be 0.90"));
-  EXPECT_TRUE(says(e.missing, "a different placement is nearly as good (0.60, must be below 0.50)"));
+  EXPECT_TRUE(says(e.missing, "a different placement is nearly as good (its odds are 0.71 of this one's, must be below 0.33)"));
   EXPECT_NE(e.outcome.find("not sure enough"), std::string::npos);
 }
 
