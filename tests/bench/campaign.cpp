@@ -180,9 +180,10 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
     add(name + ", overlap >= 18 %", [&](const auto& r) { return r.kind == name && r.overlap_pct >= bar_overlap_pct; });
     add(name + ", nothing shared", [&](const auto& r) { return r.kind == name && r.overlap_pct == 0; });
   }
-  for (const auto& [low, high] : {std::pair{0.001, 10.0}, {10.0, 18.0}, {18.0, 25.0}, {25.0, 40.0}, {40.0, 100.0}})
-    add("overlap " + std::to_string(static_cast<int>(low)) + " to " + std::to_string(static_cast<int>(high)) + " %",
-        [&](const auto& r) { return knowable(r) && r.overlap_pct >= low && r.overlap_pct < high; });
+  for (const auto& range : {std::pair{0.001, 10.0}, {10.0, 18.0}, {18.0, 25.0}, {25.0, 40.0}, {40.0, 100.0}})
+    add("overlap " + std::to_string(static_cast<int>(range.first)) + " to " +
+            std::to_string(static_cast<int>(range.second)) + " %",
+        [&](const auto& r) { return knowable(r) && r.overlap_pct >= range.first && r.overlap_pct < range.second; });
   const Row all = row_of(results, [](const auto&) { return true; });
   const Row bar = row_of(results, [](const auto& r) { return knowable(r) && r.overlap_pct >= bar_overlap_pct; });
   const Row still = row_of(results, [](const auto& r) { return knowable(r) && !r.drift; });
