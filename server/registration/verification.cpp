@@ -127,6 +127,29 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
+/// Everything both sessions have where they meet, registered at once from T_0: pulls out a slide along a drift that each
+/// place by itself allows. T_0 when that does not converge nearby.
+Pose align_overlap(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Clouds& shared_b,
+                   const Pose& T_0, const JudgeConfig& config) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const PlacedCloud& c : shared_b) centre += place_of(c) / static_cast<double>(shared_b.size());
+  double reach = 0;
+  for (const PlacedCloud& c : shared_b) reach = std::max(reach, (place_of(c) - centre).norm());
+  reach += config.place.radius_m;
+  const Submap target = sphere(a, T_0 * centre, reach + config.place.slack_m, config.overlap_leaf_m);
+  const Submap source = sphere(b, centre, reach, config.overlap_leaf_m);
+  VgicpConfig vgicp;
+  vgicp.levels = {{1.0F, 4000}, {0.5F, 12000}};
+  vgicp.iterations = 25;
+  vgicp.least_inliers = 0.05;
+  vgicp.threads = config.threads;
+  const Registration r =
+      align(make_voxel_maps(target.points, target.normals, vgicp), source.points, source.normals, T_0, vgicp);
+  const bool near = (r.T_target_source * centre - T_0 * centre).norm() < config.place_drift_m &&
+                    rotation_angle_rad(T_0.inverse() * r.T_target_source) < config.place_drift_rad;
+  return usable(r) && near ? r.T_target_source : T_0;
+}
+
 /// Path of b, in metres, along which its keyframes lie within reach of a's.
 double shared_path_m(const Clouds& near) {
   double path = 0;
@@ -185,6 +208,8 @@ Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud>
   agrees.reserve(places.size());
   for (const PlaceCheck& p : places) agrees.push_back(within_drift(p, places[0], T_0, config));
   out.T_a_b = combine(places, agrees, T_0);
+  if (const Clouds shared = near_other(a, b, out.T_a_b, config.meet_m); !shared.empty())
+    out.T_a_b = align_overlap(a, b, shared, out.T_a_b, config);
   // Each place is looked at where its own registration put it: drift is not a contradiction, other rock is.
   for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
     if (i > 0) look_at_place(places[i], a, b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b, config.place);
@@ -221,9 +246,11 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
   const double asked_m = 30 * e.aliases;
-  const double short_overlap = asked_m > 0 ? std::min(0.0, e.overlap_m / asked_m - 1) : 0;
+  const double short_overlap =
+      asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
+  const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
-                   4 * few_pairs + 12 * short_overlap;
+                   4 * few_pairs + 12 * short_overlap + 6 * tiny_overlap;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
   return status == RegistrationStatus::converged ? p : 0.4 * p;

@@ -18,6 +18,7 @@ struct JudgeConfig {
   double place_drift_rad = 0.07;
   double hopeless_inliers = 0.2;  // at the first place: not looked at any closer
   double hopeless_violation = 0.08;
+  float overlap_leaf_m = 0.4F;
   PlaceConfig place;
   int threads = 1;
 };

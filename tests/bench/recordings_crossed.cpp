@@ -23,7 +23,7 @@ bool truly_near(const DrivenSession& a, const DrivenSession& b) {
 }  // namespace
 
 nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
-  const std::vector<Set> sets{{"nclt-two-robots", {"r1", "r2"}},
+  const std::vector<Set> sets{{"nclt-two-robots", {"a", "b"}},
                               {"tunnel-two", {"r1", "r2"}},
                               {"tunnel-four", {"s1", "s2", "s3", "s4"}},
                               {"tunnel-apart", {"r1", "r2"}}};
@@ -53,11 +53,12 @@ nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
     out["true_pairs"] = out["true_pairs"].get<int>() + near;
     out["merged"] = out["merged"].get<int>() + outcome.right;
     out["false"] = out["false"].get<int>() + (outcome.merged && !outcome.right);
+    const auto error = near ? overlap_error(a.path, b.path, k.T_a_b) : test::OverlapError{};
     if (near || e.probability > 0.01)
       std::printf("  %-20s %-20s %-9s %.3f %.3f  %.4f %.3f m %4.0f m %2.0f  %s %.3f m %.2f deg\n", a.name.c_str(),
                   b.name.c_str(), std::string(to_string(k.state)).c_str(), e.probability, e.runner_up,
                   e.freespace_violation, e.residual_m, e.overlap_m, e.aliases, near ? "true pair" : "-",
-                  outcome.error.translation_m, outcome.error.rotation_deg);
+                  error.translation_m, error.rotation_deg);
   }
   std::printf("  %d true pairs, %d merged rightly, %d false\n", out["true_pairs"].get<int>(), out["merged"].get<int>(),
               out["false"].get<int>());
