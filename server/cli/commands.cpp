@@ -156,11 +156,13 @@ Result<int> Commands::watch(double every_s, int times) {
     const auto status = fetched("/api/v1/status"), sessions = fetched("/api/v1/sessions");
     if (!status) return tl::unexpected(status.error());
     if (!sessions) return tl::unexpected(sessions.error());
-    std::string screen =
-        json_ ? *status
-              : status_view(Json::parse(*status)) + "\n" + sessions_view(Json::parse(*sessions), terminal_width());
-    if (terminal) screen = "\x1b[H\x1b[2J" + screen;
-    std::cout << screen << std::flush;
+    if (terminal) std::cout << "\x1b[H\x1b[2J";
+    if (json_) {
+      std::cout << *status << std::flush;
+    } else {
+      std::cout << status_view(Json::parse(*status)) << '\n'
+                << sessions_view(Json::parse(*sessions), terminal_width()) << std::flush;
+    }
     if (shown == times) return exit_ok;
     std::this_thread::sleep_for(std::chrono::duration<double>(every_s));
   }

@@ -112,7 +112,7 @@ void EventFeed::join(const std::shared_ptr<EventSocket>& socket) {
   const bool first = sockets_.empty();
   if (first) last_ = std::make_shared<const StationLook>(look_at(station_));
   sockets_.insert(socket);
-  const auto snapshot = std::make_shared<const std::string>(snapshot_event(*last_));
+  auto snapshot = std::make_shared<const std::string>(snapshot_event(*last_));
   socket->tell(snapshot, [snapshot] { return snapshot; });
   if (first) look_again();
 }
