@@ -86,7 +86,7 @@ void RobotConnection::shake_hands() {
 }
 
 void RobotConnection::begin() {
-  if (dropped_) return;
+  if (dropped_ || begun_) return;
   begun_ = true;
   flush();
   read();
@@ -207,8 +207,11 @@ void RobotConnection::tick() {
   const auto now = Clock::now();
   protocol_.tick(now, reading_);
   if (!begun_ && protocol_.ended()) {
-    note("no TLS handshake in time");
-    return drop();
+    if (entrance_.tls) {
+      note("no TLS handshake in time");
+      return drop();
+    }
+    begin();  // in the clear it can be told why
   }
   if (const LinkPolicy policy = hub_.policy(); protocol_.welcomed() && policy != told_) {
     told_ = policy;
