@@ -244,7 +244,8 @@ void SessionHub::end_robot(const std::string& robot, const std::string& why) {
       if (session.record.key.robot == robot)
         if (auto link = session.link.lock()) ended.push_back(std::move(link));
   }
-  for (const auto& link : ended) link->close(v1::ERROR_KIND_REFUSED, "robot " + robot + ": " + why, true);
+  const std::string reason = "robot " + robot + ": " + why;
+  for (const auto& link : ended) link->close(v1::ERROR_KIND_REFUSED, reason, true);
 }
 
 std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {
