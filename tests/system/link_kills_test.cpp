@@ -79,7 +79,9 @@ TEST_F(Audit, FindsChangedContent) {
 
 TEST_F(Audit, FindsASecondSession) {
   const Faults faults = compared_after(
-      "INSERT INTO sessions SELECT id+1, robot, 'again', sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, "
+      "INSERT INTO sessions (id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family, "
+      "family_version, q_size, w_size, spool_id, complete, attempted_keyframes) SELECT id+1, robot, 'again', "
+      "sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, "
       "family, family_version, q_size, w_size, spool_id, complete, attempted_keyframes FROM sessions");
   EXPECT_EQ(faults.duplicated, 1U);
 }
