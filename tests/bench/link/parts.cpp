@@ -89,9 +89,9 @@ nlohmann::json link_faults(double seconds, std::uint32_t seed) {
     const double recovery = quantile(done->recovery_s, 0.95);
     std::printf("  %-16s %10llu %10.2f %6.2f %6.2f %15.2f %17llu %5llu %8llu %8llu %s\n", done->name.c_str(),
                 static_cast<unsigned long long>(f.keyframes), p50, p95, most, recovery,
-                static_cast<unsigned long long>(done->clouds), static_cast<unsigned long long>(f.lost + f.clouds_lost),
+                static_cast<unsigned long long>(done->clouds), static_cast<unsigned long long>(f.lost) + f.clouds_lost,
                 static_cast<unsigned long long>(f.duplicated),
-                static_cast<unsigned long long>(f.corrupted + f.clouds_corrupted), f.first.c_str());
+                static_cast<unsigned long long>(f.corrupted) + f.clouds_corrupted, f.first.c_str());
     wrong += f.sum();
     rows.push_back({{"radio", done->name},
                     {"keyframes", f.keyframes},
