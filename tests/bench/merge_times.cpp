@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include "tests/bench/merges.hpp"
@@ -16,7 +17,7 @@ double now_ms() {
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   const auto last = static_cast<double>(values.size() - 1);
-  return values.empty() ? -1 : values[static_cast<std::size_t>(share * last + 0.5)];
+  return values.empty() ? -1 : values[static_cast<std::size_t>(std::lround(share * last))];
 }
 
 /// Two robots of 300 keyframes, a metre apart, that share about a quarter.

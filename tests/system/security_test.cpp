@@ -63,8 +63,8 @@ class Security : public testing::Test {
   void change_credential(const std::string& what, const std::string& to) const {
     std::ifstream in(credential());
     std::stringstream content;
-    for (std::string line; std::getline(in, line);)
-      content << (line.rfind(what, 0) == 0 ? what + " " + to : line) << "\n";
+    const std::string changed = what + " " + to;
+    for (std::string line; std::getline(in, line);) content << (line.rfind(what, 0) == 0 ? changed : line) << "\n";
     std::ofstream(credential()) << content.str();
   }
   std::string credential_line(const std::string& what) const {
