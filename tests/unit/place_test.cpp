@@ -170,10 +170,11 @@ TEST(Fft2, IsTheSlowTransform) {
     fft.forward(grid);
     for (std::size_t k = 0; k < n * n; k += 5) {
       std::complex<double> sum = 0;
-      for (std::size_t i = 0; i < n * n; ++i)
-        sum += std::complex<double>(before.re[i], before.im[i]) *
-               std::polar(1.0, -2 * std::numbers::pi * static_cast<double>((k / n) * (i / n) + (k % n) * (i % n)) /
-                                   static_cast<double>(n));
+      for (std::size_t i = 0; i < n * n; ++i) {
+        const std::size_t turns = (k / n) * (i / n) + (k % n) * (i % n);
+        const double angle = -2 * std::numbers::pi * static_cast<double>(turns) / static_cast<double>(n);
+        sum += std::complex<double>(before.re[i], before.im[i]) * std::polar(1.0, angle);
+      }
       EXPECT_NEAR(grid.re[k], sum.real(), 1e-4);
       EXPECT_NEAR(grid.im[k], sum.imag(), 1e-4);
     }
