@@ -96,16 +96,17 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   else
     before = judged_now;
   const Stopwatch watch(report.times.verification_ms);
-  const Judgement again = judge_again(now.a, now.b, published.T_a_b, judge_config());
+  Judgement again = judge_again(now.a, now.b, published.T_a_b, judge_config());
+  again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
+  again.evidence.support = published.evidence.support;
+  again.evidence.runner_up = published.evidence.runner_up;
+  again.evidence.probability = probability(again.status, again.evidence);
   if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b[now.b.size() / 2].T_local_sensor.translation();
   if (again.evidence.probability >= config.accept_probability &&
       differ(again.T_a_b, published.T_a_b, middle, news_m, news_rad)) {
-    const double support = published.evidence.support, runner_up = published.evidence.runner_up;
     published.T_a_b = again.T_a_b;
     published.evidence = again.evidence;
-    published.evidence.support = support;
-    published.evidence.runner_up = runner_up;
     report.changed.push_back(published);
   }
   return true;

@@ -44,6 +44,10 @@ struct Evidence {
   double runner_up = 0;    // probability of the best different hypothesis
 };
 
+/// Overlap, along b's path, that is asked for where the mine repeats itself: 30 m for each alias, about a tile and a
+/// half.
+double asked_overlap_m(const Evidence& evidence);
+
 /// Odds of the runner-up over this one's, six times that where free space contradicts this one. Near 1: not told apart.
 double runner_up_share(const Evidence& evidence);
 

@@ -11,8 +11,9 @@ struct ComplexGrid {
   std::vector<float> re, im;
 };
 
-/// Complex 2D transform of n x n grids, n a power of two >= 4; unscaled. Ours because a wall search is 135 of them for each
-/// pair of levels and was most of a merge's time with KissFFT; FFTW is GPL. Not thread safe: it holds scratch memory.
+/// Complex 2D transform of n x n grids, n a power of two >= 4; unscaled. Ours because a wall search is 135 of them for
+/// each pair of levels and was most of a merge's time with KissFFT; FFTW is GPL. Not thread safe: it holds scratch
+/// memory.
 class Fft2 {
  public:
   explicit Fft2(std::size_t n);

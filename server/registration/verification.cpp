@@ -242,12 +242,13 @@ Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedClou
 double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap) return 0;
   if (e.tilt_deg > 3) return 0;
-  // README, "How sure", says on which pairs these weights were fitted, and on which they were checked.
+  // Set by hand; README, "How sure", says on which pairs, and on which they were checked.
   const double contradiction = std::log10(e.worst_place_violation + 2e-3) + 2.7;  // 0: none
   const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);    // 0: 3 cm
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
-  const double asked_m = 30 * e.aliases;
+  // It costs at most 0.27 an alias: with one, an overlap of half the length still passes when all else is good.
+  const double asked_m = asked_overlap_m(e);
   const double short_overlap = asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
