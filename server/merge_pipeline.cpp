@@ -69,7 +69,7 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     before = judged_now;
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
-  std::vector<Verdict> verdicts = judge_cases(cases, self_aliases(a, clouds) + self_aliases(b, clouds), report);
+  std::vector<Verdict> verdicts = judge_cases(a, b, cases, clouds, known && known->ruling != Ruling::none, report);
   if (verdicts.empty()) verdicts.emplace_back();
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {
@@ -96,13 +96,14 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   else
     before = judged_now;
   const Stopwatch watch(report.times.verification_ms);
-  Judgement again = judge_again(now.a, now.b, published.T_a_b, judge_config());
+  Judgement again = judge_again(scene(published.a, now.a, clouds), scene(published.b, now.b, clouds), published.T_a_b,
+                                judge_config());
   again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
   again.evidence.support = published.evidence.support;
   again.evidence.runner_up = published.evidence.runner_up;
   again.evidence.probability = probability(again.status, again.evidence);
   if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
-  const Eigen::Vector3d middle = now.b[now.b.size() / 2].T_local_sensor.translation();
+  const Eigen::Vector3d middle = now.b[now.b.size() / 2].p;
   if (again.evidence.probability >= config.accept_probability &&
       differ(again.T_a_b, published.T_a_b, middle, news_m, news_rad)) {
     published.T_a_b = again.T_a_b;
@@ -184,15 +185,15 @@ void MergePipeline::add_session(SessionId id, const FamilyId& family) {
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   Session& session = state_->sessions[id];
   state_->index_keyframe(id, keyframe);
-  if (!session.keyframes.empty())
-    session.path_m +=
-        (keyframe.T_local_sensor.translation() - session.keyframes.back().T_local_sensor.translation()).norm();
+  const Eigen::Vector3d here = keyframe.T_local_sensor.translation();
+  session.path_to_m.push_back(session.keyframes.empty()
+                                  ? 0
+                                  : session.path_m() +
+                                        (here - session.keyframes.back().T_local_sensor.translation()).norm());
   session.keyframes.push_back(std::move(keyframe));
 }
 
-void MergePipeline::prepare_session(SessionId id, CloudSource& clouds) {
-  if (state_->sessions.contains(id)) state_->self_aliases(id, clouds);
-}
+bool MergePipeline::prepare_ahead(CloudSource& clouds) { return state_->prepare_ahead(clouds); }
 
 void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {
   state_->prepared.get(keyframe, clouds);

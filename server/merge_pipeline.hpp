@@ -56,8 +56,9 @@ class MergePipeline {
   /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds);
 
-  /// Looks whether the session's mine repeats itself, ahead of the attempt that needs to know. Optional.
-  void prepare_session(SessionId id, CloudSource& clouds);
+  /// Makes one part of what attempts will need: whether a session's mine repeats itself, or the surroundings of a
+  /// keyframe. Some tens of milliseconds; false when nothing is left. Optional: attempts make what they miss.
+  bool prepare_ahead(CloudSource& clouds);
 
   /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
   void complete_session(SessionId id);

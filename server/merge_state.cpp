@@ -22,6 +22,22 @@ float squared_distance(const std::vector<float>& p, const std::vector<float>& q)
   return sum;
 }
 
+std::size_t stored_clouds(const Session& session, SessionId id, const CloudSource& clouds) {
+  return static_cast<std::size_t>(std::count_if(session.keyframes.begin(), session.keyframes.end(), [&](const auto& k) {
+    return clouds.state({id, k.sequence}) == CloudState::stored;
+  }));
+}
+
+/// Whether, with all else in its favour, it could neither beat nor cast doubt on what was judged already.
+bool hopeless_rival(const Glance& glance, const std::vector<Verdict>& judged) {
+  constexpr double doubt = 0.1;  // of the odds that would leave two placements untold apart
+  return std::any_of(judged.begin(), judged.end(), [&](const Verdict& v) {
+    Evidence e = v.judgement.evidence;
+    e.runner_up = best_probability(glance);
+    return runner_up_share(e) < doubt;
+  });
+}
+
 /// Better glances first: fewer contradictions, then more points that fit.
 double promise(const Glance& glance) {
   return glance.place.registration.inlier_fraction - 20 * glance.place.between.violation();
@@ -32,7 +48,8 @@ double promise(const Glance& glance) {
 MergePipeline::State::State(const MergeConfig& c)
     : config(c),
       finder({.most = static_cast<std::size_t>(c.hypotheses), .threads = c.threads}),
-      prepared(static_cast<std::size_t>(c.clouds_kept), c.threads) {}
+      prepared(static_cast<std::size_t>(c.clouds_kept), c.threads),
+      places(static_cast<std::size_t>(c.places_kept), c.threads, JudgeConfig{}.place, prepared) {}
 
 JudgeConfig MergePipeline::State::judge_config() const {
   JudgeConfig judge;
@@ -78,31 +95,50 @@ std::vector<MatchedPair> MergePipeline::State::match_descriptors(SessionId a, Se
   return matches;
 }
 
-Case MergePipeline::State::make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, CloudSource& clouds) {
+PlaceRequest MergePipeline::State::place_at(SessionId id, std::size_t keyframe) const {
+  const Session& session = sessions.at(id);
+  return {id, session.keyframes, session.path_to_m, keyframe};
+}
+
+Scene MergePipeline::State::scene(SessionId id, std::vector<Stand> stands, CloudSource& clouds) {
+  return {std::move(stands), [this, id, &clouds](std::span<const std::size_t> keyframes) {
+            std::vector<PlaceRequest> asked;
+            asked.reserve(keyframes.size());
+            for (const std::size_t k : keyframes) asked.push_back(place_at(id, k));
+            return places.get(asked, clouds);
+          }};
+}
+
+Case MergePipeline::State::make_case(SessionId a, SessionId b, const Hypothesis& hypothesis,
+                                     const CloudSource& clouds) {
   Case made{hypothesis, {}, {}, {}};
-  made.a = clouds_near(a, b, hypothesis.T_a_b, clouds, made.missing);
-  made.b = clouds_near(b, a, hypothesis.T_a_b.inverse(), clouds, made.missing);
+  made.a = stands_near(a, b, hypothesis.T_a_b, clouds, made.missing);
+  made.b = stands_near(b, a, hypothesis.T_a_b.inverse(), clouds, made.missing);
   return made;
 }
 
-/// Clouds of `id` that lie within reach of the other session; what is missing of them and can be had is listed, the
-/// nearest first.
-std::vector<PlacedCloud> MergePipeline::State::clouds_near(SessionId id, SessionId other, const Pose& T_id_other,
-                                                           CloudSource& clouds, std::vector<KeyframeRef>& missing) {
+/// Keyframes of `id` with a cloud that lie within reach of the other session; what is missing of the clouds and can be
+/// had is listed, the nearest first.
+std::vector<Stand> MergePipeline::State::stands_near(SessionId id, SessionId other, const Pose& T_id_other,
+                                                     const CloudSource& clouds,
+                                                     std::vector<KeyframeRef>& missing) const {
   const double reach_m = JudgeConfig{}.look_m, needed_m = 2.5 * JudgeConfig{}.meet_m;
+  const auto &own = sessions.at(id).keyframes, &theirs = sessions.at(other).keyframes;
   std::vector<Eigen::Vector3d> others;
-  others.reserve(sessions[other].keyframes.size());
-  for (const Keyframe& k : sessions[other].keyframes) others.push_back(T_id_other * k.T_local_sensor.translation());
-  std::vector<PlacedCloud> near;
+  others.reserve(theirs.size());
+  for (const Keyframe& k : theirs) others.push_back(T_id_other * k.T_local_sensor.translation());
+  std::vector<Stand> near;
   std::vector<std::pair<double, KeyframeRef>> absent;
-  for (const Keyframe& k : sessions[id].keyframes) {
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const Keyframe& k = own[i];
     double squared = reach_m * reach_m;
     for (const auto& p : others) squared = std::min(squared, (k.T_local_sensor.translation() - p).squaredNorm());
     if (squared >= reach_m * reach_m || k.point_count == 0) continue;
     const KeyframeRef ref{id, k.sequence};
-    if (auto cloud = prepared.get(ref, clouds))
-      near.push_back({k.sequence, k.T_local_sensor, std::move(cloud)});
-    else if (std::sqrt(squared) < needed_m && clouds.state(ref) == CloudState::obtainable)
+    const CloudState state = clouds.state(ref);
+    if (state == CloudState::stored)
+      near.push_back({i, k.T_local_sensor.translation()});
+    else if (std::sqrt(squared) < needed_m && state == CloudState::obtainable)
       absent.emplace_back(squared, ref);
   }
   std::sort(absent.begin(), absent.end());
@@ -114,36 +150,76 @@ std::vector<PlacedCloud> MergePipeline::State::clouds_near(SessionId id, Session
   return near;
 }
 
+bool MergePipeline::State::self_likeness_known(SessionId id, const CloudSource& clouds) const {
+  constexpr double growth = 1.25;
+  const SelfLikeness& known = sessions.at(id).self;
+  return known.path_m >= 0 && sessions.at(id).path_m() <= growth * known.path_m &&
+         static_cast<double>(stored_clouds(sessions.at(id), id, clouds)) <= growth * static_cast<double>(known.clouds);
+}
+
 double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
   Session& session = sessions[id];
-  if (session.self.path_m >= 0 && session.path_m < 1.25 * session.self.path_m) return session.self.aliases;
+  if (self_likeness_known(id, clouds)) return session.self.aliases;
   const Found* found = finder.find_within({id, session.keyframes});
   std::vector<Case> cases;
   for (const Hypothesis& h : found->hypotheses)
     if (differ(h.T_a_b, Pose::Identity(), h.place_b, elsewhere_m, elsewhere_rad))
       cases.push_back(make_case(id, id, h, clouds));
-  std::vector<char> alike(cases.size(), 0);
-  const JudgeConfig judge = judge_config();
-  for_blocks(cases.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    const Hypothesis& h = cases[i].hypothesis;
-    const Glance g = glance(cases[i].a, cases[i].b, h.T_a_b, h.place_b, judge);
-    alike[i] = fits_alone(g) &&
-               differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m, elsewhere_rad);
+  const std::vector<Glance> glances = glance_at(id, id, cases, clouds);
+  const auto alike = std::count_if(glances.begin(), glances.end(), [](const Glance& g) {
+    return fits_alone(g) &&
+           differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m, elsewhere_rad);
   });
-  session.self = {session.path_m, static_cast<double>(std::count(alike.begin(), alike.end(), 1))};
+  session.self = {session.path_m(), stored_clouds(session, id, clouds), static_cast<double>(alike)};
   return session.self.aliases;
 }
 
-std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& cases, double self_aliases,
-                                                       AttemptReport& report) const {
-  const JudgeConfig config_now = judge_config();
+bool MergePipeline::State::prepare_ahead(CloudSource& clouds) {
+  for (auto& [id, session] : sessions) {
+    const auto known = [&, &kept = session](std::size_t k) {  // what a place sees is driven through, or all there is
+      return kept.complete || kept.path_to_m[k] + JudgeConfig{}.place.window_m < kept.path_m();
+    };
+    if (session.prepared < session.keyframes.size() && known(session.prepared)) {
+      const PlaceRequest request = place_at(id, session.prepared++);
+      places.get({&request, 1}, clouds);
+      return true;
+    }
+    if (may_merge(id) && !self_likeness_known(id, clouds)) {
+      self_aliases(id, clouds);
+      return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Glance> MergePipeline::State::glance_at(SessionId a, SessionId b, const std::vector<Case>& cases,
+                                                    CloudSource& clouds) {
+  const JudgeConfig judge = judge_config();
+  std::vector<std::size_t> meet;  // cases
+  std::vector<PlaceRequest> asked;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    const auto meeting = first_meeting(c.a, c.b, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
+    if (!meeting) continue;
+    meet.push_back(i);
+    asked.push_back(place_at(a, meeting->keyframe_a));
+    asked.push_back(place_at(b, meeting->keyframe_b));
+  }
+  const std::vector<PlacePtr> at = places.get(asked, clouds);
   std::vector<Glance> glances(cases.size());
+  for_blocks(meet.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    glances[meet[i]] = glance(at[2 * i], at[2 * i + 1], cases[meet[i]].hypothesis.T_a_b, judge);
+  });
+  return glances;
+}
+
+std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b, const std::vector<Case>& cases,
+                                                       CloudSource& clouds, bool all, AttemptReport& report) {
+  const double self = self_aliases(a, clouds) + self_aliases(b, clouds);
+  std::vector<Glance> glances;
   {
     const Stopwatch watch(report.times.registration_ms);
-    for_blocks(cases.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-      const Case& c = cases[i];
-      glances[i] = glance(c.a, c.b, c.hypothesis.T_a_b, c.hypothesis.place_b, config_now);
-    });
+    glances = glance_at(a, b, cases, clouds);
   }
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < glances.size(); ++i)
@@ -158,11 +234,12 @@ std::vector<Verdict> MergePipeline::State::judge_cases(const std::vector<Case>& 
       return !differ(v.judgement.T_a_b, place.registration.T_target_source, place.p_b, same_placement_m,
                      same_placement_rad);
     });
-    if (known || verdicts.size() == judged_closely) continue;
-    Verdict verdict{judge(cases[i].a, cases[i].b, glances[i], config_now), place.p_b};
+    if (known || verdicts.size() == judged_closely || (!all && hopeless_rival(glances[i], verdicts))) continue;
+    Verdict verdict{judge(scene(a, cases[i].a, clouds), scene(b, cases[i].b, clouds), glances[i], judge_config()),
+                    place.p_b};
     Evidence& e = verdict.judgement.evidence;
     e.support = cases[i].hypothesis.score;
-    e.aliases = self_aliases + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
+    e.aliases = self + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
                   return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b,
                                                  g.place.p_b, same_placement_m, same_placement_rad);
                 }));

@@ -8,23 +8,27 @@
 #include "common/descriptor/family.hpp"
 #include "server/merge_pipeline.hpp"
 #include "server/place/hypotheses.hpp"
-#include "server/prepared_clouds.hpp"
+#include "server/place_book.hpp"
 #include "server/registration/verification.hpp"
 
 namespace headframe {
 
-/// How often a session looks like itself elsewhere, and at which length of its path that was found.
+/// How often a session looks like itself elsewhere, and what that was found from.
 struct SelfLikeness {
   double path_m = -1;
+  std::size_t clouds = 0;
   double aliases = 0;
 };
 
 struct Session {
   FamilyId family;
   std::vector<Keyframe> keyframes;
-  double path_m = 0;
+  std::vector<double> path_to_m;  // to each keyframe
   bool complete = false;
   SelfLikeness self;
+  std::size_t prepared = 0;  // keyframes whose places were made ahead
+
+  double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
 };
 
 struct Family {
@@ -32,10 +36,10 @@ struct Family {
   std::unique_ptr<DescriptorIndex> index;
 };
 
-/// A hypothesis with the clouds that can speak on it.
+/// A hypothesis with the keyframes whose clouds can speak on it.
 struct Case {
   Hypothesis hypothesis;
-  std::vector<PlacedCloud> a, b;
+  std::vector<Stand> a, b;
   std::vector<KeyframeRef> missing;  // can be had and are needed, the nearest first
 };
 
@@ -54,6 +58,7 @@ struct MergePipeline::State {
   Atlas atlas;
   HypothesisFinder finder;
   PreparedClouds prepared;
+  PlaceBook places;
   /// What a pair was judged on last: it is judged again only when there is more.
   std::map<std::pair<SessionId, SessionId>, std::vector<std::size_t>> judged_on;
 
@@ -67,21 +72,30 @@ struct MergePipeline::State {
   /// Sessions of the same family, those whose descriptors look most alike first.
   std::vector<SessionId> partners(SessionId id) const;
   std::vector<MatchedPair> match_descriptors(SessionId a, SessionId b) const;
-  Case make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, CloudSource& clouds);
+  Case make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, const CloudSource& clouds);
+  Scene scene(SessionId id, std::vector<Stand> stands, CloudSource& clouds);
   /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats
-  /// itself. Looked for again when the session has grown by a quarter.
+  /// itself. Looked for again when the session, or what is stored of its clouds, has grown by a quarter.
   double self_aliases(SessionId id, CloudSource& clouds);
-  /// Glances at all, in parallel; the hopeful ones that differ are judged. Best first.
-  std::vector<Verdict> judge_cases(const std::vector<Case>& cases, double self_aliases, AttemptReport& report) const;
+  /// Glances at all, in parallel.
+  std::vector<Glance> glance_at(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds);
+  /// The hopeful ones that differ are judged; those that could not cast doubt on a better one only when all are asked
+  /// for. Best first.
+  std::vector<Verdict> judge_cases(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds,
+                                   bool all, AttemptReport& report);
+  /// Makes one of the places that a merge may need; false: there is none left to make.
+  bool prepare_ahead(CloudSource& clouds);
+  bool self_likeness_known(SessionId id, const CloudSource& clouds) const;
   Alignment* find(SessionId a, SessionId b);
   void index_keyframe(SessionId id, const Keyframe& keyframe);
   /// A few metres of drift look like many others: a growing session waits until it has seen more.
-  bool may_merge(SessionId id) { return sessions[id].complete || sessions[id].path_m >= config.least_path_m; }
+  bool may_merge(SessionId id) { return sessions[id].complete || sessions[id].path_m() >= config.least_path_m; }
   JudgeConfig judge_config() const;
 
  private:
-  std::vector<PlacedCloud> clouds_near(SessionId id, SessionId other, const Pose& T_id_other, CloudSource& clouds,
-                                       std::vector<KeyframeRef>& missing);
+  std::vector<Stand> stands_near(SessionId id, SessionId other, const Pose& T_id_other, const CloudSource& clouds,
+                                 std::vector<KeyframeRef>& missing) const;
+  PlaceRequest place_at(SessionId id, std::size_t keyframe) const;
 };
 
 /// Adds the time of a scope to a total.

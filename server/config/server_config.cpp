@@ -41,6 +41,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "searches", &c.merge.searches, 1, 10000},
       {"merge", "clouds_requested", &c.merge.clouds_requested, 1, 1000},
       {"merge", "clouds_kept", &c.merge.clouds_kept, 1, 1e6},
+      {"merge", "places_kept", &c.merge.places_kept, 1, 1e6},
   };
 }
 

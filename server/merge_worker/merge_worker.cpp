@@ -77,7 +77,9 @@ void MergeWorker::run() {
     if (!news.empty()) update_view();
     for (const Order& order : orders) carry_out(order);
     schedule_.tick(Clock::now());
-    if (const auto next = schedule_.next()) attempt(*next);
+    const auto next = schedule_.next();
+    if (next) attempt(*next);
+    ahead_ = next || pipeline_->prepare_ahead(*this);  // while nothing waits
     rest();
   }
 }
@@ -85,13 +87,14 @@ void MergeWorker::run() {
 /// Sleeps until there is something to do; false: stop.
 bool MergeWorker::wait_for_news(Mailbox& news, std::vector<Order>& orders) {
   std::unique_lock lock(mutex_);
-  const auto due = [&] { return stopping_ || !mailbox_.empty() || !orders_.empty() || pending_.attempts > 0; };
+  const auto asked = [&] { return !mailbox_.empty() || !orders_.empty() || pending_.attempts > 0; };
+  const auto due = [&] { return stopping_ || ahead_ || asked(); };
   if (const auto deadline = schedule_.next_deadline())
     wake_.wait_until(lock, *deadline, due);
   else
     wake_.wait(lock, due);
   if (stopping_) return false;
-  busy_ = true;
+  busy_ = !ahead_ || asked();
   news = std::exchange(mailbox_, {});
   orders = std::exchange(orders_, {});
   return true;

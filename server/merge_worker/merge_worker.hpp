@@ -105,6 +105,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   Pending pending_;  // of the schedule, when the worker looked last
   std::pair<std::uint64_t, StageTimes> effort_;
   bool busy_ = false, stopping_ = false;
+  bool ahead_ = false;  // the worker's thread only: there is more to prepare
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();
   std::thread thread_;
 };

@@ -11,6 +11,7 @@ class RealPipeline : public Pipeline {
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) override {
     pipeline_.prepare_cloud(keyframe, clouds);
   }
+  bool prepare_ahead(CloudSource& clouds) override { return pipeline_.prepare_ahead(clouds); }
   void complete_session(SessionId id) override { pipeline_.complete_session(id); }
   void restore(std::vector<Alignment> alignments, std::uint64_t revision,
                std::vector<DecisionRecord> decisions) override {

@@ -13,6 +13,7 @@ class Pipeline {
   virtual void add_session(SessionId id, const FamilyId& family) = 0;
   virtual void add_keyframe(SessionId id, Keyframe keyframe) = 0;
   virtual void prepare_cloud(const KeyframeRef& /*keyframe*/, CloudSource& /*clouds*/) {}
+  virtual bool prepare_ahead(CloudSource& /*clouds*/) { return false; }
   virtual void complete_session(SessionId id) = 0;
   virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision,
                        std::vector<DecisionRecord> decisions) = 0;

@@ -11,9 +11,9 @@ struct ComplexGrid {
   std::vector<float> re, im;
 };
 
-/// Complex 2D transform of n x n grids, n a power of two >= 4; unscaled. Ours because a wall search is 135 of them for
-/// each pair of levels and was most of a merge's time with KissFFT; FFTW is GPL. Not thread safe: it holds scratch
-/// memory.
+/// Complex 2D transform of n x n grids, n = 16 * 2^i, or 16 * 3 * 2^i; unscaled. Ours because a wall search is 135 of
+/// them for each pair of levels and was most of a merge's time with KissFFT; FFTW is GPL. Not thread safe: it holds
+/// scratch memory.
 class Fft2 {
  public:
   explicit Fft2(std::size_t n);
@@ -21,12 +21,11 @@ class Fft2 {
   void forward(ComplexGrid& grid) { transform(grid); }
   void inverse(ComplexGrid& spectrum);
 
-  static std::size_t size_for(std::size_t cells);  // the smallest power of two >= cells, at least 4
+  static std::size_t size_for(std::size_t cells);  // the smallest that is no less
 
  private:
   void transform(ComplexGrid& grid);
   void columns_transposed(const ComplexGrid& in, ComplexGrid& out);
-  void columns(std::size_t width);
 
   std::size_t n_;
   std::vector<float> cos_, sin_;  // of -2 pi k / n

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "server/registration/parallel.hpp"
 
@@ -33,21 +34,42 @@ bool same(const Pose& T, const Pose& U, const Eigen::Vector3d& at) {
   return (T * at - U * at).norm() < same_vote_m && std::abs(wrap_rad(yaw_rad(T) - yaw_rad(U))) < same_vote_rad;
 }
 
+/// Of two angles that were wrapped.
+bool near_yaw(double difference_rad) {
+  const double d = std::abs(difference_rad);
+  return std::min(d, 2 * std::numbers::pi - d) < same_vote_rad;
+}
+
+struct Vote {
+  Pose T;
+  Eigen::Vector3d at;
+  double weight, yaw_rad;
+};
+
+/// For each vote those that propose the same placement, itself among them.
+std::vector<std::vector<std::uint32_t>> supporters_of(const std::vector<Vote>& votes, int threads) {
+  std::vector<std::vector<std::uint32_t>> out(votes.size());
+  for_blocks(votes.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const Vote& v = votes[i];
+    for (std::size_t j = 0; j < votes.size(); ++j)
+      if (const Vote& w = votes[j];
+          near_yaw(v.yaw_rad - w.yaw_rad) && (v.T * w.at - w.T * w.at).squaredNorm() < same_vote_m * same_vote_m)
+        out[i].push_back(static_cast<std::uint32_t>(j));
+  });
+  return out;
+}
+
 /// Votes of matched pairs: each T_0 weighs 1 / (1 + how many of b's matches meet the same keyframe of a), since a place
-/// that looks like many others says little. The best clusters come first.
+/// that looks like many others says little. The best clusters come first; a winner's votes count for no other.
 std::vector<Pose> vote(std::span<const Keyframe> a, std::span<const Keyframe> b, std::span<const MatchedPair> matches,
-                       const DescriptorFamily& family) {
+                       const DescriptorFamily& family, int threads) {
   std::vector<int> popular(a.size(), 0);
   for (const MatchedPair& m : matches) ++popular[m.a];
-  struct Vote {
-    Pose T;
-    Eigen::Vector3d at;
-    double weight;
-  };
   std::vector<Vote> votes;
   for (const MatchedPair& m : matches)
     for (const Pose& T : initial_transforms(a[m.a], b[m.b], family, 2))
-      votes.push_back({T, place(b[m.b]), 1.0 / popular[m.a]});
+      votes.push_back({T, place(b[m.b]), 1.0 / popular[m.a], yaw_rad(T)});
+  const auto supporters = supporters_of(votes, threads);
   std::vector<Pose> best;
   std::vector<bool> used(votes.size(), false);
   while (best.size() < votes_kept) {
@@ -56,27 +78,24 @@ std::vector<Pose> vote(std::span<const Keyframe> a, std::span<const Keyframe> b,
     for (std::size_t i = 0; i < votes.size(); ++i) {
       if (used[i]) continue;
       double sum = 0;
-      for (std::size_t j = 0; j < votes.size(); ++j)
-        if (!used[j] && same(votes[i].T, votes[j].T, votes[j].at)) sum += votes[j].weight;
-      if (sum > most) {
-        most = sum;
-        winner = i;
-      }
+      for (const std::uint32_t j : supporters[i]) sum += used[j] ? 0 : votes[j].weight;
+      if (sum <= most) continue;
+      most = sum;
+      winner = i;
     }
     if (winner == votes.size()) break;
     best.push_back(votes[winner].T);
-    for (std::size_t j = 0; j < votes.size(); ++j)
-      if (same(votes[winner].T, votes[j].T, votes[j].at)) used[j] = true;
+    for (const std::uint32_t j : supporters[winner]) used[j] = true;
   }
   return best;
 }
 
 std::vector<Pose> from_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b,
-                                   std::span<const MatchedPair> matches, const DescriptorFamily& family) {
+                                   std::span<const MatchedPair> matches, const DescriptorFamily& family, int threads) {
   const auto argmin = std::min_element(matches.begin(), matches.end(), [](const auto& m, const auto& n) {
     return m.squared_distance < n.squared_distance;
   });
-  std::vector<Pose> found = vote(a, b, matches, family);
+  std::vector<Pose> found = vote(a, b, matches, family, threads);
   for (const Pose& T : initial_transforms(a[argmin->a], b[argmin->b], family, 1)) found.push_back(T);
   return found;
 }
@@ -111,7 +130,7 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
   std::vector<Lead> leads;
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
-      for (const WallMatch& m : search_walls(level_a.map, level_b.map, config.refined, config.threads))
+      for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, config.refined, config.threads))
         leads.push_back(best_part(level_a, level_b, m));
       for (const Pose& T : proposed)
         leads.push_back(best_part(level_a, level_b, {yaw_rad(T), T.translation().head<2>(), 0}));
@@ -182,7 +201,7 @@ const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b, 
   std::vector<Pose> proposed;
   if (family)
     if (const auto matched = matches(); !matched.empty())
-      proposed = from_descriptors(a.keyframes, b.keyframes, matched, *family);
+      proposed = from_descriptors(a.keyframes, b.keyframes, matched, *family, config_.threads);
   known = {known.version + 1, search(a, b, proposed), path_a, path_b};
   return &known;
 }

@@ -19,6 +19,8 @@ constexpr float clear_m = 1;               // free ground nearer to a wall says 
 constexpr float penalty = 3;               // of a wall where the other map is free, against a wall on a wall
 constexpr std::size_t quarter_turns = 45;  // 180 turns of 2 deg: each grid serves four, a right angle apart
 constexpr std::size_t peaks_per_turn = 12;
+constexpr int rim = 14;  // empty cells around a field: twice the widest window of a refinement, and a wall's smear
+constexpr float side_share = 0.6F;  // of the grid, against both maps side by side
 constexpr double same_place_m = 4, same_yaw_rad = 12 * std::numbers::pi / 180;
 
 struct Box {
@@ -89,7 +91,9 @@ class Correlator {
       : b_(b),
         middle_a_(Box(a).middle()),
         middle_b_(Box(b).middle()),
-        n_(size_for(a, b)),
+        radius_a_(radius_m(a, middle_a_)),
+        radius_b_(radius_m(b, middle_b_)),
+        n_(size_for(radius_a_, radius_b_)),
         wall_(n_ * n_),
         free_(n_ * n_) {
     ComplexGrid grid(n_ * n_);
@@ -114,6 +118,24 @@ class Correlator {
 
   Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
 
+  /// Of all placements that fall on the same cell of the cyclic grid, the one that the field scores best.
+  WallMatch unfolded(const WallMatch& m, const WallField& field) const {
+    const double side = static_cast<double>(n_) * static_cast<double>(coarse_m);
+    const Eigen::Vector2d from_middle = middle_at(m, middle()) - middle_a_.cast<double>();
+    WallMatch best = m;
+    double most = std::numeric_limits<double>::lowest();
+    for (const double x : {-side, 0.0, side})
+      for (const double y : {-side, 0.0, side}) {
+        if ((from_middle + Eigen::Vector2d(x, y)).norm() > static_cast<double>(radius_a_ + radius_b_)) continue;
+        const WallMatch moved{m.yaw_rad, m.shift_m + Eigen::Vector2d(x, y), m.score};
+        const double score = field.score(b_, moved);
+        if (score <= most) continue;
+        most = score;
+        best = moved;
+      }
+    return best;
+  }
+
   /// Appends the best peaks of a turn in the first quarter and of the three that lie right angles further.
   void search(std::size_t turn, std::vector<WallMatch>& found) const {
     Fft2 fft(n_);
@@ -131,8 +153,8 @@ class Correlator {
   }
 
  private:
-  static std::size_t size_for(const WallMap& a, const WallMap& b) {
-    const float span = 2 * (radius_m(a, Box(a).middle()) + radius_m(b, Box(b).middle()));
+  static std::size_t size_for(float radius_a, float radius_b) {
+    const float span = std::max(2 * std::max(radius_a, radius_b), side_share * 2 * (radius_a + radius_b));
     return Fft2::size_for(static_cast<std::size_t>(span / coarse_m) + 4);
   }
   std::size_t mirrored(std::size_t i) const { return i == 0 ? 0 : n_ - i; }
@@ -246,32 +268,20 @@ class Correlator {
 
   const WallMap& b_;
   Eigen::Vector2f middle_a_, middle_b_;
+  float radius_a_, radius_b_;
   std::size_t n_;
   ComplexGrid wall_, free_;
 };
 
 }  // namespace
 
-std::vector<WallMatch> search_walls(const WallMap& a, const WallMap& b, std::size_t most, int threads) {
-  if (a.walls.empty() || b.walls.empty()) return {};
-  const WallMap clear_a = clear_of_walls(a), clear_b = clear_of_walls(b);
-  const Correlator correlator(clear_a, clear_b);
-  std::vector<std::vector<WallMatch>> found(quarter_turns);
-  for_blocks(quarter_turns, 1, threads,
-             [&](std::size_t turn, std::size_t, std::size_t) { correlator.search(turn, found[turn]); });
-  std::vector<WallMatch> matches;
-  for (const auto& list : found) matches.insert(matches.end(), list.begin(), list.end());
-  keep_distinct(matches, most, correlator.middle());
-  return matches;
-}
-
 WallField::WallField(const WallMap& map) : cell_m_(map.cell_m), low_(Eigen::Vector2f::Zero()) {
   if (map.walls.empty() && map.free.empty()) return;
   const Box box(map);
-  low_ = box.low.array() - 1.5F * cell_m_;
+  low_ = box.low.array() - (static_cast<float>(rim) + 0.5F) * cell_m_;  // centres of the map fall on centres
   const Eigen::Vector2f cells = (box.high - low_) / cell_m_;
-  columns_ = static_cast<int>(cells.x()) + 3;
-  rows_ = static_cast<int>(cells.y()) + 3;
+  columns_ = static_cast<int>(cells.x()) + rim + 2;
+  rows_ = static_cast<int>(cells.y()) + rim + 2;
   cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
   const auto index = [&](const Eigen::Vector2f& p) {
     const Eigen::Vector2i c = ((p - low_) / cell_m_).cast<int>();
@@ -286,57 +296,91 @@ WallField::WallField(const WallMap& map) : cell_m_(map.cell_m), low_(Eigen::Vect
   for (const auto& p : map.walls) cells_[static_cast<std::size_t>(index(p))].for_free = set;
 }
 
-int WallField::score(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift,
-                     std::size_t every) const {
+/// Shifts by whole cells: each cell of b is placed once and read at all of them.
+WallField::Best WallField::best_within(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift,
+                                       Window window, std::size_t every) const {
   const Eigen::Matrix2f R = turn / cell_m_;
   const Eigen::Vector2f t = (shift - low_) / cell_m_;
-  const auto width = static_cast<float>(columns_), height = static_cast<float>(rows_);
-  int score = 0;
-  const auto at = [&](const Eigen::Vector2f& p) -> const Cell* {
-    const float x = R(0, 0) * p.x() + R(0, 1) * p.y() + t.x(), y = R(1, 0) * p.x() + R(1, 1) * p.y() + t.y();
-    if (!(x >= 0 && y >= 0 && x < width && y < height)) return nullptr;
-    return &cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
+  const auto margin = static_cast<float>(window.reach);  // nearer to the edge all cells of the window are empty
+  const float width = static_cast<float>(columns_) - margin, height = static_cast<float>(rows_) - margin;
+  const int side = 2 * window.reach / window.stride + 1;
+  std::vector<int> scores(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+  const auto add = [&](const std::vector<Eigen::Vector2f>& points, std::int8_t Cell::*worth) {
+    for (std::size_t i = 0; i < points.size(); i += every) {
+      const Eigen::Vector2f& p = points[i];
+      const float x = R(0, 0) * p.x() + R(0, 1) * p.y() + t.x(), y = R(1, 0) * p.x() + R(1, 1) * p.y() + t.y();
+      if (!(x >= margin && y >= margin && x < width && y < height)) continue;
+      const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(static_cast<int>(y) - window.reach) * columns_ +
+                                    static_cast<int>(x) - window.reach;
+      int* score = scores.data();
+      for (int row = 0; row < side; ++row) {
+        const Cell* cell = cells_.data() + corner + static_cast<std::ptrdiff_t>(row * window.stride) * columns_;
+        for (int column = 0; column < side; ++column, cell += window.stride) *score++ += cell->*worth;
+      }
+    }
   };
-  for (std::size_t i = 0; i < b.walls.size(); i += every)
-    if (const Cell* c = at(b.walls[i])) score += c->for_wall;
-  for (std::size_t i = 0; i < b.free.size(); i += every)
-    if (const Cell* c = at(b.free[i])) score += c->for_free;
-  return score;
+  if (!cells_.empty()) {
+    add(b.walls, &Cell::for_wall);
+    add(b.free, &Cell::for_free);
+  }
+  const auto most = std::max_element(scores.begin(), scores.end());
+  const auto at = static_cast<int>(most - scores.begin());
+  return {*most, Eigen::Vector2i(at % side, at / side) * window.stride - Eigen::Vector2i::Constant(window.reach)};
 }
 
 double WallField::score(const WallMap& b, const WallMatch& m) const {
-  return score(b, Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix(), m.shift_m.cast<float>(), 1);
+  const Eigen::Matrix2f turn = Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix();
+  return best_within(b, turn, m.shift_m.cast<float>(), {}, 1).score;
 }
 
 WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step) const {
   const Eigen::Vector2d middle = Box(b).middle().cast<double>();  // turns are about it, so that they do not shift b
-  struct Window {
-    int shifts, turns;
-    double step_m, turn_deg;
+  const double cell_m = static_cast<double>(cell_m_);
+  struct Round {
+    Window window;
+    int turns;
+    double turn_deg;
     std::size_t every;
+    bool between;  // half a cell off as well
   };
-  static constexpr std::array coarse{Window{3, 2, 1, 2, 3}};
-  static constexpr std::array fine{Window{2, 1, 0.5, 1, 1}, Window{1, 1, 0.25, 1, 1}};
+  static constexpr std::array coarse{Round{{6, 2}, 2, 2, 3, false}};
+  static constexpr std::array fine{Round{{2, 1}, 1, 1, 1, false}, Round{{0, 1}, 1, 1, 1, true}};
   WallMatch best = guess;
-  for (const Window& w : step == Step::coarse ? std::span<const Window>(coarse) : std::span<const Window>(fine)) {
+  for (const Round& round : step == Step::coarse ? std::span<const Round>(coarse) : std::span<const Round>(fine)) {
     const WallMatch from = best;
     const Eigen::Vector2d at = middle_at(from, middle);
     int most = std::numeric_limits<int>::min();
-    for (int turn = -w.turns; turn <= w.turns; ++turn) {
-      const double yaw = from.yaw_rad + turn * w.turn_deg * std::numbers::pi / 180;
+    const int half = round.between ? 1 : 0;
+    for (int turn = -round.turns; turn <= round.turns; ++turn) {
+      const double yaw = from.yaw_rad + turn * round.turn_deg * std::numbers::pi / 180;
       const Eigen::Matrix2d R = Eigen::Rotation2Dd(yaw).toRotationMatrix();
-      for (int y = -w.shifts; y <= w.shifts; ++y)
-        for (int x = -w.shifts; x <= w.shifts; ++x) {
-          const Eigen::Vector2d shift = at + w.step_m * Eigen::Vector2d(x, y) - R * middle;
-          const int s = score(b, R.cast<float>(), shift.cast<float>(), w.every);
-          if (s <= most) continue;
-          most = s;
-          best = {wrap_rad(yaw), shift, 0};
+      for (int y = -half; y <= half; ++y)
+        for (int x = -half; x <= half; ++x) {
+          const Eigen::Vector2d shift = at + 0.5 * cell_m * Eigen::Vector2d(x, y) - R * middle;
+          const Best found = best_within(b, R.cast<float>(), shift.cast<float>(), round.window, round.every);
+          if (found.score <= most) continue;
+          most = found.score;
+          best = {wrap_rad(yaw), shift + cell_m * found.cells.cast<double>(), 0};
         }
     }
   }
   best.score = score(b, best);
   return best;
+}
+
+std::vector<WallMatch> search_walls(const WallMap& a, const WallField& field, const WallMap& b, std::size_t most,
+                                    int threads) {
+  if (a.walls.empty() || b.walls.empty()) return {};
+  const WallMap clear_a = clear_of_walls(a), clear_b = clear_of_walls(b);
+  const Correlator correlator(clear_a, clear_b);
+  std::vector<std::vector<WallMatch>> found(quarter_turns);
+  for_blocks(quarter_turns, 1, threads,
+             [&](std::size_t turn, std::size_t, std::size_t) { correlator.search(turn, found[turn]); });
+  std::vector<WallMatch> matches;
+  for (const auto& list : found) matches.insert(matches.end(), list.begin(), list.end());
+  keep_distinct(matches, most, correlator.middle());
+  for (WallMatch& m : matches) m = correlator.unfolded(m, field);
+  return matches;
 }
 
 }  // namespace headframe

@@ -14,9 +14,19 @@ struct Direction {
   int column, row;
 };
 
-Direction direction(const Eigen::Vector3f& p, float range) {
-  const float azimuth = std::atan2(p.y(), p.x());
-  const float elevation = std::asin(std::clamp(p.z() / range, -1.0F, 1.0F));
+/// To 1.4e-4 rad: a fit of atan(t) / t for |t| <= 1 by a cubic in t^2.
+float quick_atan2(float y, float x) {
+  const float high = std::max(std::abs(x), std::abs(y)), low = std::min(std::abs(x), std::abs(y));
+  const float t = high > 0 ? low / high : 0, s = t * t;
+  float angle = t * (0.9997528F + s * (-0.3252305F + s * (0.1540952F + s * -0.04335934F)));
+  if (std::abs(y) > std::abs(x)) angle = std::numbers::pi_v<float> / 2 - angle;
+  if (x < 0) angle = std::numbers::pi_v<float> - angle;
+  return y < 0 ? -angle : angle;
+}
+
+Direction direction(const Eigen::Vector3f& p) {
+  const float azimuth = quick_atan2(p.y(), p.x());
+  const float elevation = quick_atan2(p.z(), std::sqrt(p.x() * p.x() + p.y() * p.y()));
   return {static_cast<int>(std::floor(azimuth / radians_per_bin)) + RangeImage::columns / 2,
           static_cast<int>(std::floor(elevation / radians_per_bin + RangeImage::rows / 2.0F))};
 }
@@ -32,33 +42,50 @@ RangeImage::RangeImage(const Points& points) : bins_(static_cast<std::size_t>(co
   for (const auto& p : points) {
     const float range = p.norm();
     if (!(range > 0.1F)) continue;
-    const Direction d = direction(p, range);
+    const Direction d = direction(p);
     if (d.row < 0 || d.row >= rows) continue;
     Bin& bin = bins_[index_of(d.row, d.column)];
     const auto range_cm = static_cast<std::uint16_t>(std::min(range * 100, 65535.0F));
     bin.near_cm = bin.near_cm > 0 ? std::min(bin.near_cm, range_cm) : range_cm;
     bin.far_cm = std::max(bin.far_cm, range_cm);
   }
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) sum_up(row, column);
+}
+
+void RangeImage::sum_up(int row, int column) {
+  Bin& bin = bins_[index_of(row, column)];
+  bin.nearest_cm = std::numeric_limits<std::uint16_t>::max();
+  for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
+    for (int step = -1; step <= 1; ++step) {
+      const Bin& other = bins_[index_of(r, column + step)];
+      if (other.near_cm == 0) continue;
+      bin.nearest_cm = std::min(bin.nearest_cm, other.near_cm);
+      bin.farthest_cm = std::max(bin.farthest_cm, other.far_cm);
+    }
 }
 
 Sight RangeImage::look(const Eigen::Vector3f& point, float reach_m) const {
   const float range = point.norm();
   if (range > reach_m || range < 0.5F) return Sight::unknown;
-  const Direction d = direction(point, range);
+  const Direction d = direction(point);
+  if (d.row < 0 || d.row >= rows) return Sight::unknown;
+  const Bin& bin = bins_[index_of(d.row, d.column)];
+  if (bin.near_cm == 0) return Sight::unknown;
   const float tolerance = 0.35F + 0.03F * range;
-  if (d.row < 0 || d.row >= rows || bins_[index_of(d.row, d.column)].near_cm == 0) return Sight::unknown;
+  if (range < 0.01F * bin.nearest_cm - tolerance) return Sight::through;
+  if (range >= 0.01F * bin.farthest_cm + tolerance) return Sight::unknown;
+  // Between the nearest and the farthest of a bin lies a slanted wall, or a dust return and the wall behind it.
+  const auto meets = [&](const Bin& b) {
+    return b.near_cm > 0 &&
+           (std::abs(range - 0.01F * b.near_cm) < tolerance || std::abs(range - 0.01F * b.far_cm) < tolerance);
+  };
+  if (meets(bin)) return Sight::hit;
   // A surface seen at a flat angle spans many ranges from one bin to the next: the neighbours speak too.
-  float nearest = std::numeric_limits<float>::max();
   for (int row = std::max(0, d.row - 1); row <= std::min(rows - 1, d.row + 1); ++row)
-    for (int step = -1; step <= 1; ++step) {
-      const Bin& bin = bins_[index_of(row, d.column + step)];
-      if (bin.near_cm == 0) continue;
-      const float near_m = 0.01F * bin.near_cm, far_m = 0.01F * bin.far_cm;
-      // Between the nearest and the farthest of a bin lies a slanted wall, or a dust return and the wall behind it.
-      if (std::abs(range - near_m) < tolerance || std::abs(range - far_m) < tolerance) return Sight::hit;
-      nearest = std::min(nearest, near_m);
-    }
-  return range < nearest - tolerance ? Sight::through : Sight::unknown;
+    for (int step = -1; step <= 1; ++step)
+      if (meets(bins_[index_of(row, d.column + step)])) return Sight::hit;
+  return Sight::unknown;
 }
 
 }  // namespace headframe

@@ -32,7 +32,10 @@ class RangeImage {
   struct Bin {
     std::uint16_t near_cm = 0;  // 0: no return
     std::uint16_t far_cm = 0;
+    std::uint16_t nearest_cm = 0, farthest_cm = 0;  // of it and the eight around it
   };
+  void sum_up(int row, int column);
+
   std::vector<Bin> bins_;
 };
 

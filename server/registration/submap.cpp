@@ -91,18 +91,20 @@ std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
 PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
   PreparedCloud out;
   Points all;
+  std::vector<PreparedCloud::View> views;
   for (const Sweep& sweep : cloud.sweeps) {
     Points seen_from_origin;
     for (const auto& p : sweep.points)
       if (p.allFinite() && p.squaredNorm() < 1e6F) seen_from_origin.push_back(p - sweep.origin);
     seen_from_origin = without_strays(seen_from_origin);
     for (const auto& p : seen_from_origin) all.push_back(p + sweep.origin);
-    out.views.push_back({sweep.origin, RangeImage(seen_from_origin)});
+    views.push_back({sweep.origin, RangeImage(seen_from_origin)});
   }
   Surfels surfels =
-      make_surfels(without_transients(voxel_grid(all, prepared_leaf_m), out.views), normal_neighbours, threads);
+      make_surfels(without_transients(voxel_grid(all, prepared_leaf_m), views), normal_neighbours, threads);
   out.points = std::move(surfels.points);
   out.normals = std::move(surfels.normals);
+  out.views = std::make_shared<const std::vector<PreparedCloud::View>>(std::move(views));
   return out;
 }
 

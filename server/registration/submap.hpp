@@ -18,9 +18,9 @@ struct PreparedCloud {
     Eigen::Vector3f origin;  // in the keyframe's sensor frame
     RangeImage image;
   };
-  Points points;   // keyframe's sensor frame, one per prepared_leaf_m
-  Points normals;  // one a point, unit; their sign carries no meaning
-  std::vector<View> views;
+  Points points;                                   // keyframe's sensor frame, one per prepared_leaf_m
+  Points normals;                                  // one a point, unit; their sign carries no meaning
+  std::shared_ptr<const std::vector<View>> views;  // apart: places keep them longer than the points
 };
 inline constexpr float prepared_leaf_m = 0.25F;
 

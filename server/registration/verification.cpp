@@ -12,41 +12,48 @@
 namespace headframe {
 namespace {
 
-using Clouds = std::vector<PlacedCloud>;
+using Stands = std::vector<Stand>;
 
-Eigen::Vector3d place_of(const PlacedCloud& c) { return c.T_local_sensor.translation(); }
+struct Nearest {
+  const Stand* stand = nullptr;
+  double distance_m = std::numeric_limits<double>::max();
+};
 
-double distance_to_m(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p) {
-  double nearest = std::numeric_limits<double>::max();
-  for (const PlacedCloud& c : clouds) nearest = std::min(nearest, (place_of(c) - p).squaredNorm());
-  return std::sqrt(nearest);
+Nearest nearest_to(std::span<const Stand> stands, const Eigen::Vector3d& p) {
+  Nearest out;
+  for (const Stand& s : stands)
+    if (const double d = (s.p - p).norm(); d < out.distance_m) out = {&s, d};
+  return out;
 }
 
-/// Clouds of b that lie within reach of one of a's.
-Clouds near_other(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b, double reach_m) {
-  Clouds out;
-  for (const PlacedCloud& c : b)
-    if (distance_to_m(a, T_a_b * place_of(c)) < reach_m) out.push_back(c);
+/// Stands of b that come within reach of one of a's.
+Stands near_other(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b, double reach_m) {
+  Stands out;
+  for (const Stand& s : b)
+    if (nearest_to(a, T_a_b * s.p).distance_m < reach_m) out.push_back(s);
   return out;
 }
 
 bool usable(const Registration& r) { return r.status != RegistrationStatus::too_little_overlap; }
 
-/// Places as far from each other as can be, beginning with the first one.
-std::vector<Eigen::Vector3d> spread(const Eigen::Vector3d& first, const Clouds& candidates, std::size_t most) {
-  std::vector<Eigen::Vector3d> chosen{first};
+/// Stands as far from each other as can be, none nearer than 4 m to the first place, which is taken already.
+Stands spread(const Eigen::Vector3d& first, const Stands& candidates, std::size_t most) {
+  constexpr double same_place_m = 4;
+  std::vector<Eigen::Vector3d> taken{first};
+  Stands chosen;
   while (chosen.size() < most) {
-    double farthest = 4;  // nearer than this it is the same place
-    const PlacedCloud* next = nullptr;
-    for (const PlacedCloud& c : candidates) {
+    double farthest = same_place_m;
+    const Stand* next = nullptr;
+    for (const Stand& s : candidates) {
       double nearest = std::numeric_limits<double>::max();
-      for (const auto& p : chosen) nearest = std::min(nearest, (place_of(c) - p).norm());
+      for (const auto& p : taken) nearest = std::min(nearest, (s.p - p).norm());
       if (nearest <= farthest) continue;
       farthest = nearest;
-      next = &c;
+      next = &s;
     }
     if (!next) break;
-    chosen.push_back(place_of(*next));
+    taken.push_back(next->p);
+    chosen.push_back(*next);
   }
   return chosen;
 }
@@ -127,35 +134,57 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
-/// Everything both sessions have where they meet, registered at once from T_0: pulls out a slide along a drift that
-/// each place by itself allows. T_0 when that does not converge nearby.
-Pose align_overlap(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Clouds& shared_b,
-                   const Pose& T_0, const JudgeConfig& config) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const PlacedCloud& c : shared_b) centre += place_of(c) / static_cast<double>(shared_b.size());
-  double reach = 0;
-  for (const PlacedCloud& c : shared_b) reach = std::max(reach, (place_of(c) - centre).norm());
-  reach += config.place.radius_m;
-  const Submap target = sphere(a, T_0 * centre, reach + config.place.slack_m, config.overlap_leaf_m);
-  const Submap source = sphere(b, centre, reach, config.overlap_leaf_m);
+/// A place of the overlap as each session knows it.
+struct Pair {
+  PlacePtr a, b;
+};
+
+/// All agreeing places registered at once from T_0: pulls out a slide along a drift that each by itself allows. T_0
+/// when that does not converge nearby.
+Pose align_overlap(const std::vector<Pair>& pairs, const std::vector<bool>& agrees, const Pose& T_0,
+                   const JudgeConfig& config) {
   VgicpConfig vgicp;
   vgicp.levels = {{1.0F, 4000}, {0.5F, 12000}};
   vgicp.iterations = 25;
   vgicp.least_inliers = 0.05;
   vgicp.threads = config.threads;
-  const Registration r =
-      align(make_voxel_maps(target.points, target.normals, vgicp), source.points, source.normals, T_0, vgicp);
+  std::vector<VgicpPair> joined;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!agrees[i]) continue;
+    joined.push_back({&pairs[i].a->target, &pairs[i].b->source.points, &pairs[i].b->source.normals});
+    centre += pairs[i].b->p;
+  }
+  centre /= static_cast<double>(joined.size());
+  const Registration r = align(joined, T_0, vgicp);
   const bool near = (r.T_target_source * centre - T_0 * centre).norm() < config.place_drift_m &&
                     rotation_angle_rad(T_0.inverse() * r.T_target_source) < config.place_drift_rad;
   return usable(r) && near ? r.T_target_source : T_0;
 }
 
 /// Path of b, in metres, along which its keyframes lie within reach of a's.
-double shared_path_m(const Clouds& near) {
+double shared_path_m(const Stands& near) {
   double path = 0;
   for (std::size_t i = 1; i < near.size(); ++i)
-    if (near[i].sequence - near[i - 1].sequence <= 2) path += (place_of(near[i]) - place_of(near[i - 1])).norm();
+    if (near[i].keyframe - near[i - 1].keyframe <= 2) path += (near[i].p - near[i - 1].p).norm();
   return path;
+}
+
+/// The first place's pair stands for itself: it is in `first` already.
+std::vector<Pair> other_places(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
+  const Pose& T = first.place.registration.T_target_source;
+  const Stands chosen = spread(first.place.p_b, near_other(a.stands, b.stands, T, config.meet_m), config.places - 1);
+  std::vector<std::size_t> of_a, of_b;
+  for (const Stand& s : chosen) {
+    of_a.push_back(nearest_to(a.stands, T * s.p).stand->keyframe);
+    of_b.push_back(s.keyframe);
+  }
+  const auto places_a = a.places(of_a), places_b = b.places(of_b);
+  std::vector<Pair> pairs;
+  pairs.reserve(chosen.size() + 1);
+  pairs.push_back({first.a, first.b});
+  for (std::size_t i = 0; i < chosen.size(); ++i) pairs.push_back({places_a[i], places_b[i]});
+  return pairs;
 }
 
 /// How far T_a_b may be off at p for the drift between there and the first place.
@@ -167,57 +196,55 @@ bool within_drift(const PlaceCheck& place, const PlaceCheck& first, const Pose& 
 
 }  // namespace
 
-Glance glance(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_0,
-              const Eigen::Vector3d& p_b, const JudgeConfig& config) {
-  Glance out;
-  double nearest = std::numeric_limits<double>::max();
-  const PlacedCloud* centre = nullptr;
-  for (const PlacedCloud& c : b) {
-    const double meet_m = std::max(0.0, distance_to_m(a, T_0 * place_of(c)) - config.meet_m / 2);
-    const double d = (place_of(c) - p_b).norm() + 10 * meet_m;
-    if (d >= nearest) continue;
-    nearest = d;
-    centre = &c;
+std::optional<Meeting> first_meeting(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_0,
+                                     const Eigen::Vector3d& p_b, const JudgeConfig& config) {
+  std::optional<Meeting> out;
+  double least = std::numeric_limits<double>::max();
+  for (const Stand& s : b) {
+    const Nearest other = nearest_to(a, T_0 * s.p);
+    const double cost = (s.p - p_b).norm() + 10 * std::max(0.0, other.distance_m - config.meet_m / 2);
+    if (cost >= least || other.distance_m > 2 * config.meet_m) continue;
+    least = cost;
+    out = {other.stand->keyframe, s.keyframe};
   }
-  if (!centre || distance_to_m(a, T_0 * place_of(*centre)) > 2 * config.meet_m) return out;
-  out.place = register_place(a, b, place_of(*centre), T_0, config.place);
+  return out;
+}
+
+Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_0, const JudgeConfig& config) {
+  Glance out{false, register_place(*a, *b, T_0, config.place), a, b};
   const Registration& r = out.place.registration;
   const Pose moved = T_0.inverse() * r.T_target_source;
   if (!usable(r) || r.inlier_fraction < config.hopeless_inliers || tilt_rad(r.T_target_source) > 0.1 ||
       (moved * out.place.p_b - out.place.p_b).norm() > 8)
     return out;
-  look_at_place(out.place, a, b, r.T_target_source, config.place);
+  look_at_place(out.place, *a, *b, r.T_target_source, config.place);
   out.hopeful = out.place.between.violation() < config.hopeless_violation;
   return out;
 }
 
-Judgement judge(std::span<const PlacedCloud> all_a, std::span<const PlacedCloud> all_b, const Glance& first,
-                const JudgeConfig& config) {
+Judgement judge(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
   Judgement out;
   out.evidence.freespace_violation = first.place.between.violation();
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
-  const Clouds b = near_other(all_a, all_b, T_0, config.look_m),
-               a = near_other(all_b, all_a, T_0.inverse(), config.look_m);
-  const auto chosen = spread(first.place.p_b, near_other(a, b, T_0, config.meet_m), config.places);
-  std::vector<PlaceCheck> places(chosen.size());
-  for_blocks(chosen.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    places[i] = i == 0 ? first.place : register_place(a, b, chosen[i], T_0, config.place);
+  const std::vector<Pair> pairs = other_places(a, b, first, config);
+  std::vector<PlaceCheck> places(pairs.size());
+  for_blocks(pairs.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    places[i] = i == 0 ? first.place : register_place(*pairs[i].a, *pairs[i].b, T_0, config.place);
   });
   std::vector<bool> agrees;
   agrees.reserve(places.size());
   for (const PlaceCheck& p : places) agrees.push_back(within_drift(p, places[0], T_0, config));
-  out.T_a_b = combine(places, agrees, T_0);
-  if (const Clouds shared = near_other(a, b, out.T_a_b, config.meet_m); !shared.empty())
-    out.T_a_b = align_overlap(a, b, shared, out.T_a_b, config);
+  out.T_a_b = align_overlap(pairs, agrees, combine(places, agrees, T_0), config);
   // Each place is looked at where its own registration put it: drift is not a contradiction, other rock is.
   for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
     if (i > 0)
-      look_at_place(places[i], a, b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b, config.place);
+      look_at_place(places[i], *pairs[i].a, *pairs[i].b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b,
+                    config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
-  const Clouds shared = near_other(a, b, out.T_a_b, config.meet_m);
+  const Stands shared = near_other(a.stands, b.stands, out.T_a_b, config.meet_m);
   out.evidence.pairs = static_cast<double>(shared.size());
   out.evidence.overlap_m = shared_path_m(shared);
   out.status = first.place.registration.status;
@@ -232,11 +259,20 @@ bool fits_alone(const Glance& glance) {
          r.inlier_fraction > 0.7 && glance.place.residual_m < 0.045 && glance.place.between.violation() < 0.004;
 }
 
-Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_0,
-                      const JudgeConfig& config) {
-  const Clouds near = near_other(a, b, T_0, config.meet_m);
+Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const JudgeConfig& config) {
+  const Stands near = near_other(a.stands, b.stands, T_0, config.meet_m);
   if (near.empty()) return {};
-  return judge(a, b, glance(a, b, T_0, place_of(near[near.size() / 2]), config), config);
+  const auto meeting = first_meeting(a.stands, b.stands, T_0, near[near.size() / 2].p, config);
+  const std::size_t at_a = meeting->keyframe_a, at_b = meeting->keyframe_b;
+  return judge(a, b, glance(a.places({&at_a, 1}).front(), b.places({&at_b, 1}).front(), T_0, config), config);
+}
+
+double best_probability(const Glance& glance) {
+  Evidence e;
+  e.worst_place_violation = glance.place.between.violation();
+  e.places = e.places_agreeing = 1;
+  e.pairs = e.overlap_m = std::numeric_limits<double>::max();
+  return probability(RegistrationStatus::converged, e);
 }
 
 double probability(RegistrationStatus status, const Evidence& e) {

@@ -18,7 +18,6 @@ struct JudgeConfig {
   double place_drift_rad = 0.07;
   double hopeless_inliers = 0.2;  // at the first place: not looked at any closer
   double hopeless_violation = 0.08;
-  float overlap_leaf_m = 0.4F;
   PlaceConfig place;
   int threads = 1;
 };
@@ -27,6 +26,7 @@ struct JudgeConfig {
 struct Glance {
   bool hopeful = false;
   PlaceCheck place;
+  PlacePtr a, b;
 };
 
 struct Judgement {
@@ -35,21 +35,40 @@ struct Judgement {
   Evidence evidence;              // probability is set by the verdict; support and runner_up by the caller
 };
 
-/// Clouds are all that is there of each session, in the order of their sequence. The place is the keyframe of b nearest
-/// to p_b that comes near a. Pure, thread safe.
-Glance glance(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b_0,
-              const Eigen::Vector3d& p_b, const JudgeConfig& config);
+/// A keyframe with a cloud: its number in its session, and where it stood in the local frame.
+struct Stand {
+  std::size_t keyframe = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+};
 
-/// Goes on from a hopeful glance. Pure; independent of the thread count; thread safe.
-Judgement judge(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Glance& first,
-                const JudgeConfig& config);
+/// A session as the judge sees it.
+struct Scene {
+  std::vector<Stand> stands;  // within look_m of the other session's path, in the order of the session
+  std::function<std::vector<PlacePtr>(std::span<const std::size_t> keyframes)> places;  // around each that is asked for
+};
+
+/// Where to look first: the keyframe of b nearest to p_b that comes near a, and the one of a nearest to it. Nothing
+/// when they lie too far apart.
+struct Meeting {
+  std::size_t keyframe_a = 0, keyframe_b = 0;
+};
+std::optional<Meeting> first_meeting(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b_0,
+                                     const Eigen::Vector3d& p_b, const JudgeConfig& config);
+
+/// Pure, thread safe.
+Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_a_b_0, const JudgeConfig& config);
+
+/// Goes on from a hopeful glance. Pure but for what the scenes do; independent of the thread count.
+Judgement judge(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config);
 
 /// Whether the first place, taken alone, looks right. Where other placements do too, the mine repeats itself there.
 bool fits_alone(const Glance& glance);
 
+/// Probability that would be left to a placement with this glance if all else spoke for it: more than judge() can give.
+double best_probability(const Glance& glance);
+
 /// Both, trusting T_a_b_0 to within a metre or two: a published alignment looked at again with more keyframes.
-Judgement judge_again(std::span<const PlacedCloud> a, std::span<const PlacedCloud> b, const Pose& T_a_b_0,
-                      const JudgeConfig& config);
+Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_a_b_0, const JudgeConfig& config);
 
 /// Probability that T_a_b is right; 0 unless the registration converged or is degenerate.
 double probability(RegistrationStatus status, const Evidence& evidence);

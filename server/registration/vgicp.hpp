@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "server/registration/registration.hpp"
@@ -32,5 +34,19 @@ VoxelMaps make_voxel_maps(const Points& points, const Points& normals, const Vgi
 /// point. Thread safe.
 Registration align(const VoxelMaps& target, const Points& source, const Points& source_normals,
                    const Pose& T_target_source_0, const VgicpConfig& config = {});
+
+/// A submap and what it is laid on. Not owned; one unit normal a point.
+struct VgicpPair {
+  const VoxelMaps* target = nullptr;
+  const Points* source = nullptr;
+  const Points* normals = nullptr;
+};
+
+/// One T for several pairs at once, as if they were one map; a level's source points are shared out between them.
+Registration align(std::span<const VgicpPair> pairs, const Pose& T_target_source_0, const VgicpConfig& config);
+
+/// Which of `count` points to take so that at most `most` remain: scattered like a Weyl sequence, so that it does not
+/// fall in step with the rings of a lidar.
+std::vector<std::uint32_t> scattered(std::size_t count, std::size_t most);
 
 }  // namespace headframe

@@ -37,9 +37,10 @@ std::vector<PlacedView> views_near(std::span<const PlacedCloud> clouds, const Ei
   std::vector<std::pair<double, PlacedView>> near;
   for (const PlacedCloud& c : clouds) {
     if ((c.T_local_sensor.translation() - centre).norm() > reach_m + 15) continue;
-    for (const auto& view : c.cloud->views) {
+    for (const auto& view : *c.cloud->views) {
       const Pose T = c.T_local_sensor * Eigen::Translation3d(view.origin.cast<double>());
-      if (const double d = (T.translation() - centre).norm(); d < reach_m) near.push_back({d, {T, &view.image}});
+      if (const double d = (T.translation() - centre).norm(); d < reach_m)
+        near.push_back({d, {T, {c.cloud->views, &view.image}}});
     }
   }
   std::stable_sort(near.begin(), near.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
@@ -62,7 +63,8 @@ std::vector<View> seen_from(std::span<const PlacedView> placed, const Pose& T_pl
   views.reserve(placed.size());
   for (const PlacedView& view : placed) {
     const Pose T_points_view = T_placed_points.inverse() * view.T_local_view;
-    views.push_back({T_points_view.inverse().cast<float>(), T_points_view.translation().cast<float>(), view.image});
+    views.push_back(
+        {T_points_view.inverse().cast<float>(), T_points_view.translation().cast<float>(), view.image.get()});
   }
   return views;
 }

@@ -20,7 +20,7 @@ struct Visibility {
 /// One sweep of a session, where it stood.
 struct PlacedView {
   Pose T_local_view = Pose::Identity();
-  const RangeImage* image = nullptr;
+  std::shared_ptr<const RangeImage> image;
 };
 
 /// The sweeps of these clouds within reach of the centre, the nearest first.

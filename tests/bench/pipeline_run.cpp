@@ -13,7 +13,8 @@ SessionId PipelineRun::add(const DrivenSession& session) {
     pipeline.prepare_cloud({id, keyframe.sequence}, *this);
   }
   pipeline.complete_session(id);
-  pipeline.prepare_session(id, *this);
+  while (pipeline.prepare_ahead(*this)) {
+  }
   return id;
 }
 

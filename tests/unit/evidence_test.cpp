@@ -107,7 +107,7 @@ TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
   const BoxMine drift({BoxMine::drift(-40, 0, 40, 0, 6)});
   std::mt19937 rng(1);
   const RangeImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 64, 720));
-  const PlacedView view{pose_from_yaw(0, {0, 0, 1}), &image};
+  const PlacedView view{pose_from_yaw(0, {0, 0, 1}), std::make_shared<const RangeImage>(image)};
   const auto patch = [](const Eigen::Vector3f& normal) {  // 10 m ahead, in the free middle of the drift
     Submap out;
     for (int y = 0; y < 4; ++y)
@@ -125,12 +125,31 @@ TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
   EXPECT_EQ(violated({0.2F, 0, 0.98F}), 0);
 }
 
+Scene scene(const std::vector<PlacedCloud>& clouds) {
+  std::vector<Stand> stands;
+  for (std::size_t i = 0; i < clouds.size(); ++i) stands.push_back({i, clouds[i].T_local_sensor.translation()});
+  return {stands, [&clouds](std::span<const std::size_t> keyframes) {
+            std::vector<PlacePtr> places;
+            for (const std::size_t k : keyframes)
+              places.push_back(std::make_shared<const Place>(
+                  make_place(clouds, clouds[k].T_local_sensor.translation(), PlaceConfig{})));
+            return places;
+          }};
+}
+
 /// The whole way from a guess to a judgement.
-Judgement judged(const std::vector<PlacedCloud>& a, const std::vector<PlacedCloud>& b, const Pose& T_0,
+Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<PlacedCloud>& clouds_b, const Pose& T_0,
                  const Eigen::Vector3d& p_b, int threads = 1) {
   JudgeConfig config;
   config.threads = threads;
-  return judge(a, b, glance(a, b, T_0, p_b, config), config);
+  const Scene a = scene(clouds_a), b = scene(clouds_b);
+  const auto meeting = first_meeting(a.stands, b.stands, T_0, p_b, config);
+  if (!meeting) return {};
+  const Glance first =
+      glance(a.places({&meeting->keyframe_a, 1}).front(), b.places({&meeting->keyframe_b, 1}).front(), T_0, config);
+  const Judgement out = judge(a, b, first, config);
+  EXPECT_LE(out.evidence.probability, best_probability(first));
+  return out;
 }
 
 TEST(Judge, TellsTheRightPlaceFromAWrongOne) {

@@ -160,7 +160,7 @@ TEST(SessionWalls, LevelsAboveEachOtherAreDrawnApart) {
 }
 
 TEST(Fft2, IsTheSlowTransform) {
-  for (const std::size_t n : {4U, 8U, 32U}) {
+  for (const std::size_t n : {16U, 32U, 48U, 96U}) {
     std::mt19937 rng(1);
     ComplexGrid grid(n * n);
     for (auto* values : {&grid.re, &grid.im})
@@ -168,22 +168,25 @@ TEST(Fft2, IsTheSlowTransform) {
     const ComplexGrid before = grid;
     Fft2 fft(n);
     fft.forward(grid);
-    for (std::size_t k = 0; k < n * n; k += 5) {
+    for (std::size_t k = 0; k < n * n; k += 37) {
       std::complex<double> sum = 0;
       for (std::size_t i = 0; i < n * n; ++i) {
         const std::size_t turns = (k / n) * (i / n) + (k % n) * (i % n);
         const double angle = -2 * std::numbers::pi * static_cast<double>(turns) / static_cast<double>(n);
         sum += std::complex<double>(before.re[i], before.im[i]) * std::polar(1.0, angle);
       }
-      EXPECT_NEAR(grid.re[k], sum.real(), 1e-4);
-      EXPECT_NEAR(grid.im[k], sum.imag(), 1e-4);
+      EXPECT_NEAR(grid.re[k], sum.real(), 1e-3);
+      EXPECT_NEAR(grid.im[k], sum.imag(), 1e-3);
     }
     fft.inverse(grid);
-    for (std::size_t i = 0; i < n * n; ++i) EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 1e-3);
+    for (std::size_t i = 0; i < n * n; ++i) EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 1e-2);
   }
-  EXPECT_EQ(Fft2::size_for(1), 4U);
+  EXPECT_EQ(Fft2::size_for(1), 16U);
+  EXPECT_EQ(Fft2::size_for(33), 48U);
+  EXPECT_EQ(Fft2::size_for(49), 64U);
   EXPECT_EQ(Fft2::size_for(128), 128U);
-  EXPECT_EQ(Fft2::size_for(129), 256U);
+  EXPECT_EQ(Fft2::size_for(129), 192U);
+  EXPECT_EQ(Fft2::size_for(193), 256U);
 }
 
 TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
@@ -194,7 +197,7 @@ TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
     WallMap turned = map;
     for (auto* list : {&turned.walls, &turned.free})
       for (auto& p : *list) p = Eigen::Rotation2Df(static_cast<float>(-yaw)) * (p - Eigen::Vector2f(5, 9));
-    const auto found = search_walls(map, turned, 1, 1);
+    const auto found = search_walls(map, WallField(map), turned, 1, 1);
     ASSERT_EQ(found.size(), 1U);
     EXPECT_NEAR(wrap_rad(found[0].yaw_rad - yaw), 0, 2 * degree);
     EXPECT_LT((found[0].shift_m - Eigen::Vector2d(5, 9)).norm(), 2);
@@ -210,7 +213,8 @@ TEST(Hypotheses, ThreadsDoNotChangeThem) {
   const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30)});
   const auto a = drive(mine, {{0, 0}, {58, 0}}, 0, 1), b = drive(mine, {{30, 28}, {30, 0}}, 1, 2);
   const WallMap map_a = draw_wall_map(a.keyframes, 1), map_b = draw_wall_map(b.keyframes, 1);
-  const auto one = search_walls(map_a, map_b, 5, 1), many = search_walls(map_a, map_b, 5, 7);
+  const WallField field(map_a);
+  const auto one = search_walls(map_a, field, map_b, 5, 1), many = search_walls(map_a, field, map_b, 5, 7);
   ASSERT_EQ(one.size(), many.size());
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].score, many[i].score);
 }

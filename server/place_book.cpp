@@ -1,0 +1,92 @@
+#include "server/place_book.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/registration/parallel.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr double step_m = 3;
+constexpr double farthest_m = 40;  // clouds from beyond add nothing to a place
+
+std::size_t node_of(const PlaceRequest& r) {
+  std::size_t node = r.keyframe;
+  const double bin = std::floor(r.path_to_m[node] / step_m);
+  while (node > 0 && std::floor(r.path_to_m[node - 1] / step_m) == bin) --node;
+  return node;
+}
+
+/// The keyframes of a place's window whose clouds are stored.
+std::vector<const Keyframe*> window_of(const PlaceRequest& r, std::size_t node, double window_m,
+                                       const CloudSource& source) {
+  std::vector<const Keyframe*> out;
+  const Eigen::Vector3d p = r.keyframes[node].T_local_sensor.translation();
+  const auto first = std::lower_bound(r.path_to_m.begin(), r.path_to_m.end(), r.path_to_m[node] - window_m);
+  for (auto at = first; at != r.path_to_m.end() && *at <= r.path_to_m[node] + window_m; ++at) {
+    const Keyframe& k = r.keyframes[static_cast<std::size_t>(at - r.path_to_m.begin())];
+    if (k.point_count == 0 || (k.T_local_sensor.translation() - p).norm() > farthest_m) continue;
+    if (source.state({r.session, k.sequence}) == CloudState::stored) out.push_back(&k);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<PlacePtr> PlaceBook::get(std::span<const PlaceRequest> requests, CloudSource& source) {
+  struct Build {
+    Eigen::Vector3d p;
+    std::size_t stored = 0;
+    std::vector<PlacedCloud> clouds;
+    PlacePtr place;
+  };
+  std::map<Key, Build> missing;
+  std::map<Key, PlacePtr> answers;
+  std::vector<Key> keys;
+  keys.reserve(requests.size());
+  for (const PlaceRequest& r : requests) {
+    const Key key{r.session, node_of(r)};
+    keys.push_back(key);
+    if (answers.contains(key) || missing.contains(key)) continue;
+    const auto window = window_of(r, key.keyframe, config_.window_m, source);
+    if (const auto known = entries_.find(key); known != entries_.end() && known->second.clouds == window.size()) {
+      ages_.splice(ages_.begin(), ages_, known->second.age);
+      answers[key] = known->second.place;
+      continue;
+    }
+    Build build{r.keyframes[key.keyframe].T_local_sensor.translation(), window.size(), {}, nullptr};
+    for (const Keyframe* k : window)
+      if (auto cloud = prepared_.get({r.session, k->sequence}, source))
+        build.clouds.push_back({k->sequence, k->T_local_sensor, std::move(cloud)});
+    missing.emplace(key, std::move(build));
+  }
+  std::vector<Build*> builds;
+  builds.reserve(missing.size());
+  for (auto& [key, build] : missing) builds.push_back(&build);
+  for_blocks(builds.size(), 1, threads_, [&](std::size_t i, std::size_t, std::size_t) {
+    builds[i]->place = std::make_shared<const Place>(make_place(builds[i]->clouds, builds[i]->p, config_));
+  });
+  for (const auto& [key, build] : missing) {
+    answers[key] = build.place;
+    keep(key, build.place, build.stored);
+  }
+  std::vector<PlacePtr> out;
+  out.reserve(keys.size());
+  for (const Key& key : keys) out.push_back(answers.at(key));
+  return out;
+}
+
+void PlaceBook::keep(const Key& key, PlacePtr place, std::size_t clouds) {
+  if (const auto known = entries_.find(key); known != entries_.end()) {
+    ages_.erase(known->second.age);
+    entries_.erase(known);
+  }
+  ages_.push_front(key);
+  entries_[key] = {std::move(place), clouds, ages_.begin()};
+  if (entries_.size() <= capacity_) return;
+  entries_.erase(ages_.back());
+  ages_.pop_back();
+}
+
+}  // namespace headframe
