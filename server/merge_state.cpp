@@ -40,7 +40,7 @@ bool hopeless_rival(const Glance& glance, const std::vector<Verdict>& judged) {
 
 /// Better glances first: fewer contradictions, then more points that fit.
 double promise(const Glance& glance) {
-  return glance.place.registration.inlier_fraction - 20 * glance.place.between.violation();
+  return glance.place.registration.inlier_fraction - 20 * glance.place.between().violation();
 }
 
 }  // namespace

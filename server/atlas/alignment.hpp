@@ -48,7 +48,8 @@ struct Evidence {
 /// half.
 double asked_overlap_m(const Evidence& evidence);
 
-/// Odds of the runner-up over this one's, six times that where free space contradicts this one. Near 1: not told apart.
+/// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told
+/// apart.
 double runner_up_share(const Evidence& evidence);
 
 struct EvidenceField {

@@ -50,6 +50,12 @@ double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vect
 
 }  // namespace
 
+Visibility PlaceCheck::between() const {
+  Visibility both = a_by_b;
+  both += b_by_a;
+  return both;
+}
+
 PlaceCheck register_place(const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config) {
   PlaceCheck out;
   out.p_b = b.p;
@@ -70,8 +76,8 @@ PlaceCheck register_place(const Place& a, const Place& b, const Pose& T_a_b, con
 
 void look_at_place(PlaceCheck& check, const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config) {
   const auto reach_m = static_cast<float>(config.view_reach_m);
-  check.between = look_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m);
-  check.between += look_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m);
+  check.b_by_a = look_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m);
+  check.a_by_b = look_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m);
   check.own = a.own;
   check.own += b.own;
 }

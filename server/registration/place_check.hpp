@@ -8,15 +8,18 @@ namespace headframe {
 struct PlaceCheck {
   Eigen::Vector3d p_a = Eigen::Vector3d::Zero(), p_b = Eigen::Vector3d::Zero();  // the place, in both local frames
   Registration registration;
-  double residual_m = 1;    // median distance of b's surface from a's, in cubes of half a metre, along the normals
-  double slide_ratio = 1;   // best share of points on a surface after a slide along the weakest direction / share here
-  Visibility between, own;  // of each by the other; of each by itself, every other cloud
+  double residual_m = 1;   // median distance of b's surface from a's, in cubes of half a metre, along the normals
+  double slide_ratio = 1;  // best share of points on a surface after a slide along the weakest direction / share here
+  Visibility a_by_b, b_by_a;  // the rock of each from the sweeps of the other
+  Visibility own;             // of each by itself, every other cloud
+
+  Visibility between() const;  // both ways together
 };
 
 /// Registers b's submap on a's by VGICP, from T_a_b. Pure.
 PlaceCheck register_place(const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config);
 
-/// Fills between and own, at T_a_b.
+/// Fills what it looks like, at T_a_b.
 void look_at_place(PlaceCheck& check, const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config);
 
 }  // namespace headframe

@@ -101,14 +101,15 @@ Pose combine(const std::vector<PlaceCheck>& places, const std::vector<bool>& agr
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vector<bool>& agrees, const Pose& T) {
-  Visibility between, own;
+  Visibility a_by_b, b_by_a, own;
   Eigen::Matrix3d hold = Eigen::Matrix3d::Zero();
   std::vector<double> residuals;
   double squared = 0, inliers = 0, slide = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const PlaceCheck& p = places[i];
-    between += p.between;
-    e.worst_place_violation = std::max(e.worst_place_violation, p.between.violation());
+    a_by_b += p.a_by_b;
+    b_by_a += p.b_by_a;
+    e.worst_place_violation = std::max(e.worst_place_violation, p.between().violation());
     own += p.own;
     inliers += p.registration.inlier_fraction;
     if (!agrees[i]) continue;
@@ -127,10 +128,13 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   std::sort(residuals.begin(), residuals.end());
   e.residual_m = residuals[residuals.size() / 2];
   e.weakest_hold = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(hold / hold.trace()).eigenvalues()[0];
+  Visibility between = a_by_b;
+  between += b_by_a;
   e.seen_points = between.seen;
-  e.freespace_violation = share(between.violated, between.seen + between.violated);
-  e.own_violation = share(own.violated, own.seen + own.violated);
-  e.overlap_a = e.overlap_b = share(between.seen, between.seen + between.violated + between.lone + between.unknown);
+  e.freespace_violation = between.violation();
+  e.own_violation = own.violation();
+  e.overlap_a = share(a_by_b.seen, a_by_b.all());
+  e.overlap_b = share(b_by_a.seen, b_by_a.all());
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
@@ -218,13 +222,13 @@ Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_0, const Judge
       (moved * out.place.p_b - out.place.p_b).norm() > 8)
     return out;
   look_at_place(out.place, *a, *b, r.T_target_source, config.place);
-  out.hopeful = out.place.between.violation() < config.hopeless_violation;
+  out.hopeful = out.place.between().violation() < config.hopeless_violation;
   return out;
 }
 
 Judgement judge(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
   Judgement out;
-  out.evidence.freespace_violation = first.place.between.violation();
+  out.evidence.freespace_violation = first.place.between().violation();
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
@@ -256,7 +260,7 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
 bool fits_alone(const Glance& glance) {
   const Registration& r = glance.place.registration;
   return glance.hopeful && r.status == RegistrationStatus::converged && r.direction_hold[0] > 0.05 &&
-         r.inlier_fraction > 0.7 && glance.place.residual_m < 0.045 && glance.place.between.violation() < 0.004;
+         r.inlier_fraction > 0.7 && glance.place.residual_m < 0.045 && glance.place.between().violation() < 0.004;
 }
 
 Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const JudgeConfig& config) {
@@ -269,8 +273,8 @@ Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const Jud
 
 double best_probability(const Glance& glance) {
   Evidence e;
-  e.worst_place_violation = glance.place.between.violation();
-  e.places = e.places_agreeing = 1;
+  e.worst_place_violation = glance.place.between().violation();
+  e.places = e.places_agreeing = e.inlier_fraction = 1;
   e.pairs = e.overlap_m = std::numeric_limits<double>::max();
   return probability(RegistrationStatus::converged, e);
 }
@@ -281,6 +285,8 @@ double probability(RegistrationStatus status, const Evidence& e) {
   // Set by hand; README, "How sure", says on which pairs, and on which they were checked.
   const double contradiction = std::log10(e.worst_place_violation + 2e-3) + 2.7;  // 0: none
   const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);    // 0: 3 cm
+  // In drawn mines half of the right placements reach 0.91, and a tenth of the wrong ones 0.93.
+  const double fit = std::clamp(8 * (e.inlier_fraction - 0.88), -1.2, 0.6);
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
   // It costs at most 0.27 an alias: with one, an overlap of half the length still passes when all else is good.
@@ -288,7 +294,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double short_overlap = asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   const double z = 6 - 6 * contradiction - 12 * misfit - 12 * (1 - e.places_agreeing / std::max(1.0, e.places)) +
-                   4 * few_pairs + 12 * short_overlap + 6 * tiny_overlap;
+                   4 * few_pairs + fit + 12 * short_overlap + 6 * tiny_overlap;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
   return status == RegistrationStatus::converged ? p : 0.4 * p;

@@ -14,6 +14,7 @@ struct Visibility {
   double lone = 0;      // violations that stand alone
   double unknown = 0;   // neither: hidden, out of range, outside the field of view
   Visibility& operator+=(const Visibility& other);
+  double all() const { return seen + violated + lone + unknown; }
   double violation() const { return seen + violated > 0 ? violated / (seen + violated) : 0; }
 };
 
