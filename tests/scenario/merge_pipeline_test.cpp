@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <set>
@@ -34,15 +35,19 @@ struct Base {
   Shelf shelf;
   std::vector<Drive> drives;
 
-  explicit Base(std::vector<Drive> all, const MergeConfig& config = {}) : pipeline(config), drives(std::move(all)) {
-    for (std::size_t i = 0; i < drives.size(); ++i) {
-      const auto id = static_cast<SessionId>(i + 1);
-      pipeline.add_session(id, ScanContext().id());
-      for (std::size_t k = 0; k < drives[i].keyframes.size(); ++k) {
-        pipeline.add_keyframe(id, drives[i].keyframes[k]);
-        shelf.clouds[{id, k + 1}] = drives[i].clouds[k];
-      }
+  explicit Base(const std::vector<Drive>& all, const MergeConfig& config = {}) : pipeline(config) {
+    for (const Drive& drive : all) arrive(drive);
+  }
+
+  SessionId arrive(const Drive& drive) {
+    drives.push_back(drive);
+    const auto id = static_cast<SessionId>(drives.size());
+    pipeline.add_session(id, ScanContext().id());
+    for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
+      pipeline.add_keyframe(id, drive.keyframes[k]);
+      shelf.clouds[{id, k + 1}] = drive.clouds[k];
     }
+    return id;
   }
 
   double error_m() const {
@@ -72,11 +77,27 @@ TEST(MergePipeline, ThreeDrivesBecomeOneComponentWhicheverIsTriedFirst) {
   }
 }
 
-TEST(MergePipeline, TheOrderOfTheSessionsDoesNotMatter) {
-  Base base({b(), a()});
-  base.pipeline.attempt(1, base.shelf);
-  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
-  EXPECT_LT(base.error_m(), 0.15);
+TEST(MergePipeline, TheOrderOfArrivalDoesNotMatter) {
+  std::vector<std::size_t> order{0, 1, 2};
+  std::vector<Pose> first;  // of the second and third drive in the first's frame
+  do {
+    const std::vector<Drive> drives{a(), b(), c()};
+    std::vector<Drive> arriving;
+    for (const std::size_t i : order) arriving.push_back(drives[i]);
+    Base base({});
+    for (const Drive& drive : arriving) base.pipeline.attempt(base.arrive(drive), base.shelf);
+    ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+    EXPECT_LT(base.error_m(), 0.15);
+    std::vector<Pose> T_component(3);
+    for (const Placement& p : base.pipeline.atlas().components[0].placements)
+      T_component[order[static_cast<std::size_t>(p.session - 1)]] = p.T_component_session;
+    std::vector<Pose> now{T_component[0].inverse() * T_component[1], T_component[0].inverse() * T_component[2]};
+    if (first.empty()) first = now;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      EXPECT_LT((now[i].translation() - first[i].translation()).norm(), 0.15);
+      EXPECT_LT(rotation_angle_rad(now[i].inverse() * first[i]), 0.005);
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
 }
 
 TEST(MergePipeline, LookAlikeDriftsDoNotMerge) {

@@ -1,0 +1,97 @@
+#include "server/place_book.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/support/drawn_session.hpp"
+
+namespace headframe {
+namespace {
+
+struct Shelf : CloudSource {
+  std::map<KeyframeRef, KeyframeCloud> clouds;
+  CloudState state(const KeyframeRef& k) const override {
+    return clouds.contains(k) ? CloudState::stored : CloudState::obtainable;
+  }
+  Result<KeyframeCloud> load(const KeyframeRef& k) override { return clouds.at(k); }
+};
+
+/// A drive of keyframes 2 m apart, its clouds on the shelf.
+struct PlaceBookTest : testing::Test {
+  test::Drive drive = test::drive_a_to_c(2);
+  std::vector<double> path_to_m;
+  Shelf shelf;
+  PreparedClouds prepared{100, 1};
+
+  PlaceBookTest() {
+    for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
+      path_to_m.push_back(2.0 * static_cast<double>(i));
+      drive.keyframes[i].point_count = 1;
+      shelf.clouds[{1, drive.keyframes[i].sequence}] = drive.clouds[i];
+    }
+  }
+  PlaceBook book(std::size_t capacity, int threads = 1) { return {capacity, threads, PlaceConfig{}, prepared}; }
+  PlaceRequest at(std::size_t keyframe) const { return {1, drive.keyframes, path_to_m, keyframe}; }
+  PlacePtr one(PlaceBook& from, std::size_t keyframe) {
+    const PlaceRequest request = at(keyframe);
+    return from.get({&request, 1}, shelf).front();
+  }
+};
+
+TEST_F(PlaceBookTest, KeyframesOfTheSameThreeMetresShareAPlace) {
+  PlaceBook b = book(10);
+  EXPECT_EQ(one(b, 0), one(b, 1)) << "0 and 2 m";
+  EXPECT_NE(one(b, 1), one(b, 2)) << "2 and 4 m";
+  EXPECT_EQ(one(b, 2)->p, drive.keyframes[2].T_local_sensor.translation());
+  EXPECT_GT(one(b, 2)->source.points.size(), 1000U);
+}
+
+TEST_F(PlaceBookTest, ManyAtOnceAreThoseOneByOneWhateverTheThreads) {
+  PlaceBook alone = book(10), many = book(10, 3);
+  const std::vector<PlaceRequest> requests{at(4), at(0), at(4), at(8)};
+  const auto places = many.get(requests, shelf);
+  EXPECT_EQ(places[0], places[2]);
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const PlacePtr same = one(alone, requests[i].keyframe);
+    EXPECT_EQ(places[i]->source.points, same->source.points);
+    EXPECT_EQ(places[i]->rock.points, same->rock.points);
+    EXPECT_EQ(places[i]->own.seen, same->own.seen);
+  }
+}
+
+TEST_F(PlaceBookTest, ACloudThatComesLaterIsTakenIn) {
+  const KeyframeRef late{1, drive.keyframes[3].sequence};
+  const auto held = shelf.clouds.extract(late);
+  PlaceBook b = book(10);
+  const PlacePtr before = one(b, 2);
+  EXPECT_EQ(before, one(b, 2));
+  shelf.clouds[late] = held.mapped();
+  const PlacePtr after = one(b, 2);
+  EXPECT_NE(before, after);
+  EXPECT_EQ(after->views.size(), before->views.size() + 1);
+}
+
+TEST_F(PlaceBookTest, WhatTheRobotSawByAnotherTimeOfItsPathIsNotMixedIn) {
+  for (std::size_t i = 10; i < path_to_m.size(); ++i) path_to_m[i] += 1000;  // it came by again much later
+  PlaceBook b = book(10);
+  EXPECT_EQ(one(b, 8)->views.size(), 10U);
+}
+
+TEST_F(PlaceBookTest, TheLeastRecentlyUsedGoes) {
+  PlaceBook b = book(2);
+  const PlacePtr first = one(b, 0), second = one(b, 4);
+  EXPECT_EQ(first, one(b, 0));
+  one(b, 8);
+  EXPECT_EQ(first, one(b, 0));
+  EXPECT_NE(second, one(b, 4));
+}
+
+TEST_F(PlaceBookTest, WithoutCloudsAPlaceKnowsNothing) {
+  shelf.clouds.clear();
+  PlaceBook b = book(2);
+  EXPECT_TRUE(one(b, 0)->source.points.empty());
+}
+
+}  // namespace
+}  // namespace headframe
