@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "server/config/server_config.hpp"
-#include "server/net/endpoint.hpp"
+#include "common/endpoint.hpp"
 
 namespace headframe {
 

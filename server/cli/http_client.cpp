@@ -9,7 +9,6 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
-#include <charconv>
 #include <chrono>
 #include <limits>
 
@@ -59,10 +58,11 @@ class Exchange {
 
 tl::unexpected<Error> Exchange::broken(error_code code) const {
   const bool silent = code == beast::error::timeout;
-  return failure(ErrorCode::unavailable,
-                 silent ? "the server at " + endpoint_.text() + " does not answer; is it busy, or not headframe-server?"
-                        : "the server at " + endpoint_.text() + " broke off before its answer was complete (" +
-                              code.message() + "); look at its log");
+  return failure(
+      ErrorCode::unavailable,
+      silent ? "the server at " + to_string(endpoint_) + " does not answer; is it busy, or not headframe-server?"
+             : "the server at " + to_string(endpoint_) + " broke off before its answer was complete (" +
+                   code.message() + "); look at its log");
 }
 
 Result<void> Exchange::connect(double timeout_s) {
@@ -72,8 +72,8 @@ Result<void> Exchange::connect(double timeout_s) {
     return failure(ErrorCode::unavailable, "the host \"" + endpoint_.host + "\" is not known (" + code.message() + ")");
   code = finish(timeout_s, [&](auto done) { stream_.async_connect(found, std::move(done)); });
   if (!code) return {};
-  return failure(ErrorCode::unavailable, "no headframe-server answers at " + endpoint_.text() + " (" + code.message() +
-                                             "); start it, or say where it is with --http HOST:PORT");
+  return failure(ErrorCode::unavailable, "no headframe-server answers at " + to_string(endpoint_) + " (" +
+                                             code.message() + "); start it, or say where it is with --http HOST:PORT");
 }
 
 Result<void> Exchange::send(std::string_view method, std::string_view target, std::string_view body, double timeout_s) {
@@ -82,7 +82,7 @@ Result<void> Exchange::send(std::string_view method, std::string_view target, st
   request.version(11);
   request.method_string({method.data(), method.size()});
   request.target({target.data(), target.size()});
-  request.set(http::field::host, endpoint_.text());
+  request.set(http::field::host, to_string(endpoint_));
   request.set(http::field::user_agent, "headframe");
   if (!endpoint_.token.empty()) request.set(http::field::authorization, "Bearer " + endpoint_.token);
   request.keep_alive(false);
@@ -110,7 +110,7 @@ Result<HttpResponse> Exchange::receive(const HttpSink& sink, double timeout_s) {
     if (!collect) {
       if (auto taken = sink(got); !taken) return tl::unexpected(taken.error());
     } else if (response.body.size() + got.size() > collected_bytes) {
-      return failure(ErrorCode::bad_input, "the answer of " + endpoint_.text() + " is longer than 64 MiB");
+      return failure(ErrorCode::bad_input, "the answer of " + to_string(endpoint_) + " is longer than 64 MiB");
     } else {
       response.body += got;
     }
@@ -120,24 +120,8 @@ Result<HttpResponse> Exchange::receive(const HttpSink& sink, double timeout_s) {
 
 }  // namespace
 
-std::string HttpEndpoint::text() const {
-  const bool v6 = host.find(':') != std::string::npos;
-  return (v6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
-}
-
 Result<HttpEndpoint> parse_http_endpoint(std::string_view text) {
-  const std::size_t colon = text.rfind(':');
-  HttpEndpoint out;
-  if (colon != std::string_view::npos) {
-    out.host = text.substr(0, colon);
-    if (out.host.size() > 2 && out.host.front() == '[' && out.host.back() == ']')
-      out.host = out.host.substr(1, out.host.size() - 2);
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, out.port);
-    if (error == std::errc() && stop == end && out.port != 0 && !out.host.empty()) return out;
-  }
-  return failure(ErrorCode::invalid_argument,
-                 "\"" + std::string(text) + "\" is not HOST:PORT, such as 127.0.0.1:7448 or [::1]:7448");
+  return parse_peer(text).map([](Endpoint endpoint) { return HttpEndpoint{std::move(endpoint)}; });
 }
 
 std::string percent_encoded(std::string_view text) {

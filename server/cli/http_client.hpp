@@ -5,18 +5,15 @@
 #include <string>
 #include <string_view>
 
-#include "common/result.hpp"
+#include "common/endpoint.hpp"
 
 namespace headframe {
 
-struct HttpEndpoint {
-  std::string host;
-  std::uint16_t port = 0;
-  std::string token;         // sent with every request; empty: none
-  std::string text() const;  // host:port, an IPv6 address in brackets
+struct HttpEndpoint : Endpoint {
+  std::string token = {};  // sent with every request; empty: none
 };
 
-/// "127.0.0.1:7448", "[::1]:7448" or "host:7448"; invalid_argument says what is wrong.
+/// As parse_peer, without a token.
 Result<HttpEndpoint> parse_http_endpoint(std::string_view text);
 
 /// For a value in a query: "a b/c" -> "a%20b%2Fc".
@@ -51,10 +48,12 @@ class HttpClient {
   Result<HttpResponse> get(std::string_view target, const HttpSink& sink = {}, const HttpWatch& watch = {}) {
     return ask({"GET", target, {}}, sink, watch);
   }
-  Result<HttpResponse> post(std::string_view target, std::string_view body = {}) {
-    return ask({"POST", target, body}, {}, {});
+  Result<HttpResponse> post(std::string_view target, std::string_view body = {}, const HttpWatch& watch = {}) {
+    return ask({"POST", target, body}, {}, watch);
   }
-  Result<HttpResponse> remove(std::string_view target) { return ask({"DELETE", target, {}}, {}, {}); }
+  Result<HttpResponse> remove(std::string_view target, const HttpWatch& watch = {}) {
+    return ask({"DELETE", target, {}}, {}, watch);
+  }
   const HttpEndpoint& endpoint() const { return endpoint_; }
 
  private:
