@@ -108,13 +108,26 @@ void HttpSession::on_read(Code code) {
   }
 }
 
-/// The answer to a request that lacks the operator's token.
+/// Counts the request; the answer when its address asks too often.
+std::optional<Ready> HttpSession::too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const {
+  if (requests.allowed(from_, now)) {
+    requests.failed(from_, now);  // one more of those that it may have open
+    return std::nullopt;
+  }
+  std::ostringstream message;
+  message << "too many requests from this address: " << shared_->limits.requests.failures << " at once, then "
+          << shared_->limits.requests.forgiven_per_s << " a second; ask less often";
+  return error_reply(429, {ErrorCode::refused, message.str()});
+}
+
+/// The answer to a request that lacks the operator's token, or comes too often.
 std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
   const auto& request = parser_->get();
-  if (is_public(text(request.target()))) return std::nullopt;
-  const auto verdict = shared_->guard.check(credentials_of(request), from_, std::chrono::steady_clock::now());
-  if (verdict == Verdict::welcome) return std::nullopt;
+  const auto now = std::chrono::steady_clock::now();
+  if (is_public(text(request.target()))) return too_many(shared_->strangers, now);
+  const auto verdict = shared_->guard.check(credentials_of(request), from_, now);
+  if (verdict == Verdict::welcome) return too_many(shared_->operators, now);
   if (verdict == Verdict::limited) {
     keep_alive_ = false;
     return error_reply(429, {ErrorCode::refused, "too many wrong tokens from this address; wait a minute"});

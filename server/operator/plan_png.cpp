@@ -123,6 +123,23 @@ void draw_north(Canvas& canvas, const char* name) {
   canvas.text(static_cast<int>(x) - 34, 22, name, 3, picture::ink);
 }
 
+/// As many sessions as there is room for beside the scale bar, then how many more there are.
+std::vector<picture::LegendEntry> legend_of(const std::vector<SessionRow>& sessions) {
+  constexpr int room_px = width_px - 420;
+  std::vector<picture::LegendEntry> legend;
+  int used_px = 0;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    const std::string name = name_of(sessions[i]);
+    used_px += picture::legend_width_px(name);
+    if (used_px > room_px) {
+      legend.push_back({std::to_string(sessions.size() - i) + " more", picture::faint});
+      break;
+    }
+    legend.push_back({name, picture::colour_of(i)});
+  }
+  return legend;
+}
+
 }  // namespace
 
 Result<std::string> PlanPng::picture() const {
@@ -153,11 +170,7 @@ Result<std::string> PlanPng::picture() const {
     canvas.line(on_canvas(from), on_canvas(to), 2, colour + 0.55F * (picture::Colour::Ones() - colour));
   }
   draw_north(canvas, grid ? "N" : "y");
-  std::vector<picture::LegendEntry> legend;
-  legend.reserve(placed_.sessions.size());
-  for (std::size_t i = 0; i < placed_.sessions.size(); ++i)
-    legend.push_back({name_of(placed_.sessions[i]), picture::colour_of(i)});
-  picture::draw_legend(canvas, legend);
+  picture::draw_legend(canvas, legend_of(placed_.sessions));
   picture::draw_scale_bar(canvas, sheet_.px_per_m);
   return canvas.png();
 }

@@ -14,11 +14,11 @@ Result<Reply> readyz(const Query&, const Context& context) {
 
 Result<Reply> metrics(const Query&, const Context& context) {
   const Station& station = context.station;
-  return Ready{
-      200,
-      "text/plain; version=0.0.4; charset=utf-8",
-      metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(), context.uptime_s),
-      {}};
+  return Ready{200,
+               "text/plain; version=0.0.4; charset=utf-8",
+               metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(),
+                            station.link_health(), context.uptime_s),
+               {}};
 }
 
 Result<Reply> page(const Query&, const Context&) {

@@ -8,7 +8,7 @@ namespace headframe {
 
 /// All sessions together.
 struct SessionTotals {
-  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes_received = 0, backlog = 0;
+  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes_received = 0, cloud_bytes = 0, backlog = 0;
 };
 
 inline SessionTotals totals_of(const std::vector<SessionRow>& sessions) {
@@ -18,6 +18,7 @@ inline SessionTotals totals_of(const std::vector<SessionRow>& sessions) {
     totals.keyframes += row.keyframes;
     totals.clouds += row.clouds;
     totals.bytes_received += row.bytes_received;
+    totals.cloud_bytes += row.cloud_bytes;
     totals.backlog += row.backlog;
   }
   return totals;

@@ -32,6 +32,7 @@ struct SessionRow {
   double link_age_s = -1;     // since anything was heard of a connected robot; -1: it is not connected
   double distance_m = 0;
   double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
+  std::uint64_t cloud_bytes = 0;        // of bytes_received: encoded clouds
   std::string label = {};               // the operator's name for it; empty: none
 };
 
@@ -76,6 +77,7 @@ struct LinkHealth {
   std::uint64_t failed = 0;        // ended with an error: bad bytes, silence, a full write queue
   std::uint64_t stuck = 0;         // took no bytes until the deadline
   std::uint64_t held_back = 0;     // times that a robot outran the disk and was not read
+  std::uint64_t sent_bytes = 0;    // to robots, before TLS
 };
 
 /// All calls are thread safe and quick, but trajectory() and cloud(), which read from disk: not from an I/O thread.

@@ -126,13 +126,15 @@ void draw_scale_bar(Canvas& canvas, double px_per_m) {
               text, 2, ink);
 }
 
+int legend_width_px(const std::string& text) { return 28 + Canvas::text_width(text, 2) + 36; }
+
 void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& legend) {
   int x = margin;
   const int y = canvas.height() - footer / 2 - 9;
   for (const LegendEntry& entry : legend) {
     canvas.fill(x, y - 1, 18, 18, entry.colour);
     canvas.text(x + 28, y + 1, entry.text, 2, ink);
-    x += 28 + Canvas::text_width(entry.text, 2) + 36;
+    x += legend_width_px(entry.text);
   }
 }
 

@@ -47,6 +47,7 @@ extern const Colour ground, paper, ink, faint;
 constexpr int margin_px = 28, footer_px = 64;
 void draw_scale_bar(Canvas& canvas, double px_per_m);
 void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& legend);
+int legend_width_px(const std::string& text);  // of one entry
 
 /// Light by how many points fell on a pixel (count, of which `full` is as bright as it gets); 0 without any.
 float brightness(float count, float full);

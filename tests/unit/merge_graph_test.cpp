@@ -62,9 +62,8 @@ TEST(MergeGraph, TheAnchorChosenLastIsTheComponentsFrame) {
     EXPECT_EQ(result.components[0].id, chosen);
     EXPECT_EQ(result.components[1].id, 6);
     EXPECT_LT(worst_error_m(result), 1e-9) << "all others lie as before, seen from it";
-    for (const Placement& p : result.components[0].placements) {
-      if (p.session == chosen) EXPECT_EQ(p.T_component_session.matrix(), Pose::Identity().matrix());
-    }
+    for (const Placement& p : result.components[0].placements)
+      EXPECT_EQ(p.T_component_session.matrix() == Pose::Identity().matrix(), p.session == chosen);
   }
   // 1-2 and 4-5 apart, each with its choice; when they merge, the later choice stays.
   const std::vector<Alignment> apart{edge(1, 2), edge(4, 5)}, joined{edge(1, 2), edge(4, 5), edge(2, 4)};

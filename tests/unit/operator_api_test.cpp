@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "server/cli/http_client.hpp"
 #include "server/operator/router.hpp"
@@ -44,9 +46,30 @@ TEST_F(OperatorApiTest, SaysThatItIsThere) {
   EXPECT_EQ(status["pending"], (Json{{"attempts", 0}, {"keyframes", 0}, {"awaited_submaps", 0}}));
 }
 
+/// "headframe_..." names of a text.
+std::set<std::string> metrics_named_in(const std::string& text) {
+  static const std::regex name("headframe_[a-z_]+");
+  return {std::sregex_token_iterator(text.begin(), text.end(), name), {}};
+}
+
+TEST_F(OperatorApiTest, EveryMetricOfTheDashboardIsServed) {
+  std::ifstream file(HEADFRAME_SOURCE_DIR "/docker/grafana/headframe.json");
+  const Json dashboard = Json::parse(file);
+  const std::set<std::string> served = metrics_named_in(get("/metrics").body);
+  std::set<std::string> asked;
+  for (const Json& panel : dashboard["panels"])
+    for (const Json& target : panel["targets"]) asked.merge(metrics_named_in(target["expr"].get<std::string>()));
+  EXPECT_GT(asked.size(), 15U);
+  for (const std::string& name : asked) EXPECT_TRUE(served.contains(name)) << name;
+}
+
 TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
   server.station.work.attempts = 5;
   server.station.work.stages.registration_ms = 1500;
+  server.station.work.commits = 4;
+  server.station.work.commit_s = 0.25;
+  server.station.rows[1].backlog = 9;
+  server.station.rows[1].cloud_bytes = 600;
   const HttpResponse response = get("/metrics");
   EXPECT_EQ(response.status, 200);
   std::istringstream lines(response.body);
@@ -63,6 +86,12 @@ TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
   EXPECT_EQ(samples["headframe_keyframes"], 9);
   EXPECT_EQ(samples["headframe_alignments{state=\"published\"}"], 1);
   EXPECT_EQ(samples["headframe_alignments{state=\"candidate\"}"], 0);
+  EXPECT_EQ(samples["headframe_verdicts{verdict=\"candidate\"}"], 2);
+  EXPECT_EQ(samples["headframe_backlog_keyframes"], 9);
+  EXPECT_EQ(samples["headframe_robot_bytes_received_total{kind=\"clouds\"}"], 600);
+  EXPECT_EQ(samples["headframe_robot_bytes_received_total{kind=\"keyframes_and_control\"}"], 2400);
+  EXPECT_EQ(samples["headframe_store_commits_total"], 4);
+  EXPECT_EQ(samples["headframe_store_commit_seconds_total"], 0.25);
   EXPECT_EQ(samples["headframe_merge_attempts_total"], 5);
   EXPECT_EQ(samples["headframe_merge_seconds_total{stage=\"registration\"}"], 1.5);
 }
