@@ -36,18 +36,26 @@ struct Commands::Waited {
   Json json;
 };
 
-Result<std::string> Commands::fetched(const std::string& target, double silence_s) {
-  auto response = HttpClient(endpoint_, {5, silence_s}).get(target);
-  if (!response) return tl::unexpected(response.error());
-  if (response->status != 200) return tl::unexpected(error_of(*response));
-  return std::move(response->body);
-}
-
-Result<std::string> Commands::posted(const std::string& target, int status, const std::string& body) {
-  auto response = HttpClient(endpoint_).post(target, body);
+Result<std::string> Commands::wanted(const HttpRequest& ask, int status, double silence_s) {
+  Progress line(isatty(STDERR_FILENO) != 0);
+  HttpWatch watch;
+  watch.waiting = [&](double waited_s) { line.show("the server is at it: " + fixed(waited_s, 0) + " s"); };
+  auto response = ask(HttpClient(endpoint_, {5, silence_s}), watch);
   if (!response) return tl::unexpected(response.error());
   if (response->status != status) return tl::unexpected(error_of(*response));
   return std::move(response->body);
+}
+
+Result<std::string> Commands::fetched(const std::string& target) {
+  return wanted([&](HttpClient client, const HttpWatch& watch) { return client.get(target, {}, watch); });
+}
+
+Result<std::string> Commands::posted(const std::string& target, int status, const std::string& body) {
+  return wanted([&](HttpClient client, const HttpWatch& watch) { return client.post(target, body, watch); }, status);
+}
+
+Result<std::string> Commands::removed(const std::string& target) {
+  return wanted([&](HttpClient client, const HttpWatch& watch) { return client.remove(target, watch); });
 }
 
 Result<Json> Commands::session_named(const std::string& wanted) {
@@ -55,7 +63,8 @@ Result<Json> Commands::session_named(const std::string& wanted) {
   if (!body) return tl::unexpected(body.error());
   std::vector<Json> fitting;
   std::string there;
-  for (const Json& row : Json::parse(*body).at("sessions")) {
+  const Json sessions = Json::parse(*body);
+  for (const Json& row : sessions.at("sessions")) {
     const auto robot = row.at("robot").get<std::string>();
     const std::string full = robot + "/" + row.at("session").get<std::string>();
     if (full == wanted) return row;
@@ -146,9 +155,10 @@ Result<Commands::Waited> Commands::wait_for_idle(std::optional<double> wait_s, b
     const double passed_s = std::chrono::duration<double>(Clock::now() - start).count();
     const double left_s = wait_s ? std::max(0.0, *wait_s - passed_s) : slice_s;
     const double ask_s = std::min(left_s, progress ? progress_s : slice_s);
-    auto body = fetched("/api/v1/atlas?wait=" + fixed(ask_s, 3), ask_s + 30);
-    if (!body) return tl::unexpected(body.error());
-    Waited waited{std::move(*body), {}};
+    auto response = HttpClient(endpoint_, {5, ask_s + 30}).get("/api/v1/atlas?wait=" + fixed(ask_s, 3));
+    if (!response) return tl::unexpected(response.error());
+    if (response->status != 200) return tl::unexpected(error_of(*response));
+    Waited waited{std::move(response->body), {}};
     waited.json = Json::parse(waited.body);
     const bool settled = !waited.json.at("waited_out").get<bool>();
     line.show(settled ? "settled" : "pending: " + pending_view(waited.json.at("pending")));

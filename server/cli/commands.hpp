@@ -68,9 +68,13 @@ class Commands {
 
  private:
   struct Waited;
+  using HttpRequest = std::function<Result<HttpResponse>(HttpClient client, const HttpWatch& watch)>;
+  /// The body of the answer with this status; who waits at a terminal for more than a second is told for how long.
+  Result<std::string> wanted(const HttpRequest& ask, int status = 200, double silence_s = 60);
   Result<std::string> posted(const std::string& target, int status, const std::string& body = {});
+  Result<std::string> removed(const std::string& target);
   Result<nlohmann::json> session_named(const std::string& wanted);
-  Result<std::string> fetched(const std::string& target, double silence_s = 30);
+  Result<std::string> fetched(const std::string& target);
   Result<Waited> wait_for_idle(std::optional<double> wait_s, bool progress);
   Result<int> print_waited(const Waited& waited);
   Result<std::size_t> download(const std::string& target, const std::string& file);

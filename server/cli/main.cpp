@@ -24,17 +24,32 @@ struct Options {
   std::function<Result<int>(Commands&)> command;
 };
 
-/// Completes subcommands, then the options of the one that was given, then files.
-std::string completion(const CLI::App& app) {
-  std::string commands, cases;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
-    std::string options;
-    for (const CLI::Option* option : sub->get_options())
-      for (const std::string& name : option->get_lnames()) options += (options.empty() ? "--" : " --") + name;
-    commands += (commands.empty() ? "" : " ") + sub->get_name();
-    cases += "      " + sub->get_name() + ") words=\"" + options + "\" ;;\n";
+std::vector<const CLI::App*> subcommands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+/// What may follow the name of `app`: its subcommands and options.
+std::string words_after(const CLI::App& app) {
+  std::string words;
+  const auto add = [&](const std::string& word) { words.append(words.empty() ? "" : " ").append(word); };
+  for (const CLI::App* sub : subcommands_of(app)) add(sub->get_name());
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) add("--" + name);
+  return words;
+}
+
+void add_cases(const CLI::App& app, std::string& cases) {
+  for (const CLI::App* sub : subcommands_of(app)) {
+    cases.append("      ").append(sub->get_name()).append(") words=\"").append(words_after(*sub)).append("\" ;;\n");
+    add_cases(*sub, cases);
   }
-  return "_headframe() {\n  local word words=\"" + commands + " --http --json --help\"\n" +
+}
+
+/// Completes subcommands, then theirs and the options of the one that was given, then files.
+std::string completion(const CLI::App& app) {
+  std::string cases;
+  add_cases(app, cases);
+  return "_headframe() {\n  local word words=\"" + words_after(app) + "\"\n" +
          "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    case \"$word\" in\n" + cases +
          "    esac\n  done\n  COMPREPLY=($(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
          "complete -o default -F _headframe headframe\n";
@@ -192,9 +207,10 @@ int run(int argc, char** argv) {
     return headframe::exit_usage;
   }
   if (!options.command)
-    return fault({headframe::ErrorCode::invalid_argument,
-                  "say what to do: status, sessions, atlas, merge, confirm, export or robot, say; headframe --help "
-                  "lists what there is"});
+    return fault(
+        {headframe::ErrorCode::invalid_argument,
+         "say what to do: status, sessions, atlas, merge, confirm, anchor, export or robot, say; headframe --help "
+         "lists what there is"});
   auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
   auto token = headframe::find_token(options.token_file);

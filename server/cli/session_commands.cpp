@@ -1,4 +1,5 @@
 // What the operator does with one session.
+#include <array>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -35,7 +36,7 @@ Result<Json> points_from_csv(std::istream& file, const std::string& path) {
     std::array<double, 6> values{};
     bool good = true;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      if (i > 0) good = good && cells.get() == ',';
+      if (i > 0) good = good && (cells >> std::ws).get() == ',';
       good = good && static_cast<bool>(cells >> values.at(i));
     }
     if (!good || (cells >> std::ws && !cells.eof()))
@@ -113,16 +114,15 @@ Result<int> Commands::set_survey(const std::string& session, const std::string& 
 Result<int> Commands::drop_survey(const std::string& session) {
   const auto row = session_named(session);
   if (!row) return tl::unexpected(row.error());
-  const auto dropped = HttpClient(endpoint_).remove("/api/v1/survey?session=" + row->at("id").dump());
+  const auto dropped = removed("/api/v1/survey?session=" + row->at("id").dump());
   if (!dropped) return tl::unexpected(dropped.error());
-  if (dropped->status != 200) return tl::unexpected(error_of(*dropped));
-  std::cout << (json_ ? dropped->body : full_name(*row) + " has no survey now\n");
+  std::cout << (json_ ? *dropped : full_name(*row) + " has no survey now\n");
   return exit_ok;
 }
 
 Result<int> Commands::overlay(const std::string& alignment, int most) {
   const auto body =
-      fetched("/api/v1/alignments/" + percent_encoded(alignment) + "/overlay?most=" + std::to_string(most), 60);
+      fetched("/api/v1/alignments/" + percent_encoded(alignment) + "/overlay?most=" + std::to_string(most));
   if (!body) return tl::unexpected(body.error());
   std::cout << (json_ ? *body : overlay_view(Json::parse(*body)));
   return exit_ok;

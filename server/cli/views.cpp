@@ -64,8 +64,8 @@ std::string alignment_table(const Json& alignments, std::size_t width) {
                {"prob", true},
                {"overlap", true},
                {"violated", true},
-               {"rmse m", true},
-               {"runner-up", true}},
+               {"rmse m", true, 2},
+               {"runner-up", true, 1}},
               {}};
   for (const Json& row : alignments) {
     const Json& evidence = row.at("evidence");
@@ -141,15 +141,15 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
   Table table{{{"session"},
                {"state"},
                {"keyframes", true},
-               {"clouds", true},
-               {"received", true},
-               {"backlog", true},
-               {"rate", true},
-               {"heard", true},
-               {"distance", true},
+               {"clouds", true, 2},
+               {"received", true, 5},
+               {"backlog", true, 1},
+               {"rate", true, 3},
+               {"heard", true, 4},
+               {"distance", true, 6},
                {"component", true},
-               {"merged in", true},
-               {"sensor"}},
+               {"merged in", true, 7},
+               {"sensor", false, 8}},
               {}};
   for (const Json& row : rows) {
     const Json& ms = row.at("trigger_to_transform_ms");

@@ -65,6 +65,7 @@ Result<void> MapExport::list_keyframes() {
   origin_m_ = placed->origin_m;
   std::map<std::string, Colour> colours;
   std::vector<Colour> of_session;
+  of_session.reserve(placed->sessions.size());
   for (const SessionRow& row : placed->sessions) {
     const auto [colour, first] = colours.try_emplace(row.key.robot, palette[colours.size() % palette.size()]);
     of_session.push_back(colour->second);

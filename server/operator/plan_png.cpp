@@ -127,6 +127,7 @@ void draw_north(Canvas& canvas, const char* name) {
 std::vector<picture::LegendEntry> legend_of(const std::vector<SessionRow>& sessions) {
   constexpr int room_px = width_px - 420;
   std::vector<picture::LegendEntry> legend;
+  legend.reserve(sessions.size());
   int used_px = 0;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     const std::string name = name_of(sessions[i]);

@@ -89,6 +89,7 @@ Result<Survey> survey_from_json(std::string_view body, SessionId session) {
     return survey;
   }
   if (!points->is_array()) return broken("points is no list");
+  survey.points.reserve(points->size());
   for (std::size_t i = 0; i < points->size(); ++i) {
     auto point = control_point((*points)[i], i + 1);
     if (!point) return tl::unexpected(point.error());

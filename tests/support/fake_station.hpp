@@ -156,7 +156,8 @@ class FakeStation : public Station {
     KeyframeCloud out{{Sweep{}, Sweep{}}};
     if (floor) {
       for (int x = -40; x <= 40; ++x)
-        for (int y = -40; y <= 40; ++y) out.sweeps[0].points.emplace_back(0.11F * x, 0.11F * y, 0.F);
+        for (int y = -40; y <= 40; ++y)
+          out.sweeps[0].points.emplace_back(0.11F * static_cast<float>(x), 0.11F * static_cast<float>(y), 0.F);
       return out;
     }
     for (int i = 0; i < points; ++i)
