@@ -182,7 +182,7 @@ TEST_F(HeadframeCommand, SurveysComeFromFilesOfControlPoints) {
   const Outcome set = run("survey set beta " + path("points.csv"));
   EXPECT_EQ(set.code, 0) << set.err;
   EXPECT_NE(set.out.find("beta/run/1: origin at "), std::string::npos) << set.out;
-  EXPECT_NE(set.out.find("  P2         1050.000  2000.020     3.000"), std::string::npos) << set.out;
+  EXPECT_NE(set.out.find("  P2     1050.000  2000.020     3.000"), std::string::npos) << set.out;
   EXPECT_EQ(run("survey list").out, set.out);
   EXPECT_EQ(Json::parse(run("survey list --json").out)["surveys"].size(), 1U);
   EXPECT_EQ(run("export --component 1 --frame grid " + path("map.las")).code, 0);
