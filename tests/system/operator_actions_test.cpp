@@ -125,19 +125,22 @@ TEST_F(OperatorActions, ALabelNamesASessionAndStays) {
 TEST_F(OperatorActions, MissingCloudsComeFromALiveRobotWhenAskedFor) {
   auto a = station->replay("a", scratch.path() / "a", {"--clouds", "on_request", "--linger", "120"});
   ASSERT_TRUE(a);
-  const auto row = [&] { return json({"sessions"}).at("sessions").at(0); };
+  const auto row = [&] {
+    const Json sessions = json({"sessions"}).at("sessions");
+    return sessions.empty() ? Json{{"keyframes", 0}, {"clouds", 0}} : sessions.at(0);
+  };
   const auto wait_until = [&](const auto& condition) {
     for (int i = 0; i < 600; ++i)
       if (station->settled_atlas() && condition(row())) return true;
     return false;
   };
-  ASSERT_TRUE(
-      wait_until([](const Json& session) { return session.at("backlog") == 0 && session.at("complete") == true; }));
+  ASSERT_TRUE(wait_until([](const Json& session) { return session.at("keyframes") > 10; }));
   ASSERT_EQ(row().at("clouds"), 0) << "nothing to merge with: none was asked for";
-  const std::size_t keyframes = row().at("keyframes");
-  EXPECT_EQ(json({"request-clouds", "a"}).at("requested"), keyframes);
-  EXPECT_TRUE(wait_until([&](const Json& session) { return session.at("clouds") == keyframes; }));
-  EXPECT_EQ(json({"request-clouds", "a"}).at("requested"), 0);
+  EXPECT_GE(json({"request-clouds", "a"}).at("requested"), 10);
+  // It may have driven on meanwhile: what came since is asked for once more.
+  EXPECT_TRUE(wait_until([&](const Json& session) {
+    return json({"request-clouds", "a"}).at("requested") == 0 && session.at("clouds") == session.at("keyframes");
+  }));
   a->signal(SIGKILL);
   ASSERT_TRUE(a->wait(10s));
   ASSERT_TRUE(wait_until([](const Json& session) { return session.at("connected") == false; }));
@@ -153,7 +156,7 @@ TEST_F(OperatorActions, ASurveyPutsExportsIntoTheGridAndStays) {
   std::ofstream csv(scratch.path() / "points.csv");
   csv.precision(12);
   csv << "name,xs,ys,zs,xg,yg,zg\n";
-  for (const Eigen::Vector3d p : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(40, 3, 0), Eigen::Vector3d(5, 20, 2)}) {
+  for (const Eigen::Vector3d& p : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(40, 3, 0), Eigen::Vector3d(5, 20, 2)}) {
     const Eigen::Vector3d q = T_grid_b * p;
     csv << "P," << p.x() << ',' << p.y() << ',' << p.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << '\n';
   }
