@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "server/config/server_config.hpp"
 #include "common/endpoint.hpp"
+#include "server/config/server_config.hpp"
 
 namespace headframe {
 
