@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/endpoint.hpp"
 #include "server/config/server_config.hpp"
-#include "server/net/endpoint.hpp"
 
 namespace headframe {
 

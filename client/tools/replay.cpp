@@ -3,12 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <thread>
 
 #include "client/robot_client.hpp"
 #include "client/tools/replay_report.hpp"
 #include "common/dataset/session_folder.hpp"
+#include "common/endpoint.hpp"
 
 namespace headframe {
 namespace {
@@ -27,17 +27,6 @@ int failed(const std::string& message, int status = 1) {
 }
 
 std::chrono::milliseconds milliseconds(double s) { return std::chrono::milliseconds(static_cast<long>(s * 1000)); }
-
-/// HOST:PORT or [HOST]:PORT.
-bool split_address(const std::string& address, RobotConfig& config) {
-  const auto colon = address.rfind(':');
-  if (colon == std::string::npos || colon == 0) return false;
-  config.host = address.substr(0, colon);
-  if (config.host.front() == '[' && config.host.back() == ']') config.host = config.host.substr(1, colon - 2);
-  const char *begin = address.data() + colon + 1, *end = address.data() + address.size();
-  const auto [stop, fault] = std::from_chars(begin, end, config.port);
-  return fault == std::errc() && stop == end && config.port > 0 && !config.host.empty();
-}
 
 /// Every scan in its time. A fault of the disk or of a file ends it; a scan that is no use is passed over.
 Result<void> play(const SessionFolder& session, const Options& options, RobotClient& robot, ReplayReport& report) {
@@ -99,8 +88,10 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
 
 int replay(Options options) {
   RobotConfig config;
-  if (!split_address(options.server, config))
-    return failed("--server " + options.server + ": HOST:PORT is needed, such as 10.0.0.2:7447", 2);
+  const auto server = parse_peer(options.server);
+  if (!server) return failed("--server: " + server.error().message, 2);
+  config.host = server->host;
+  config.port = server->port;
   const auto session = SessionFolder::open(options.folder);
   if (!session) return failed(session.error().message);
   config.robot = options.robot;

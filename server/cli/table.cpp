@@ -50,9 +50,32 @@ std::vector<std::size_t> widths_of(const Table& table, std::size_t most) {
   return widths;
 }
 
+/// Cells of a line where no column takes more than it needs to be read.
+std::size_t readable_width(const Table& table) {
+  constexpr std::size_t enough = 24;
+  std::size_t total = 0;
+  for (const std::size_t width : widths_of(table, 0)) total += std::min(width, enough) + gap;
+  return total - std::min(total, gap);
+}
+
+void drop_column(Table& table, std::size_t column) {
+  const auto at = static_cast<std::ptrdiff_t>(column);
+  table.columns.erase(table.columns.begin() + at);
+  for (auto& row : table.rows) row.erase(row.begin() + at);
+}
+
 }  // namespace
 
 std::string Table::text(std::size_t width) const {
+  if (width > 0 && readable_width(*this) > width) {
+    const auto spared = std::max_element(columns.begin(), columns.end(),
+                                         [](const Column& a, const Column& b) { return a.spare < b.spare; });
+    if (spared != columns.end() && spared->spare > 0) {
+      Table narrower = *this;
+      drop_column(narrower, static_cast<std::size_t>(spared - columns.begin()));
+      return narrower.text(width);
+    }
+  }
   const std::vector<std::size_t> widths = widths_of(*this, width);
   std::string out;
   const auto line = [&](const auto& cell_of) {

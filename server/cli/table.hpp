@@ -6,11 +6,13 @@
 
 namespace headframe {
 
-/// Columns of text, the first ones left and those marked right-aligned; the widest are cut with "…" until a line fits.
+/// Columns of text, the first ones left and those marked right-aligned. Where a line does not fit, columns that can be
+/// spared go first, then the widest are cut with "…".
 struct Table {
   struct Column {
     std::string title;
     bool right = false;
+    int spare = 0;  // left out the sooner the greater; 0: never
   };
   std::vector<Column> columns;
   std::vector<std::vector<std::string>> rows;  // as many cells as columns

@@ -184,6 +184,7 @@ void RobotConnection::flush() {
   }
   writing_ = true;
   write_began_ = Clock::now();
+  hub_.counts().sent_bytes += output_.size();
   boost::asio::async_write(stream_, boost::asio::buffer(output_),
                            [self = shared_from_this()](error_code error, std::size_t) {
                              self->writing_ = false;

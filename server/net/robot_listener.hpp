@@ -7,7 +7,7 @@
 #include <mutex>
 #include <vector>
 
-#include "server/net/endpoint.hpp"
+#include "common/endpoint.hpp"
 #include "server/net/robot_connection.hpp"
 
 namespace headframe {

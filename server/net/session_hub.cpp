@@ -156,6 +156,10 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
 void SessionHub::handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
   const KeyframeRef cloud{session, event.sequence};
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.at(session).cloud_bytes += event.encoded.size();
+  }
   write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, [this, cloud, to = std::weak_ptr(link)] {
     {
       const std::lock_guard lock(mutex_);
@@ -304,6 +308,7 @@ std::vector<SessionRow> SessionHub::sessions() const {
   for (const auto& [id, s] : sessions_) {
     auto& row = rows.emplace_back(SessionRow{id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(),
                                              s.record.complete, s.keyframes, s.clouds.size(), s.bytes_received});
+    row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;
     row.bytes_per_s = s.rate.at(now);
     if (row.connected) row.link_age_s = std::chrono::duration<double>(now - s.heard).count();

@@ -17,7 +17,8 @@ namespace headframe {
 
 /// How connections went, for the operator. Thread safe.
 struct LinkCounts {
-  std::atomic<std::uint64_t> refused = 0, replaced = 0, failed = 0, stuck = 0, held_back = 0;  // as in LinkHealth
+  std::atomic<std::uint64_t> refused = 0, replaced = 0, failed = 0, stuck = 0, held_back = 0,
+                             sent_bytes = 0;  // as in LinkHealth
 };
 
 /// One robot's connection, as the hub sees it. Thread safe, never blocks.
@@ -86,7 +87,7 @@ class SessionHub : public Robots {
     SessionRecord record;
     std::uint64_t keyframes = 0;  // durable
     std::set<std::uint64_t> clouds;
-    std::uint64_t bytes_received = 0;
+    std::uint64_t bytes_received = 0, cloud_bytes = 0;
     std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last
     DataRate rate;
     Clock::time_point heard;

@@ -101,20 +101,33 @@ void HttpSession::on_read(Code code) {
   if (auto refusal = turned_down()) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
-    perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->tiles,
-                  shared_->limits, uptime.count(), shared_->robots));
+    perform(route({text(request.method_string()), text(request.target()), request.body()}, shared_->station,
+                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
 }
 
-/// The answer to a request that lacks the operator's token.
+/// Counts the request; the answer when its address asks too often.
+std::optional<Ready> HttpSession::too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const {
+  if (requests.allowed(from_, now)) {
+    requests.failed(from_, now);  // one more of those that it may have open
+    return std::nullopt;
+  }
+  std::ostringstream message;
+  message << "too many requests from this address: " << shared_->limits.requests.failures << " at once, then "
+          << shared_->limits.requests.forgiven_per_s << " a second; ask less often";
+  return error_reply(429, {ErrorCode::refused, message.str()});
+}
+
+/// The answer to a request that lacks the operator's token, or comes too often.
 std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
   const auto& request = parser_->get();
-  if (is_public(text(request.target()))) return std::nullopt;
-  const auto verdict = shared_->guard.check(credentials_of(request), from_, std::chrono::steady_clock::now());
-  if (verdict == Verdict::welcome) return std::nullopt;
+  const auto now = std::chrono::steady_clock::now();
+  if (is_public(text(request.target()))) return too_many(shared_->strangers, now);
+  const auto verdict = shared_->guard.check(credentials_of(request), from_, now);
+  if (verdict == Verdict::welcome) return too_many(shared_->operators, now);
   if (verdict == Verdict::limited) {
     keep_alive_ = false;
     return error_reply(429, {ErrorCode::refused, "too many wrong tokens from this address; wait a minute"});
@@ -231,17 +244,24 @@ void HttpSession::on_piece(Piece piece) {
 
 void HttpSession::write_piece(std::optional<std::string> piece) {
   std::ostringstream head;
+  const bool last = !piece;
   if (!std::exchange(head_sent_, true)) {
+    left_ = body_->body->total_bytes();
     http::response<http::empty_body> response(http::status::ok, 11);
     set_common(response, body_->content_type, keep_alive_);
-    response.chunked(true);
+    left_ ? response.content_length(*left_) : response.chunked(true);
     head << response.base();
   }
-  const bool last = !piece;
-  head << std::hex << (last ? 0 : piece->size()) << "\r\n";
+  if (left_) {
+    if (last ? *left_ > 0 : piece->size() > *left_) return finish();  // not what was promised: it must not look whole
+    *left_ -= last ? 0 : piece->size();
+  } else {
+    head << std::hex << (last ? 0 : piece->size()) << "\r\n";
+  }
   head_ = head.str();
   piece_ = std::move(piece).value_or("");
-  const std::array<net::const_buffer, 3> buffers{net::buffer(head_), net::buffer(piece_), net::buffer("\r\n", 2)};
+  const std::array<net::const_buffer, 3> buffers{net::buffer(head_), net::buffer(piece_),
+                                                 net::buffer("\r\n", left_ ? 0 : 2)};
   stream_.expires_after(duration(shared_->limits.write_s));
   net::async_write(stream_, buffers, [self = shared_from_this(), last](Code code, std::size_t) {
     if (code) return self->finish();

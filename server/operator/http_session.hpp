@@ -32,6 +32,8 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
       : station(the_station),
         limits(the_limits),
         guard(access.token),
+        strangers(the_limits.requests),
+        operators(the_limits.requests),
         robots(access.robots),
         tiles(the_station),
         events(std::make_shared<EventFeed>(io, the_station, the_limits.events)) {}
@@ -39,7 +41,8 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   Station& station;
   const OperatorLimits limits;
   OperatorGuard guard;
-  RobotAdmin* const robots;  // may be null
+  AttemptLimiter strangers, operators;  // requests, by address
+  RobotAdmin* const robots;             // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PointTiles tiles;
   const std::shared_ptr<EventFeed> events;
@@ -74,6 +77,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_read(Code code);
   void refuse(Code code);
   std::optional<Ready> turned_down();
+  std::optional<Ready> too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const;
   void perform(Reply reply);
   void upgrade();
   void send(Ready ready);
@@ -95,7 +99,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   std::size_t header_bytes_ = 0;
   bool keep_alive_ = false;
-  bool head_sent_ = false;  // of the Stream under way
+  bool head_sent_ = false;             // of the Stream under way
+  std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks
   std::unique_ptr<Stream> body_;
   std::string head_, piece_;
   std::shared_ptr<void> response_;  // lives until it is written

@@ -1,8 +1,11 @@
 #include "server/operator/metrics.hpp"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <sstream>
+
+#include "server/operator/session_totals.hpp"
 
 namespace headframe {
 namespace {
@@ -47,42 +50,68 @@ void add_stages(Page& page, const Workload& work) {
   for (const auto& [stage, ms] : stages) page.sample(ms / 1000, label("stage", stage));
 }
 
-}  // namespace
-
-std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
-                         const Workload& work, double uptime_s) {
-  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
-  for (const SessionRow& row : sessions) {
-    connected += row.connected ? 1 : 0;
-    keyframes += row.keyframes;
-    clouds += row.clouds;
-    bytes += row.bytes_received;
-  }
-  std::map<AlignmentState, std::size_t> states;
+/// By state as they stand, and by verdict: what the evidence alone says.
+void add_alignments(Page& page, const AtlasView& view) {
+  std::map<AlignmentState, std::size_t> states, verdicts;
   for (const auto state : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::published,
                            AlignmentState::retracted, AlignmentState::rejected})
     states[state] = 0;
-  for (const AlignmentRow& row : view.alignments) ++states[row.alignment.state];
+  for (const auto verdict : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::rejected})
+    verdicts[verdict] = 0;
+  for (const AlignmentRow& row : view.alignments) {
+    ++states[row.alignment.state];
+    ++verdicts[row.alignment.verdict];
+  }
+  page.family("alignments", "gauge", "Alignments by state.");
+  for (const auto& [state, count] : states) page.sample(count, label("state", to_string(state)));
+  page.family("verdicts", "gauge", "Alignments by what their evidence alone says.");
+  for (const auto& [verdict, count] : verdicts) page.sample(count, label("verdict", to_string(verdict)));
+}
 
+void add_links(Page& page, const LinkHealth& links) {
+  page.one("robots_held", "gauge", "1 while nothing is acknowledged to robots.", links.hold.empty() ? 0 : 1);
+  page.family("link_ends_total", "counter", "Connections of robots that were refused or did not end well.");
+  page.sample(links.refused, label("why", "refused"));
+  page.sample(links.replaced, label("why", "replaced"));
+  page.sample(links.failed, label("why", "failed"));
+  page.sample(links.stuck, label("why", "stuck"));
+  page.one("link_held_back_total", "counter", "Times that a robot outran the disk and was not read.", links.held_back);
+}
+
+}  // namespace
+
+std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
+                         const Workload& work, const LinkHealth& links, double uptime_s) {
+  const SessionTotals totals = totals_of(sessions);
   Page page;
   page.one("uptime_seconds", "gauge", "Since the operator API began.", uptime_s);
   page.one("sessions", "gauge", "Sessions known.", sessions.size());
-  page.one("robots_connected", "gauge", "Robots connected now.", connected);
-  page.one("keyframes", "gauge", "Keyframes stored.", keyframes);
-  page.one("clouds", "gauge", "Clouds stored.", clouds);
-  page.one("robot_bytes_received_total", "counter", "Bytes from robots since the server began.", bytes);
+  page.one("robots_connected", "gauge", "Robots connected now.", totals.connected);
+  page.one("keyframes", "gauge", "Keyframes stored.", totals.keyframes);
+  page.one("clouds", "gauge", "Clouds stored.", totals.clouds);
+  page.one("backlog_keyframes", "gauge", "Keyframes that robots still have to send, as they said last.",
+           totals.backlog);
+  page.family("robot_bytes_received_total", "counter", "Bytes from robots since the server began, by kind.");
+  page.sample(totals.cloud_bytes, label("kind", "clouds"));
+  page.sample(totals.bytes_received - std::min(totals.bytes_received, totals.cloud_bytes),
+              label("kind", "keyframes_and_control"));
+  page.one("robot_bytes_sent_total", "counter", "Bytes to robots since the server began.", links.sent_bytes);
   page.one("revision", "counter", "Revision of the atlas.", view.atlas.revision);
   page.one("components", "gauge", "Components of the atlas.", view.atlas.components.size());
-  page.family("alignments", "gauge", "Alignments by state.");
-  for (const auto& [state, count] : states) page.sample(count, label("state", to_string(state)));
+  add_alignments(page, view);
   page.family("pending", "gauge", "What has still to be done before the atlas is settled.");
   page.sample(pending.attempts, label("kind", "attempts"));
   page.sample(pending.keyframes, label("kind", "keyframes"));
   page.sample(pending.awaited_submaps, label("kind", "awaited_submaps"));
+  page.one("waiting_orders", "gauge", "Decisions of the operator that wait for the merge worker.", work.waiting_orders);
   page.one("store_queued_writes", "gauge", "Writes that wait for the disk.", work.queued_writes);
   page.one("store_queued_bytes", "gauge", "Bytes that wait for the disk.", work.queued_bytes);
   page.one("store_durable_writes_total", "counter", "Writes that are on disk.", work.durable_writes);
   page.one("store_failed_writes_total", "counter", "Writes that failed.", work.failed_writes);
+  page.one("store_commits_total", "counter", "Commits to the disk; each makes all writes of a group durable.",
+           work.commits);
+  page.one("store_commit_seconds_total", "counter", "Time spent in commits.", work.commit_s);
+  add_links(page, links);
   add_stages(page, work);
   return page.text();
 }

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstddef>
 
+#include "server/security/attempt_limiter.hpp"
+
 namespace headframe {
 
 struct EventLimits {
@@ -19,6 +21,9 @@ struct OperatorLimits {
   double write_s = 30;           // for each piece of a response to leave
   double wait_s = 3600;          // the most that ?wait= may ask for
   EventLimits events;
+  /// Requests of one address at once, and how many more each second; further ones are told 429. Those with the token
+  /// and those without count apart, so that a stranger on the same address keeps no operator out.
+  AttemptLimits requests{.failures = 3000, .forgiven_per_s = 1000, .addresses = 4096};
 };
 
 }  // namespace headframe

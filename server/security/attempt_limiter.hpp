@@ -10,7 +10,7 @@
 
 namespace headframe {
 
-/// How often an address may fail; defaults live only here.
+/// How often an address may fail (or ask, where every request counts); defaults live only here.
 struct AttemptLimits {
   double failures = 10;             // in a row; then it has to wait
   double forgiven_per_s = 1.0 / 6;  // one failure is forgotten every 6 s

@@ -7,11 +7,11 @@
 #include <random>
 #include <thread>
 
+#include "server/picture/canvas.hpp"
 #include "server/registration/gicp.hpp"
 #include "server/registration/parallel.hpp"
 #include "server/registration/vgicp.hpp"
 #include "tests/bench/measure.hpp"
-#include "tests/mine/picture/canvas.hpp"
 #include "tests/mine/scenario.hpp"
 
 namespace headframe::bench {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/picture/top_view.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/pipeline_run.hpp"
-#include "tests/mine/picture/top_view.hpp"
 
 namespace headframe::bench {
 namespace {

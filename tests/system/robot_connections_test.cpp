@@ -303,12 +303,5 @@ TEST_F(Connections, APortInUseIsSaid) {
   EXPECT_NE(second.error().message.find(to_string(server->robots())), std::string::npos);
 }
 
-TEST(Endpoint, IsReadAsItIsWritten) {
-  for (const std::string text : {"127.0.0.1:7447", "[::1]:0", "base.mine:65535"})
-    EXPECT_EQ(to_string(parse_endpoint(text).value()), text);
-  for (const std::string text : {"", ":1", "host", "host:", "host:65536", "host:-1", "host:1x", "::1:80", "[]:1"})
-    EXPECT_FALSE(parse_endpoint(text)) << text;
-}
-
 }  // namespace
 }  // namespace headframe

@@ -162,6 +162,57 @@ TEST_F(HeadframeCommand, ExplainsInWords) {
   expect_fault(run("explain alpha"), 2, "B is required");
 }
 
+TEST_F(HeadframeCommand, SessionsGetLabelsAnchorsAndClouds) {
+  EXPECT_EQ(run("rename beta 'north drift'").out, "beta/run/1: north drift\n");
+  EXPECT_NE(run("sessions").out.find("beta/run/1 (north drift)"), std::string::npos);
+  EXPECT_NE(run("atlas").out.find("beta/run/1 (north drift)"), std::string::npos);
+  EXPECT_EQ(run("anchor 'north drift'").out, "component 1 is in the frame of beta/run/1; revision 7\n");
+  EXPECT_EQ(server.station.anchored, std::vector<SessionId>{2});
+  EXPECT_EQ(Json::parse(run("request-clouds beta --json").out)["requested"], 1);
+  expect_fault(run("request-clouds alpha"), 1, "away");
+  expect_fault(run("anchor delta"), 1, "no session \"delta\"");
+  EXPECT_EQ(run("rename beta ''").out, "beta/run/1 has no label now\n");
+  expect_fault(run("rename beta"), 2, "LABEL");
+}
+
+TEST_F(HeadframeCommand, SurveysComeFromFilesOfControlPoints) {
+  EXPECT_NE(run("survey list").out.find("no survey yet"), std::string::npos);
+  std::ofstream(path("points.csv")) << "name,x,y,z,e,n,h\n# a comment\nP1,0,0,0,1000,2000,3\nP2,50,0,0,1050,2000.02,3\n"
+                                    << "P3,0, 50 ,0,1000,2050,3\n";
+  const Outcome set = run("survey set beta " + path("points.csv"));
+  EXPECT_EQ(set.code, 0) << set.err;
+  EXPECT_NE(set.out.find("beta/run/1: origin at "), std::string::npos) << set.out;
+  EXPECT_NE(set.out.find("  P2     1050.000  2000.020     3.000"), std::string::npos) << set.out;
+  EXPECT_EQ(run("survey list").out, set.out);
+  EXPECT_EQ(Json::parse(run("survey list --json").out)["surveys"].size(), 1U);
+  EXPECT_EQ(run("export --component 1 --frame grid " + path("map.las")).code, 0);
+  EXPECT_EQ(run("export --component 1 --frame grid --format png " + path("plan")).code, 0);
+  EXPECT_EQ(contents(path("plan")).substr(1, 3), "PNG");
+  EXPECT_EQ(run("trajectory beta --frame grid " + path("beta.csv")).code, 0);
+  EXPECT_EQ(run("survey drop beta").out, "beta/run/1 has no survey now\n");
+  expect_fault(run("survey drop beta"), 1, "no survey");
+  expect_fault(run("export --component 1 --frame grid " + path("map2.las")), 1, "surveyed");
+  expect_fault(run("export --component 1 --frame moon " + path("map2.las")), 2, "moon");
+  std::ofstream(path("bad.csv")) << "P1,0,0,0,1000,2000\n";
+  expect_fault(run("survey set beta " + path("bad.csv")), 1, "bad.csv, line 1: give name,x_session");
+  std::ofstream(path("bad.json")) << "{}";
+  expect_fault(run("survey set beta " + path("bad.json")), 1, "one of T_grid_session and points");
+  expect_fault(run("survey set beta " + path("none.csv")), 1, "there is no file");
+  expect_fault(run("survey"), 2, "subcommand");
+}
+
+TEST_F(HeadframeCommand, AnOverlayIsAHistogram) {
+  server.station.view.alignments[0].alignment.evidence.inlier_fraction = 0.9;
+  server.station.view.alignments[0].alignment.T_a_b = Pose(Eigen::Translation3d(0, 0, 0.05));
+  server.station.floor = true;
+  const Outcome overlay = run("overlay 1");
+  EXPECT_EQ(overlay.code, 0) << overlay.err;
+  EXPECT_NE(overlay.out.find("0 points of b have no surface"), std::string::npos) << overlay.out;
+  EXPECT_NE(overlay.out.find(std::string(50, '#')), std::string::npos) << overlay.out;
+  EXPECT_LE(Json::parse(run("overlay 1 --json --most 20").out)["a"].size(), 20U);
+  expect_fault(run("overlay 2"), 1, "nothing fitted");
+}
+
 TEST_F(HeadframeCommand, WatchShowsStatusAndSessionsAgain) {
   const std::string out = run("watch --times 2 --every 0.01").out;
   const auto first = out.find("revision 7, 2 components");
@@ -179,7 +230,11 @@ TEST_F(HeadframeCommand, CompletesInBash) {
     std::ignore = std::system(("bash " + path("try.sh") + " >" + path("out") + " 2>&1").c_str());
     return contents(path("out"));
   };
-  EXPECT_EQ(completed("headframe re", 1), "refuse retract\n");
+  EXPECT_EQ(completed("headframe ref", 1), "refuse\n");
+  EXPECT_EQ(completed("headframe re", 1), "refuse retract rename request-clouds\n");
+  EXPECT_EQ(completed("headframe survey s", 2), "set\n");
+  EXPECT_EQ(completed("headframe survey set --j", 3), "--json\n");
+  EXPECT_EQ(completed("headframe export --fra", 2), "--frame\n");
   EXPECT_EQ(completed("headframe export --v", 2), "--voxel\n");
 }
 
@@ -188,7 +243,7 @@ TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run("atlsa"), 2, "atlsa");
   expect_fault(run("atlas --wait soon"), 2, "soon");
   expect_fault(run("atlas --wait -1"), 2, "-1");
-  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd and .las");
+  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd, .las and .png");
   expect_fault(run("export " + path("map.ply")), 2, "--component");
   expect_fault(run_at("nowhere", "status"), 2, "HOST:PORT");
   expect_fault(run_at("127.0.0.1:0", "status"), 2, "HOST:PORT");

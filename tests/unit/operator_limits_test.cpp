@@ -90,6 +90,23 @@ TEST(OperatorLimits, BodiesUpToTheLimit) {
   EXPECT_EQ(server.station.merges, 1);
 }
 
+TEST(OperatorLimits, RequestsOfAnAddressUpToTheLimit) {
+  OperatorLimits limits;
+  limits.requests = {.failures = 3, .forgiven_per_s = 1e-6, .addresses = 4};
+  OperatorServer server(limits, {"right", nullptr});
+  RawClient client(server.api.port());
+  const auto ask = [&](const std::string& target) {
+    client.send("GET " + target + " HTTP/1.1\r\nHost: a\r\nAuthorization: Bearer right\r\n\r\n");
+    return client.response();
+  };
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(status_of(ask("/api/v1/status")), "HTTP/1.1 200");
+  const std::string refused = ask("/api/v1/status");
+  EXPECT_EQ(status_of(refused), "HTTP/1.1 429");
+  EXPECT_NE(refused.find("3 at once"), std::string::npos) << refused;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(status_of(ask("/healthz")), "HTTP/1.1 200") << "counted apart";
+  EXPECT_EQ(status_of(ask("/healthz")), "HTTP/1.1 429");
+}
+
 TEST(OperatorLimits, AConnectionServesManyRequests) {
   OperatorServer server;
   RawClient client(server.api.port());
@@ -98,7 +115,7 @@ TEST(OperatorLimits, AConnectionServesManyRequests) {
     EXPECT_NE(client.response().find("Content-Type: application/json"), std::string::npos) << target;
   }
   client.send(
-      "GET /api/v1/export?component=3 HTTP/1.1\r\nHost: a\r\n\r\nGET /healthz HTTP/1.1\r\nHost: a\r\nConnection: "
+      "GET /api/v1/sessions/3/points HTTP/1.1\r\nHost: a\r\n\r\nGET /healthz HTTP/1.1\r\nHost: a\r\nConnection: "
       "close\r\n\r\n");
   const std::string both = client.rest();
   EXPECT_NE(both.find("Transfer-Encoding: chunked"), std::string::npos);

@@ -15,6 +15,8 @@ struct Endpoint {
 
 /// "HOST:PORT", "[IPV6]:PORT". invalid_argument otherwise.
 Result<Endpoint> parse_endpoint(std::string_view text);
+/// The same, of somebody to connect to: port 0 is none.
+Result<Endpoint> parse_peer(std::string_view text);
 std::string to_string(const Endpoint& endpoint);
 /// Reached from this machine only: an address of the loopback, or "localhost".
 bool is_loopback(const Endpoint& endpoint);

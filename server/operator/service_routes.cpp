@@ -1,0 +1,36 @@
+#include "server/operator/routes.hpp"
+
+#include "server/operator/metrics.hpp"
+
+namespace headframe::routes {
+
+Result<Reply> healthz(const Query&, const Context&) { return json("{\"status\":\"ok\"}\n"); }
+
+Result<Reply> readyz(const Query&, const Context& context) {
+  const std::string error = context.station.workload().disk_error;
+  if (error.empty()) return json("{\"status\":\"ready\"}\n");
+  return failure(ErrorCode::unavailable, "the disk refuses writes: " + error);
+}
+
+Result<Reply> metrics(const Query&, const Context& context) {
+  const Station& station = context.station;
+  return Ready{200,
+               "text/plain; version=0.0.4; charset=utf-8",
+               metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(),
+                            station.link_health(), context.uptime_s),
+               {}};
+}
+
+Result<Reply> page(const Query&, const Context&) {
+  if (const auto file = embedded_file("/")) return file_reply(*file);
+  return Ready{200,
+               "text/plain; charset=utf-8",
+               "This headframe-server was built without its page; the API is under /api/v1/\n",
+               {}};
+}
+
+Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedded_file("/api/v1/openapi.json")); }
+
+Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }
+
+}  // namespace headframe::routes

@@ -1,0 +1,29 @@
+#include "common/endpoint.hpp"
+
+#include <gtest/gtest.h>
+
+namespace headframe {
+namespace {
+
+TEST(Endpoint, IsReadAsItIsWritten) {
+  for (const std::string text : {"127.0.0.1:7447", "[::1]:0", "base.mine:65535"})
+    EXPECT_EQ(to_string(parse_endpoint(text).value()), text);
+  for (const std::string text : {"", ":1", "host", "host:", "host:65536", "host:-1", "host:1x", "::1:80", "[]:1"})
+    EXPECT_FALSE(parse_endpoint(text)) << text;
+}
+
+TEST(Endpoint, APeerHasAPort) {
+  EXPECT_EQ(parse_peer("[::1]:1")->port, 1);
+  EXPECT_FALSE(parse_peer("[::1]:0"));
+  EXPECT_NE(parse_peer("host").error().message.find("\"host\" is no HOST:PORT"), std::string::npos);
+}
+
+TEST(Endpoint, TheLoopbackIsReachedFromThisMachineOnly) {
+  for (const char* host : {"127.0.0.1", "127.255.255.254", "::1", "localhost"})
+    EXPECT_TRUE(is_loopback({host, 1})) << host;
+  for (const char* host : {"128.0.0.1", "126.255.255.255", "0.0.0.0", "::", "::2", "127.0.0.1.mine", "base.mine", ""})
+    EXPECT_FALSE(is_loopback({host, 1})) << host;
+}
+
+}  // namespace
+}  // namespace headframe
