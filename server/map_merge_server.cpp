@@ -23,7 +23,9 @@ struct MapMergeServer::Parts {
         store(std::move(opened)),
         worker(make_pipeline(o.config.merge), *store, o.config.schedule),
         hub(*store, worker, o.config.limits),
-        gate(*store, {{}, [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); }}),
+        gate(*store, {{},
+                      [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); },
+                      [this](const std::string& robot, std::uint64_t kib_s) { hub.set_rate(robot, kib_s * 1024); }}),
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
         view(io, hub, worker, *store, o.config.merge) {}

@@ -124,6 +124,7 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
     case Body::kCloudAck:
       for (const auto sequence : message.cloud_ack().sequences()) on_cloud_ack(sequence, events);
       return;
+    case Body::kCloudRefusal: return on_cloud_refusal(message.cloud_refusal(), events);
     case Body::kSubmapRequest: return on_submap_request(message.submap_request());
     case Body::kTransformUpdate: return on_transforms(message.transform_update(), events);
     case Body::kLinkPolicy:
@@ -165,6 +166,19 @@ void UplinkProtocol::on_cloud_ack(std::uint64_t sequence, Events& events) {
   if (clouds_in_flight_.erase(sequence) == 0)
     return end(events, ErrorCode::bad_input, "from the server: an ack of a cloud that was not sent", false);
   events.emplace_back(CloudsDurable{sequence, sequence});
+}
+
+/// It may be half sent: the rest would be in vain.
+void UplinkProtocol::on_cloud_refusal(const v1::CloudRefusal& message, Events& events) {
+  const auto sequence = message.sequence();
+  bool sent = clouds_in_flight_.erase(sequence) > 0;
+  for (auto* transfer : {&requested_transfer_, &background_transfer_})
+    if (*transfer && (*transfer)->sequence == sequence) {
+      sent = true;
+      transfer->reset();
+    }
+  if (!sent) return;  // said twice, or before it was begun anew
+  events.emplace_back(CloudRefused{sequence, printable(message.reason())});
 }
 
 bool UplinkProtocol::wanted(std::uint64_t sequence) const {

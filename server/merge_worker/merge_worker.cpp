@@ -60,11 +60,16 @@ void MergeWorker::stop() {
   }
   wake_.notify_all();
   if (thread_.joinable()) thread_.join();
-  const std::vector<Order> late = [this] {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(orders_, {});
-  }();
-  for (const Order& order : late) order.done(failure(ErrorCode::unavailable, "the server stops"));
+  turn_away();
+}
+
+/// Answers the orders that nobody will carry out.
+void MergeWorker::turn_away() {
+  std::unique_lock lock(mutex_);
+  const std::vector<Order> late = std::exchange(orders_, {});
+  const std::string why = stop_reason_;
+  lock.unlock();
+  for (const Order& order : late) order.done(failure(ErrorCode::unavailable, why));
 }
 
 void MergeWorker::run() {
@@ -80,6 +85,7 @@ void MergeWorker::run() {
     if (const auto next = schedule_.next()) attempt(*next);
     rest();
   }
+  turn_away();
 }
 
 /// Sleeps until there is something to do; false: stop.
@@ -178,7 +184,7 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
 void MergeWorker::carry_out(const Order& order) {
   const auto report = pipeline_->decide(order.alignment, order.decision);
   if (!report) return order.done(tl::unexpected(report.error()));
-  if (!commit({}, *report, nullptr)) return order.done(failure(ErrorCode::unavailable, "the server stops"));
+  if (!commit({}, *report, nullptr)) return order.done(failure(ErrorCode::unavailable, stop_reason_));
   spdlog::info("the operator's decision on alignment {}: {}; revision {}", order.alignment, to_string(order.decision),
                atlas_.revision);
   for (const Alignment& alignment : report->changed)  // what a decision had suppressed is found again
@@ -217,7 +223,8 @@ void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
                atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
 }
 
-/// Blocks until the write is on disk, trying again as long as the disk refuses it; false: the server stops.
+/// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the
+/// write can not be made at all, and merging stops.
 bool MergeWorker::write_durably(const PutMerge& write) {
   while (true) {
     auto result = std::make_shared<std::optional<Result<void>>>();
@@ -230,7 +237,14 @@ bool MergeWorker::write_durably(const PutMerge& write) {
     wake_.wait(lock, [&] { return result->has_value() || stopping_; });
     if (!result->has_value()) return false;
     if (result->value()) return true;
-    spdlog::error("the merge waits for the disk: {}", result->value().error().message);
+    const Error& why = result->value().error();
+    if (why.code != ErrorCode::unavailable) {  // as often as it is tried
+      stop_reason_ = "merging has stopped until the server is started anew: " + why.message;
+      spdlog::error("{}", stop_reason_);
+      stopping_ = true;
+      return false;
+    }
+    spdlog::error("the merge waits for the disk: {}", why.message);
     if (wake_.wait_for(lock, retry_after, [&] { return stopping_; })) return false;
   }
 }

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "common/wire/limits.hpp"
 
@@ -128,6 +129,7 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   const std::size_t bytes = stored_bytes(event);
   if (auto* keyframe = std::get_if<KeyframeReceived>(&event)) handle(session, std::move(*keyframe), link, bytes);
   if (auto* cloud = std::get_if<CloudReceived>(&event)) handle(session, std::move(*cloud), link, bytes);
+  if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
   if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
@@ -156,14 +158,32 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
 void SessionHub::handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
   const KeyframeRef cloud{session, event.sequence};
-  write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, [this, cloud, to = std::weak_ptr(link)] {
+  const auto durable = [this, cloud, to = std::weak_ptr(link)] {
     {
       const std::lock_guard lock(mutex_);
       sessions_.at(cloud.session).clouds.insert(cloud.sequence);
     }
     news_.cloud_durable(cloud);
     if (const auto robot = to.lock()) robot->cloud_durable(cloud.sequence);
-  });
+  };
+  const auto rejected = [this, cloud, to = std::weak_ptr(link)](const Error& why) {
+    note_refusal(cloud.session, {cloud.sequence, why.message});
+    if (const auto robot = to.lock()) robot->cloud_refused(cloud.sequence, why.message);
+  };
+  write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, durable, rejected);
+}
+
+/// Counted; the log gets the first of a session, and then ever fewer.
+void SessionHub::note_refusal(SessionId session, const CloudRefused& cloud) {
+  ++counts_.refused_clouds;
+  {
+    const std::lock_guard lock(mutex_);
+    Session& known = sessions_.at(session);
+    if (std::has_single_bit(++known.refused_clouds))
+      spdlog::warn("robot {}: the cloud of keyframe {} was refused: {} ({} so far)", name_of(known.record.key),
+                   cloud.sequence, cloud.reason, known.refused_clouds);
+  }
+  news_.clouds_unavailable(session, {cloud.sequence});
 }
 
 void SessionHub::handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link) {
@@ -178,14 +198,17 @@ void SessionHub::handle(SessionId session, const GoodbyeReceived& event, const s
 }
 
 /// Not under the lock: a full queue answers at once.
-void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied) {
+void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied,
+                       Rejected rejected) {
   ++unsettled_;
-  store_.write(std::move(write),
-               [this, bytes, applied = std::move(applied), to = std::weak_ptr(link)](const Result<void>& result) {
-                 if (result) applied();
-                 --unsettled_;
-                 if (const auto robot = to.lock()) robot->settled(bytes, result);
-               });
+  store_.write(std::move(write), [this, bytes, applied = std::move(applied), rejected = std::move(rejected),
+                                  to = std::weak_ptr(link)](const Result<void>& result) {
+    const bool dealt_with = !result && rejected && result.error().code == ErrorCode::invalid_argument;
+    if (result) applied();
+    if (dealt_with) rejected(result.error());
+    --unsettled_;
+    if (const auto robot = to.lock()) robot->settled(bytes, dealt_with ? Result<void>() : result);
+  });
 }
 
 void SessionHub::received(SessionId session, std::size_t bytes) {
@@ -206,7 +229,10 @@ LinkPolicy SessionHub::policy() {
   LinkPolicy policy;
   const StoreLoad load = store_.load();
   const bool was_held = !policy_.hold.empty();
-  if (!load.waits_for.empty())
+  if (!load.broken.empty())
+    policy.hold =
+        "the server can not write its database until it is mended and the server started anew: " + load.broken;
+  else if (!load.waits_for.empty())
     policy.hold = "the server waits for its disk: " + load.waits_for;
   else if (load.queued_bytes > load.queue_bytes / (was_held ? 4 : 2))
     policy.hold = "the server's disk is slow: more waits to be written than is good";
@@ -225,6 +251,23 @@ LinkPolicy SessionHub::policy() {
   }
   policy_ = policy;
   return policy;
+}
+
+LinkPolicy SessionHub::policy_of(SessionId session) {
+  LinkPolicy told = policy();
+  const std::lock_guard lock(mutex_);
+  const auto own = rates_bytes_per_s_.find(sessions_.at(session).record.key.robot);
+  if (own != rates_bytes_per_s_.end() && (told.bytes_per_s == 0 || own->second < told.bytes_per_s))
+    told.bytes_per_s = own->second;
+  return told;
+}
+
+void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {
+  const std::lock_guard lock(mutex_);
+  if (bytes_per_s > 0)
+    rates_bytes_per_s_[robot] = bytes_per_s;
+  else
+    rates_bytes_per_s_.erase(robot);
 }
 
 void SessionHub::left(SessionId session, const RobotLink* link) {

@@ -250,13 +250,27 @@ Result<Reply> revoke_robot(const Query& query, const Context& context) {
   }};
 }
 
+Result<Reply> rate_robot(const Query& query, const Context& context) {
+  const auto admin = robot_admin(context);
+  if (!admin) return tl::unexpected(admin.error());
+  const auto robot = required(query, "robot"), text = required(query, "kib_s");
+  if (!robot || !text) return tl::unexpected(robot ? text.error() : robot.error());
+  const auto kib_s = whole_number(query, "kib_s", 0, 1e9);
+  if (!kib_s) return tl::unexpected(kib_s.error());
+  return Later{[admin = *admin, robot = *robot, kib_s = *kib_s](const std::function<void(Ready)>& answer) {
+    admin->set_rate(robot, kib_s, [kib_s, answer](const Result<void>& done) {
+      answer(done ? json("{\"kib_s\":" + std::to_string(kib_s) + "}\n") : error_reply(done.error()));
+    });
+  }};
+}
+
 struct Route {
   std::string_view method;
   std::string_view path;
   std::array<std::string_view, 3> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
-constexpr std::array<Route, 20> routes{{{"GET", "/", {}, page},
+constexpr std::array<Route, 21> routes{{{"GET", "/", {}, page},
                                         {"GET", "/api/v1/openapi.json", {}, openapi},
                                         {"GET", "/healthz", {}, healthz},
                                         {"GET", "/readyz", {}, readyz},
@@ -275,6 +289,7 @@ constexpr std::array<Route, 20> routes{{{"GET", "/", {}, page},
                                         {"GET", "/api/v1/trajectory", {"robot", "session", "format"}, trajectory},
                                         {"GET", "/api/v1/robots", {}, robots},
                                         {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
+                                        {"POST", "/api/v1/robots/rate", {"robot", "kib_s"}, rate_robot},
                                         {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}}};
 
 /// "{name}" in the pattern takes one piece of the path, however it is spelt.

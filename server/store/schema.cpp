@@ -49,6 +49,9 @@ CREATE TABLE robots (
   enrolled_s REAL NOT NULL, revoked INTEGER NOT NULL) WITHOUT ROWID;
 ALTER TABLE sessions ADD COLUMN spool_run INTEGER NOT NULL DEFAULT 0;
 )sql",
+    R"sql(
+ALTER TABLE robots ADD COLUMN rate_kib_s INTEGER NOT NULL DEFAULT 0;
+)sql",
 };
 
 }  // namespace

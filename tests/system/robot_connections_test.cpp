@@ -10,6 +10,7 @@
 #include <csignal>
 
 #include "server/map_merge_server.hpp"
+#include "server/store/sqlite.hpp"
 #include "tests/support/robot_bytes.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -83,8 +84,9 @@ class RawRobot {
 
 class Connections : public testing::Test {
  protected:
-  void serve(const ServerConfig& config = {}) {
+  void serve(ServerConfig config = {}) {
     server.reset();
+    config.merge.least_path_m = 1e9;  // the connections are tested, not what the keyframes would merge with
     auto started = MapMergeServer::start({dir.path(), {"127.0.0.1", 0}, {"127.0.0.1", 0}, config, true});
     ASSERT_TRUE(started) << started.error().message;
     server = std::move(*started);
@@ -111,6 +113,17 @@ TEST_F(Connections, WhatIsAcknowledgedOutlivesTheServer) {
   EXPECT_EQ(welcome.durable_keyframes(), 20U);
   ASSERT_EQ(welcome.durable_clouds_size(), 1);
   EXPECT_EQ(welcome.durable_clouds(0).first(), 3U);
+}
+
+TEST_F(Connections, ADamagedCloudIsRefusedAndTheRobotGoesOn) {
+  serve();
+  RawRobot robot(server->robots());
+  robot.greet(robot_hello());
+  const std::string cloud = small_cloud();
+  robot.send(keyframe_frame(line_keyframe(1)) + chunk_frame(1, 7, 0, "garbage"));
+  EXPECT_TRUE(robot.read_until([](const auto& m) { return m.cloud_refusal().sequence() == 1; }));
+  robot.send(keyframe_frame(line_keyframe(2)) + chunk_frame(2, cloud.size(), 0, cloud));
+  EXPECT_TRUE(robot.read_until([](const auto& m) { return m.has_cloud_ack() && m.cloud_ack().sequences(0) == 2; }));
 }
 
 TEST_F(Connections, AnotherSpoolIsRefusedAndTheSameReplaces) {
@@ -235,8 +248,43 @@ TEST_F(Connections, AFullDiskHoldsTheRobotAndItGoesOnByItself) {
     EXPECT_EQ(other.greet(robot_hello("bee")).durable_keyframes(), 0U) << "others are welcomed, and told why not";
     EXPECT_TRUE(other.read_until([](const auto& m) { return !m.link_policy().hold().empty(); }));
   }
-  EXPECT_TRUE(robot.acknowledged(all));
-  EXPECT_TRUE(robot.read_until([](const auto& m) { return m.has_link_policy() && m.link_policy().hold().empty(); }));
+  bool released = false, acknowledged = false;  // in either order
+  EXPECT_TRUE(robot.read_until([&](const auto& m) {
+    released |= m.has_link_policy() && m.link_policy().hold().empty();
+    acknowledged |= m.keyframe_ack().durable_keyframes() == all;
+    return released && acknowledged;
+  }));
+}
+
+TEST_F(Connections, ABrokenDatabaseAcknowledgesNothingAndSaysWhy) {
+  serve();
+  RawRobot robot(server->robots());
+  robot.greet(robot_hello());
+  robot.send(keyframe_frame(line_keyframe(1)));
+  ASSERT_TRUE(robot.acknowledged(1));
+  auto database = Database::open((dir.path() / "headframe.db").string());
+  ASSERT_TRUE(database && database->execute("ALTER TABLE keyframes RENAME TO elsewhere"));
+  robot.send(keyframe_frame(line_keyframe(2)));
+  const auto held = robot.read_until([](const auto& m) { return m.has_error() || m.has_link_policy(); });
+  ASSERT_TRUE(held && held->has_link_policy()) << "the link stays";
+  EXPECT_NE(held->link_policy().hold().find("no such table"), std::string::npos) << held->link_policy().hold();
+  RawRobot other(server->robots());
+  other.send(hello_frame(robot_hello("bee")));
+  EXPECT_TRUE(other.read_until([](const auto& m) { return !m.link_policy().hold().empty(); })) << "told, not ended";
+  robot.send(keyframe_frame(line_keyframe(3)));
+  v1::RobotMessage ping;
+  ping.mutable_ping()->set_nonce(5);
+  robot.send(frame(ping));
+  EXPECT_TRUE(robot.read_until([](const auto& m) {
+    EXPECT_FALSE(m.has_keyframe_ack());
+    return m.pong().nonce() == 5;
+  })) << "it is still served";
+  ASSERT_TRUE(database->execute("ALTER TABLE elsewhere RENAME TO keyframes"));
+  serve();
+  RawRobot again(server->robots());
+  EXPECT_EQ(again.greet(robot_hello()).durable_keyframes(), 1U);
+  again.send(keyframe_frame(line_keyframe(2)));
+  EXPECT_TRUE(again.acknowledged(2));
 }
 
 TEST_F(Connections, ADatabaseAtItsLimitLosesNothingThatWasAcknowledged) {

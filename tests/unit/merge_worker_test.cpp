@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <future>
 
+#include "server/store/sqlite.hpp"
 #include "server/store/sqlite_store.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/robot_bytes.hpp"
@@ -322,6 +323,25 @@ TEST_F(Worker, ADecisionIsDurableAndToldBeforeItIsAnswered) {
   ASSERT_TRUE(decided(*worker, 7, Decision::undo));
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "an undo looks again";
+}
+
+TEST_F(Worker, ADatabaseThatCanNotBeWrittenEndsMergingWithAWord) {
+  script.on_attempt = [](SessionId, CloudSource&) {
+    AttemptReport report;
+    report.changed = {{1, 1, 2, AlignmentState::candidate, Pose::Identity(), {}}};
+    return report;
+  };
+  start();
+  auto database = Database::open((dir.path() / "headframe.db").string());
+  ASSERT_TRUE(database && database->execute("DROP TABLE alignments"));
+  worker->trigger(1, Trigger::command);
+  ASSERT_TRUE(eventually([&] { return !store->load().broken.empty(); }));
+  const auto refused = decided(*worker, 7, Decision::confirm);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("until the server is started anew"), std::string::npos)
+      << refused.error().message;
+  EXPECT_TRUE(eventually([&] { return idle(); })) << "nobody waits for what will not come";
+  EXPECT_EQ(script.attempted(), 1U);
 }
 
 TEST_F(Worker, DecisionsThatFailSaySoAndTooManyAreTurnedAway) {

@@ -208,7 +208,7 @@ TEST_F(Protocol, NothingFollowsACompleteSession) {
   EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER);
 }
 
-TEST_F(Protocol, CloudsThatDoNotFitOrDecodeAreRefused) {
+TEST_F(Protocol, ACloudThatDoesNotFitOrDecodeIsRefusedAndNothingElse) {
   const std::string cloud = small_cloud();
   const std::vector<std::string> bad{
       chunk_frame(1, cloud.size(), 5, "abc"),                      // a hole
@@ -222,8 +222,15 @@ TEST_F(Protocol, CloudsThatDoNotFitOrDecodeAreRefused) {
   for (std::size_t i = 0; i < bad.size(); ++i) {
     protocol = RobotProtocol(limits, now);
     greet({1, {}});
-    EXPECT_TRUE(feed(bad[i]).empty());
-    EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE) << "case " << i;
+    const auto events = feed(bad[i]);
+    ASSERT_EQ(events.size(), 1U) << "case " << i;
+    EXPECT_EQ(std::get<CloudRefused>(events[0]).sequence, 1U);
+    const auto sent = messages(protocol.take_output());
+    ASSERT_EQ(sent.size(), 1U) << "case " << i;
+    EXPECT_EQ(sent[0].cloud_refusal().sequence(), 1U);
+    EXPECT_FALSE(sent[0].cloud_refusal().reason().empty());
+    EXPECT_EQ(feed(keyframe_frame(line_keyframe(2)) + chunk_frame(2, cloud.size(), 0, cloud)).size(), 2U);
+    EXPECT_EQ(feed(chunk_frame(1, cloud.size(), 0, cloud)).size(), 1U) << "begun anew it may be well";
   }
   protocol = RobotProtocol(limits, now);
   greet({1, {}});
@@ -231,6 +238,16 @@ TEST_F(Protocol, CloudsThatDoNotFitOrDecodeAreRefused) {
   EXPECT_FALSE(protocol.ended()) << "exactly the limit";
   EXPECT_TRUE(feed(chunk_frame(2, 3, 0, "abc")).empty());
   EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER) << "no such keyframe";
+}
+
+TEST_F(Protocol, TheRestOfACloudThatWasRefusedHalfWayIsSkipped) {
+  greet({2, {}});
+  EXPECT_EQ(feed(chunk_frame(1, 9, 0, "abc") + chunk_frame(1, 9, 4, "ef")).size(), 1U);
+  EXPECT_EQ(messages(protocol.take_output()).size(), 1U);
+  EXPECT_TRUE(feed(chunk_frame(1, 9, 6, "gh") + chunk_frame(1, 9, 8, "i")).empty());
+  EXPECT_TRUE(protocol.take_output().empty()) << "said once";
+  const std::string cloud = small_cloud();
+  EXPECT_EQ(feed(chunk_frame(1, cloud.size(), 0, cloud)).size(), 1U);
 }
 
 TEST_F(Protocol, AFewCloudsMayOvertakeEachOtherButNotMany) {
@@ -242,8 +259,10 @@ TEST_F(Protocol, AFewCloudsMayOvertakeEachOtherButNotMany) {
   EXPECT_EQ(feed(chunk_frame(1, cloud.size(), 0, cloud)).size(), 1U) << "begun anew";
   for (const std::uint64_t s : {5, 6}) EXPECT_TRUE(feed(chunk_frame(s, cloud.size(), 0, "x")).empty());
   EXPECT_FALSE(protocol.ended());
-  EXPECT_TRUE(feed(chunk_frame(7, cloud.size(), 0, "x")).empty());
-  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
+  const auto events = feed(chunk_frame(7, cloud.size(), 0, "x"));
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(std::get<CloudRefused>(events[0]).sequence, 7U);
+  EXPECT_FALSE(protocol.ended());
 }
 
 TEST(CloudAssembler, HoldsSoManyBytesOfUnfinishedCloudsAndNoMore) {

@@ -40,7 +40,8 @@ std::vector<Keyframe> keyframes(Store& store, SessionId session, std::uint64_t f
 
 TEST(Store, KeepsRobotsAsTheyWerePutLast) {
   const TempDir dir;
-  const RobotRecord ant{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false}, bee{"bee", "", "code", 1, 0, true};
+  const RobotRecord ant{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false, 64},
+      bee{"bee", "", "code", 1, 0, true};
   {
     const auto store = open(dir);
     ASSERT_TRUE(write_and_wait(*store, PutRobot{bee}));
@@ -277,6 +278,40 @@ TEST(Store, ClosedWhileTheDiskIsFullItFailsWhatWaits) {
   const auto store = open(dir);  // room was made
   EXPECT_EQ(keyframes(*store, 1).size(), durable);
   EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(durable + 1)}));
+}
+
+/// Changes the database behind the store's back.
+void tamper(const TempDir& dir, const std::string& sql) {
+  auto database = Database::open((dir.path() / "headframe.db").string());
+  ASSERT_TRUE(database);
+  const auto done = database->execute(sql);
+  ASSERT_TRUE(done) << done.error().message;
+}
+
+TEST(Store, ADatabaseThatCanNotBeWrittenIsNotTriedAgain) {
+  const std::vector<std::pair<std::string, std::string>> faults{
+      {"DROP TABLE clouds; DROP TABLE keyframes", "no such table"},
+      {"PRAGMA writable_schema=ON; UPDATE sqlite_master SET rootpage=999999 WHERE name='keyframes';"
+       "PRAGMA schema_version=77",
+       "damaged"}};
+  for (const auto& [sql, why] : faults) {
+    const TempDir dir;
+    const auto store = open(dir, {.retry_ms = 1});
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+    EXPECT_EQ(store->load().broken, "");
+    tamper(dir, sql);
+    const auto failed = write_and_wait(*store, PutKeyframe{1, line_keyframe(1)});
+    ASSERT_FALSE(failed);
+    EXPECT_NE(failed.error().message.find(why), std::string::npos) << failed.error().message;
+    EXPECT_EQ(store->load().broken, failed.error().message);
+    EXPECT_EQ(store->load().waits_for, "");
+    const auto durable = store->load().durable_writes;
+    const auto after = write_and_wait(*store, PutSession{session_record(2, "bee")});
+    ASSERT_FALSE(after) << "not even what could be written: order would be lost";
+    EXPECT_EQ(after.error().message, failed.error().message);
+    EXPECT_EQ(store->load().durable_writes, durable);
+    EXPECT_EQ(store->load().queued_bytes, 0U);
+  }
 }
 
 /// Writes without end; tells each durable sequence through the pipe. Only left by a kill.

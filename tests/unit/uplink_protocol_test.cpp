@@ -115,6 +115,28 @@ TEST_F(UplinkProtocolTest, OnlyTheHelloGoesBeforeTheWelcome) {
   EXPECT_EQ(sent(), (Words{"trigger", "k1", "k2"}));
 }
 
+TEST_F(UplinkProtocolTest, ARefusedCloudIsDroppedHoweverFarItWas) {
+  table_.keyframes = 3;
+  table_.clouds = {{1, "whole"}, {2, std::string(20'000, 'x')}, {3, "next"}};
+  start();
+  (void)sent(1);
+  welcome();
+  EXPECT_EQ(sent(5), (Words{"k1", "k2", "k3", "c1:0", "c2:0"}));
+  const auto refuse = [&](std::uint64_t sequence) {
+    events_.clear();
+    v1::ServerMessage m;
+    m.mutable_cloud_refusal()->set_sequence(sequence);
+    m.mutable_cloud_refusal()->set_reason("damaged");
+    hear(m);
+    return events_.size() == 1 && std::get<CloudRefused>(events_[0]).sequence == sequence;
+  };
+  EXPECT_TRUE(refuse(2)) << "half sent";
+  EXPECT_TRUE(refuse(1)) << "wholly sent";
+  EXPECT_FALSE(refuse(1)) << "said twice";
+  EXPECT_EQ(sent(), Words{"c3:0"});
+  EXPECT_FALSE(link_->ended());
+}
+
 TEST_F(UplinkProtocolTest, ItGoesOnWhereTheServerIs) {
   table_.keyframes = 5;
   start();
