@@ -66,6 +66,9 @@ struct UplinkLimits {
   double doubt_s = 3;     // an answer that takes this long puts the link in doubt; asked for after half of it
 };
 
+/// What a peer wrote, for people: cut, and without control characters.
+std::string printable_text(const std::string& peer_text);
+
 /// Not thread safe. Frames come by priority: control, keyframes, chunks of requested clouds, chunks of background
 /// clouds. A requested cloud overtakes one that is on its way in the background between two chunks; never are more than
 /// two clouds open.

@@ -1,86 +1,14 @@
 // The server's sockets, met by robots that are written byte by byte.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <sys/socket.h>
-
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/write.hpp>
-#include <csignal>
 
 #include "server/map_merge_server.hpp"
 #include "server/store/sqlite.hpp"
-#include "tests/support/robot_bytes.hpp"
+#include "tests/support/file_limit.hpp"
+#include "tests/support/raw_robot.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace headframe {
 namespace {
-
-/// Waits at most ten seconds for each message.
-class RawRobot {
- public:
-  explicit RawRobot(const Endpoint& server) {
-    boost::asio::ip::tcp::resolver resolver(io_);
-    boost::asio::connect(socket_, resolver.resolve(server.host, std::to_string(server.port)));
-    const timeval patience{10, 0};
-    ::setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  }
-
-  void send(const std::string& bytes) {
-    boost::system::error_code ignored;  // the server may have closed: read() tells
-    boost::asio::write(socket_, boost::asio::buffer(bytes), ignored);
-  }
-
-  /// nullopt: the server has closed the connection, or is silent.
-  std::optional<v1::ServerMessage> read() {
-    while (true) {
-      const auto payload = reader_.next();
-      if (payload && *payload) {
-        v1::ServerMessage message;
-        EXPECT_TRUE(message.ParseFromString(**payload));
-        return message;
-      }
-      char bytes[4096];
-      const auto n = ::recv(socket_.native_handle(), bytes, sizeof bytes, 0);
-      if (n <= 0) return std::nullopt;
-      reader_.feed({bytes, static_cast<std::size_t>(n)});
-    }
-  }
-
-  /// The next message for which it holds.
-  template <class Condition>
-  std::optional<v1::ServerMessage> read_until(Condition condition) {
-    while (auto message = read())
-      if (condition(*message)) return message;
-    return std::nullopt;
-  }
-
-  v1::Welcome greet(const Hello& hello) {
-    send(hello_frame(hello));
-    const auto message = read_until([](const auto& m) { return m.has_welcome() || m.has_error(); });
-    EXPECT_TRUE(message && message->has_welcome()) << (message ? message->error().message() : "silence");
-    return message ? message->welcome() : v1::Welcome();
-  }
-
-  v1::ErrorReport error() {
-    const auto message = read_until([](const auto& m) { return m.has_error(); });
-    EXPECT_TRUE(message);
-    EXPECT_FALSE(read()) << "the connection ends with its error";
-    return message ? message->error() : v1::ErrorReport();
-  }
-
-  bool acknowledged(std::uint64_t keyframe) {
-    return read_until(
-               [=](const auto& m) { return m.has_keyframe_ack() && m.keyframe_ack().durable_keyframes() >= keyframe; })
-        .has_value();
-  }
-
- private:
-  boost::asio::io_context io_;
-  boost::asio::ip::tcp::socket socket_{io_};
-  FrameReader reader_;
-};
 
 /// Of a robot that hardly moves: thousands of them make no map that is worth an attempt to merge.
 std::string slow_keyframe(std::uint64_t sequence) { return keyframe_frame(line_keyframe(sequence, 0.001)); }
@@ -213,23 +141,6 @@ TEST_F(Connections, ACopyOfASpoolIsRefusedWhoeverGoesOnFirst) {
   RawRobot again(server->robots());
   EXPECT_EQ(again.greet(with_runs({10, 11, 13, 14})).durable_keyframes(), 1U) << "restarted twice without a link";
 }
-
-/// Files of this process may not grow beyond this: a full disk that can be emptied.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 TEST_F(Connections, AFullDiskHoldsTheRobotAndItGoesOnByItself) {
   serve();

@@ -23,7 +23,8 @@ struct KillOutcome {
 };
 
 /// Kills the server, a robot, or all at seeded moments under load; restarts them in a seeded order; compares after
-/// every restart. Real processes, data below `scratch`. Fails when a program does not start or does not finish.
+/// every restart. Real processes over TLS, data below `scratch`. Fails when a program does not start or does not
+/// finish.
 Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch);
 
 }  // namespace headframe::bench

@@ -32,6 +32,10 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   CLI::App app("What the link costs and what it stands; without a part: all of them.", "./run bench link");
   KillPlan kill_plan;
   auto* bytes_part = app.add_subcommand("bytes", "bytes of a keyframe and of a point");
+  auto* merge_part = app.add_subcommand("merge", "bytes that a merge of two robots of the demo costs");
+  double hostile_seconds = 30;
+  auto* hostile_part = app.add_subcommand("hostile", "what robots notice of hostile peers");
+  hostile_part->add_option("--seconds", hostile_seconds, "without them, and again with them")->capture_default_str();
   auto* kills_part = app.add_subcommand("kills", "kill -9 of server and robots under load, all compared");
   kills_part->add_option("--count", kill_plan.count, "kills")->capture_default_str();
   kills_part->add_option("--seed", kill_plan.seed)->capture_default_str();
@@ -64,6 +68,8 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
     std::fflush(stdout);
   };
   part(bytes_part, link_bytes);
+  part(merge_part, link_merge);
+  part(hostile_part, [&] { return link_hostile(hostile_seconds); });
   part(kills_part, [&] { return link_kills(kill_plan); });
   part(faults_part, [&] { return link_faults(seconds, seed); });
   part(load_part, [&] { return link_load(load_plan, until_it_breaks); });
