@@ -1,5 +1,7 @@
 #include "server/map_merge_server.hpp"
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <optional>
@@ -88,6 +90,7 @@ MapMergeServer::~MapMergeServer() = default;
 
 Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOptions& options) {
   constexpr std::size_t mib = 1024UL * 1024;
+  google::protobuf::SetLogHandler(nullptr);  // it has a line for every bad string of every stranger
   auto store = open_sqlite_store(options.data,
                                  {.queue_bytes = static_cast<std::size_t>(options.config.write_queue_mib) * mib,
                                   .database_bytes = static_cast<std::uint64_t>(options.config.database_mib) * mib});

@@ -83,6 +83,10 @@ int levels_of(const Cells& cells) {
   return (static_cast<int>(std::bit_width(all)) + 2) / 3;
 }
 
+bool is_quick(std::size_t points, std::size_t stream_bytes) {
+  return points <= octree_points && points / octree_points_a_byte <= stream_bytes;
+}
+
 std::string header(Form form, float cell_m, std::size_t sweeps) {
   std::string out;
   put_varint(out, form);
@@ -108,17 +112,21 @@ std::string as_differences(const std::vector<Cells>& sweeps, float cell_m) {
   return out;
 }
 
+/// Empty when it would be slow to read.
 std::string as_octree(const std::vector<Cells>& sweeps, float cell_m) {
   std::string out = header(octree, cell_m, sweeps.size());
   OctreeEncoder encoder;
+  std::size_t points = 0;
   for (const Cells& sweep : sweeps) {
     put_head(out, sweep);
+    points += sweep.codes.size();
     if (sweep.codes.empty()) continue;
     const int levels = levels_of(sweep);
     out.push_back(static_cast<char>(levels));
     encoder.put(sweep.codes, levels);
   }
-  return out + encoder.finish();
+  const std::string stream = encoder.finish();
+  return is_quick(points, stream.size()) ? out + stream : std::string();
 }
 
 Result<std::string> compress(const std::string& content) {
@@ -210,7 +218,7 @@ bool read_octree(VarintReader& in, double cell_m, KeyframeCloud& cloud) {
     if (head.points > 0) head.levels = static_cast<int>(std::min<std::uint64_t>(in.varint(), 255));
     if (!in.ok() || head.levels > morton::axis_bits) return false;
   }
-  if ((octree_points - points_left) / octree_points_a_byte > in.left()) return false;
+  if (!is_quick(octree_points - points_left, in.left())) return false;
   OctreeDecoder decoder(in.rest());
   std::vector<std::uint64_t> codes;
   for (std::size_t i = 0; i < heads.size(); ++i) {
@@ -237,12 +245,8 @@ Result<std::string> encode_cloud(const KeyframeCloud& cloud, float cell_m) {
   for (std::size_t i = 0; i < sweeps.size(); ++i)
     if (const char* what = to_cells(cloud.sweeps[i], cell_m, sweeps[i]))
       return wrong("sweep " + std::to_string(i) + " " + what);
-  const std::size_t points = point_count(cloud);
-  std::string content;
-  if (points <= octree_points) content = as_octree(sweeps, cell_m);
-  // Very many points, or many that are the same: the simple form is quick to read.
-  if (points > octree_points || points / octree_points_a_byte > content.size())
-    content = as_differences(sweeps, cell_m);
+  std::string content = as_octree(sweeps, cell_m);
+  if (content.empty()) content = as_differences(sweeps, cell_m);
   auto bytes = compress(content);
   if (bytes && bytes->size() > limits::cloud_bytes)
     return wrong(std::to_string(bytes->size()) + " bytes when encoded, at most " + std::to_string(limits::cloud_bytes));

@@ -1,4 +1,6 @@
 // Every message that a robot may send, to the server's side of the protocol; with a welcome or before it.
+#include <google/protobuf/stubs/logging.h>
+
 #include "server/net/robot_protocol.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -20,6 +22,11 @@ void check(const RobotEvent& event, std::uint64_t& received) {
 
 }  // namespace
 }  // namespace headframe::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);  // as the server does
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace headframe;

@@ -1,4 +1,6 @@
 // Every message that a server may send, to the robot's side of the protocol.
+#include <google/protobuf/stubs/logging.h>
+
 #include "client/uplink/uplink_protocol.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -36,6 +38,11 @@ void hear(UplinkProtocol& link, std::string_view payload, UplinkProtocol::Time n
 
 }  // namespace
 }  // namespace headframe::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);  // as the server does
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace headframe;

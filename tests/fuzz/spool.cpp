@@ -1,4 +1,6 @@
 // What a spool finds on its disk: any bytes, or whole records of any kind and content.
+#include <google/protobuf/stubs/logging.h>
+
 #include <unistd.h>
 
 #include <filesystem>
@@ -45,6 +47,11 @@ std::string records(std::string_view bytes) {
 
 }  // namespace
 }  // namespace headframe::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);  // as the server does
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace headframe;

@@ -137,6 +137,13 @@ std::string huge_family(const HostileTarget& target) {
   return answer_to(target, frame(message));
 }
 
+std::string no_text(const HostileTarget& target) {
+  std::string hello = hello_frame(hello_of(target.accomplice, target.token));
+  const auto name = hello.find(target.accomplice);
+  hello.replace(name, target.accomplice.size(), target.accomplice.size(), '\xff');
+  return answer_to(target, hello);
+}
+
 std::string slow_loris(const HostileTarget& target) {
   TlsPeer peer(target);
   const std::string hello = hello_frame(hello_of(target.accomplice, target.token));
@@ -174,6 +181,7 @@ const std::vector<HostilePeer>& hostile_peers() {
       {"zip-bomb cloud", "announced", zip_bomb},
       {"huge descriptor", "the hello announced", huge_descriptor},
       {"huge family", "q has 1 to 4096", huge_family},
+      {"name that is no text", "no RobotMessage", no_text},
       {"slowloris", "no hello within", slow_loris},
       {"connection flood", "", connection_flood},
   };

@@ -115,6 +115,18 @@ TEST(CloudCodec, CloudsThatWouldBeSlowToReadTakeTheFirstForm) {
   EXPECT_EQ(form_of(*encode_cloud(many)), 1);
 }
 
+TEST(CloudCodec, WhatIsWrittenIsReadHoweverFewBytesItTakes) {
+  for (std::size_t n = 1; n < 200; ++n) {
+    Points points(n, Eigen::Vector3f(1, 2, 3));
+    for (std::size_t i = 0; i < n; i += 9) points[i].x() += static_cast<float>(i);
+    const auto bytes = encode_cloud({{{Eigen::Vector3f::Zero(), points}}}, 1.0F);
+    ASSERT_TRUE(bytes);
+    const auto back = decode_cloud(*bytes);
+    ASSERT_TRUE(back) << n << " points: " << back.error().message;
+    EXPECT_EQ(point_count(*back), n);
+  }
+}
+
 TEST(CloudCodec, EveryShapeComesBackExactly) {
   const auto on_grid = [](const std::vector<std::array<int, 3>>& cells) {
     KeyframeCloud cloud{{Sweep{}}};

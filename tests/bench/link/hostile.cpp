@@ -115,7 +115,7 @@ nlohmann::json link_hostile(double seconds) {
   const double ratio = measured->hostile_p99_ms / measured->calm_p99_ms;
   std::printf(
       "link hostile (%.0f s without and with; 10 robots, 10 keyframes a second each with their clouds)\n"
-      "  keyframe to ack, p99: %.1f ms alone, %.1f ms beside %d attacks of ten kinds: %.2f times\n",
+      "  keyframe to ack, p99: %.1f ms alone, %.1f ms beside %d attacks of eleven kinds: %.2f times\n",
       seconds, measured->calm_p99_ms, measured->hostile_p99_ms, measured->attacks, ratio);
   return {{"calm_p99_ms", measured->calm_p99_ms},
           {"hostile_p99_ms", measured->hostile_p99_ms},
