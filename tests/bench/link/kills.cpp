@@ -153,15 +153,18 @@ class Block {
 
 }  // namespace
 
-Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch) {
-  std::mt19937 random(plan.seed);
-  KillOutcome outcome;
+Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch, KillOutcome outcome,
+                                  const std::function<void(const KillOutcome&)>& after_block) {
   while (outcome.kills < plan.count) {
+    std::seed_seq seed{plan.seed,
+                       static_cast<std::uint32_t>(outcome.kills)};  // of this block, whoever ran those before
+    std::mt19937 random(seed);
     const fs::path folder = scratch / ("block" + std::to_string(outcome.compares));
     const int kills = std::min(plan.kills_a_block, plan.count - outcome.kills);
     auto done = Block(plan, folder, random).run(kills, outcome);
     if (!done) return tl::unexpected(done.error());
     fs::remove_all(folder);
+    if (after_block) after_block(outcome);
   }
   return outcome;
 }
