@@ -39,8 +39,9 @@ std::string records(std::string_view bytes) {
   for (auto piece : pieces(bytes)) {
     const char type = types[take_byte(piece) % types.size()];
     if (piece.empty()) continue;
-    log += u32(static_cast<std::uint32_t>(piece.size())) + u32(crc32c(piece, crc32c({&type, 1}))) + type;
-    log += piece;
+    log.append(u32(static_cast<std::uint32_t>(piece.size()))).append(u32(crc32c(piece, crc32c({&type, 1}))));
+    log.push_back(type);
+    log.append(piece);
   }
   return log;
 }

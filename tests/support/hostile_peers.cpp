@@ -154,6 +154,7 @@ std::string slow_loris(const HostileTarget& target) {
 std::string connection_flood(const HostileTarget& target) {
   asio::io_context io;
   std::vector<std::unique_ptr<tcp::socket>> sockets;
+  sockets.reserve(flood);
   for (std::size_t i = 0; i < flood; ++i) {
     sockets.push_back(std::make_unique<tcp::socket>(io));
     error_code full;

@@ -29,9 +29,8 @@ class StalledReader : public testing::Test {
   void SetUp() override {
     limits_.write_s = 0.5;
     store_ = open_sqlite_store(dir_.path()).value();
+    atlas_.components.push_back({1, {}});
     for (SessionId id = 1; id <= sessions; ++id) {
-      atlas_.components.resize(1);
-      atlas_.components[0].id = 1;
       atlas_.components[0].placements.push_back({id, Pose::Identity()});
       store_->write(PutSession{session_record(id, name(id))}, [](const Result<void>& kept) { EXPECT_TRUE(kept); });
     }
