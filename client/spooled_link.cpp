@@ -45,9 +45,11 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     durable_keyframes_ = 0;
     link_error_.clear();
     hold_.clear();
+    server_bytes_per_s_ = 0;
     written = spool_.run_welcomed();
   } else if (const auto* p = std::get_if<PolicyTold>(&event)) {
     hold_ = p->hold;
+    server_bytes_per_s_ = p->bytes_per_s;
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
     durable_keyframes_ = k->up_to;
     written = spool_.acknowledge_keyframes(k->up_to);
@@ -56,7 +58,11 @@ void SpooledLink::on_event(const UplinkEvent& event) {
       if (auto ok = spool_.acknowledge_cloud(s); !ok) written = ok;
   } else if (const auto* u = std::get_if<CloudUnreadable>(&event)) {
     spool_.drop_cloud(u->sequence);
-    link_error_ = u->error.message;
+    cloud_error_ = u->error.message;
+  } else if (const auto* r = std::get_if<CloudRefused>(&event)) {
+    spool_.drop_cloud(r->sequence);
+    ++refused_clouds_;
+    cloud_error_ = "cloud of keyframe " + std::to_string(r->sequence) + " was refused: " + r->reason;
   } else if (const auto* e = std::get_if<LinkEnded>(&event)) {
     link_error_ = e->error.message;
     refused_ = e->permanent;
@@ -100,8 +106,11 @@ Progress SpooledLink::progress() const {
   p.clouds_waiting = spool_.held_clouds();
   p.clouds_acknowledged = spool_.acknowledged_clouds();
   p.clouds_dropped = spool_.dropped_clouds();
+  p.clouds_refused = refused_clouds_;
+  p.cloud_error = cloud_error_;
   p.refused = refused_;
   p.hold = hold_;
+  p.server_bytes_per_s = server_bytes_per_s_;
   p.link_error = link_error_;
   return p;
 }

@@ -51,7 +51,9 @@ class SpooledLink final : public UplinkSource {
   bool welcomed_ = false;
   std::uint64_t durable_keyframes_ = 0;  // as the last server said; it may hold fewer than were once acknowledged
   bool refused_ = false;
-  std::string hold_, link_error_;
+  std::uint64_t refused_clouds_ = 0;
+  double server_bytes_per_s_ = 0;
+  std::string hold_, link_error_, cloud_error_;
   std::optional<Transforms> transforms_;
   std::function<void(const Transforms&)> on_transform_;
 };

@@ -1,5 +1,7 @@
 #include "server/map_merge_server.hpp"
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <optional>
@@ -24,7 +26,9 @@ struct MapMergeServer::Parts {
         worker(make_pipeline(o.config.merge), *store, o.config.schedule),
         hub(*store, worker, o.config.limits),
         notes(*store),
-        gate(*store, {{}, [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); }}),
+        gate(*store, {{},
+                      [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); },
+                      [this](const std::string& robot, std::uint64_t kib_s) { hub.set_rate(robot, kib_s * 1024); }}),
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
         view(io, hub, worker, *store, notes, o.config.merge) {}
@@ -89,6 +93,7 @@ MapMergeServer::~MapMergeServer() = default;
 
 Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOptions& options) {
   constexpr std::size_t mib = 1024UL * 1024;
+  google::protobuf::SetLogHandler(nullptr);  // it has a line for every bad string of every stranger
   auto store = open_sqlite_store(options.data,
                                  {.queue_bytes = static_cast<std::size_t>(options.config.write_queue_mib) * mib,
                                   .database_bytes = static_cast<std::uint64_t>(options.config.database_mib) * mib});

@@ -19,7 +19,8 @@ std::vector<RobotRow> RobotDesk::robots() const {
   std::vector<RobotRow> rows;
   for (const RobotRecord& robot : gate_.robots()) {
     const bool open = !robot.code_digest.empty() && now_s < robot.code_expires_s;
-    rows.push_back({robot.name, state_of(robot, open), robot.enrolled_s, open ? robot.code_expires_s : 0});
+    rows.push_back(
+        {robot.name, state_of(robot, open), robot.enrolled_s, open ? robot.code_expires_s : 0, robot.rate_kib_s});
   }
   return rows;
 }
@@ -34,6 +35,11 @@ void RobotDesk::add(const std::string& robot, const std::function<void(const Res
 
 void RobotDesk::revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done) {
   gate_.revoke(robot, done);
+}
+
+void RobotDesk::set_rate(const std::string& robot, std::uint64_t kib_s,
+                         const std::function<void(const Result<void>&)>& done) {
+  gate_.set_rate(robot, kib_s, done);
 }
 
 }  // namespace headframe

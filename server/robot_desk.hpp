@@ -15,6 +15,8 @@ class RobotDesk : public RobotAdmin {
   std::string fingerprint() const override;
   void add(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) override;
   void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done) override;
+  void set_rate(const std::string& robot, std::uint64_t kib_s,
+                const std::function<void(const Result<void>&)>& done) override;
 
  private:
   RobotGate& gate_;

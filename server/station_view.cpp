@@ -77,8 +77,8 @@ Workload StationView::workload() const {
 
 LinkHealth StationView::link_health() const {
   const LinkCounts& counts = hub_.counts();
-  return {hub_.policy().hold, store_.load().queued_bytes, counts.refused,   counts.replaced, counts.failed,
-          counts.stuck,       counts.held_back,           counts.sent_bytes};
+  return {hub_.policy().hold, store_.load().queued_bytes, counts.refused,        counts.replaced,  counts.failed,
+          counts.stuck,       counts.held_back,           counts.refused_clouds, counts.sent_bytes};
 }
 
 void StationView::when_idle(double timeout_s, std::function<void(Pending)> callback) {

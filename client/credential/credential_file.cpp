@@ -54,6 +54,9 @@ Result<CredentialFile> CredentialFile::open(const std::filesystem::path& path, c
   if (!wanted) return tl::unexpected(wanted.error());
   if (wanted->code == file.credential_.code || sha256(wanted->code) == file.enrolled_with_) return file;
   file.credential_ = {wanted->fingerprint, random_secret(token_bytes), wanted->code};
+  std::error_code fault;  // the folder of a robot's first start need not be there yet, as its spool's
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), fault);
+  if (fault) return failure(ErrorCode::unavailable, path.parent_path().string() + ": " + fault.message());
   if (auto written = file.write(); !written) return tl::unexpected(written.error());
   return file;
 }

@@ -135,7 +135,10 @@ Result<void> Spool::begin_run(const std::vector<std::uint64_t>& runs, std::uint6
   constexpr std::size_t others = limits::spool_runs - 1;
   auto& mine = identity_.spool_runs;
   mine.assign(runs.end() - static_cast<std::ptrdiff_t>(std::min(runs.size(), others)), runs.end());
-  if (welcomed != 0 && std::find(mine.begin(), mine.end(), welcomed) == mine.end()) mine.front() = welcomed;
+  if (welcomed != 0 && std::find(mine.begin(), mine.end(), welcomed) == mine.end()) {
+    if (mine.size() == others) mine.erase(mine.begin());
+    mine.insert(mine.begin(), welcomed);
+  }
   mine.push_back(random_u64());
   // On the disk before any server hears of it: a power cut must not make a copy of us.
   if (auto at = log_.append(run_record, std::to_string(mine.back()), config_.sync); !at)

@@ -36,6 +36,7 @@ std::string describe(const Progress& p) {
                      " acknowledged), " + std::to_string(p.clouds_waiting + p.clouds_acknowledged) + " clouds (" +
                      std::to_string(p.clouds_acknowledged) + " acknowledged), " + megabytes(p.bytes_sent) + " sent";
   if (p.clouds_dropped > 0) text += ", " + std::to_string(p.clouds_dropped) + " clouds dropped";
+  if (p.clouds_refused > 0) text += " (" + p.cloud_error + ")";
   return text;
 }
 

@@ -25,14 +25,14 @@ ErrorCode code_of(v1::ErrorKind kind) {
   }
 }
 
-std::string printable(const std::string& peer_text) {
+}  // namespace
+
+std::string printable_text(const std::string& peer_text) {
   std::string text = peer_text.substr(0, 1024);
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return text;
 }
-
-}  // namespace
 
 UplinkProtocol::UplinkProtocol(const UplinkLimits& limits, const Hello& hello, const UplinkSource& source, Time now)
     : limits_(limits), hello_(hello), source_(source), born_(now), heard_(now) {
@@ -124,12 +124,13 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
     case Body::kCloudAck:
       for (const auto sequence : message.cloud_ack().sequences()) on_cloud_ack(sequence, events);
       return;
+    case Body::kCloudRefusal: return on_cloud_refusal(message.cloud_refusal(), events);
     case Body::kSubmapRequest: return on_submap_request(message.submap_request());
     case Body::kTransformUpdate: return on_transforms(message.transform_update(), events);
     case Body::kLinkPolicy:
       held_ = !message.link_policy().hold().empty();
       events.emplace_back(PolicyTold{static_cast<double>(message.link_policy().bytes_per_s()),
-                                     printable(message.link_policy().hold())});
+                                     printable_text(message.link_policy().hold())});
       return;
     case Body::kPing: {
       v1::RobotMessage pong;
@@ -161,29 +162,6 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
     if (range.first() <= range.last()) events.emplace_back(CloudsDurable{range.first(), range.last()});
 }
 
-void UplinkProtocol::on_cloud_ack(std::uint64_t sequence, Events& events) {
-  if (clouds_in_flight_.erase(sequence) == 0)
-    return end(events, ErrorCode::bad_input, "from the server: an ack of a cloud that was not sent", false);
-  events.emplace_back(CloudsDurable{sequence, sequence});
-}
-
-bool UplinkProtocol::wanted(std::uint64_t sequence) const {
-  return clouds_in_flight_.contains(sequence) || (requested_transfer_ && requested_transfer_->sequence == sequence) ||
-         (background_transfer_ && background_transfer_->sequence == sequence) ||
-         std::find(requested_.begin(), requested_.end(), sequence) != requested_.end();
-}
-
-void UplinkProtocol::on_submap_request(const v1::SubmapRequest& message) {
-  v1::RobotMessage answer;
-  for (const auto sequence : message.sequences()) {
-    if (hello_.clouds == CloudPolicy::never || !source_.holds_cloud(sequence))
-      answer.mutable_submap_unavailable()->add_sequences(sequence);
-    else if (!wanted(sequence))
-      requested_.push_back(sequence);
-  }
-  if (answer.submap_unavailable().sequences_size() > 0) queue(answer);
-}
-
 void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& events) {
   Transforms t{message.revision(), message.component(), {}, {}};
   auto anchor = from_proto(message.anchor());
@@ -201,7 +179,7 @@ void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& e
 }
 
 void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {
-  end(events, code_of(message.kind()), "the server says: " + printable(message.message()), message.permanent());
+  end(events, code_of(message.kind()), "the server says: " + printable_text(message.message()), message.permanent());
 }
 
 void UplinkProtocol::end(Events& events, ErrorCode code, const std::string& message, bool permanent) {
@@ -252,60 +230,6 @@ bool UplinkProtocol::queue_next_keyframe(Events& events) {
   body.set_backlog(source_.last_sequence() - sent_keyframes_);
   queue(body);
   return true;
-}
-
-void UplinkProtocol::queue_next_chunk(std::size_t chunk_bytes, Events& events) {
-  while (!requested_transfer_ && !requested_.empty() && clouds_in_flight_.size() < limits_.clouds_in_flight &&
-         requested_.front() <= sent_keyframes_) {
-    const auto sequence = requested_.front();
-    requested_.pop_front();
-    begin(requested_transfer_, sequence, events);
-  }
-  if (requested_transfer_) return queue_chunk(requested_transfer_, chunk_bytes);
-  while (!background_transfer_ && hello_.clouds == CloudPolicy::all &&
-         clouds_in_flight_.size() < limits_.clouds_in_flight) {
-    const auto sequence = next_background();
-    if (sequence == 0) return;
-    begin(background_transfer_, sequence, events);
-  }
-  if (background_transfer_) queue_chunk(background_transfer_, chunk_bytes);
-}
-
-std::uint64_t UplinkProtocol::next_background() {
-  while (true) {
-    const auto sequence = source_.next_held_cloud(background_from_);
-    if (sequence == 0 || sequence > sent_keyframes_) return 0;
-    background_from_ = sequence + 1;
-    if (!wanted(sequence)) return sequence;
-  }
-}
-
-void UplinkProtocol::begin(std::optional<Transfer>& transfer, std::uint64_t sequence, Events& events) {
-  auto bytes = source_.cloud(sequence);
-  if (bytes && !bytes->empty() && bytes->size() <= limits::cloud_bytes) {
-    transfer = Transfer{sequence, std::move(*bytes), 0};
-    return;
-  }
-  v1::RobotMessage gone;
-  gone.mutable_submap_unavailable()->add_sequences(sequence);
-  queue(gone);
-  events.emplace_back(CloudUnreadable{
-      sequence, bytes ? Error{ErrorCode::bad_input, "a cloud of an impossible size"} : std::move(bytes.error())});
-}
-
-void UplinkProtocol::queue_chunk(std::optional<Transfer>& transfer, std::size_t chunk_bytes) {
-  v1::RobotMessage message;
-  auto& chunk = *message.mutable_cloud_chunk();
-  const std::size_t n = std::min({limits::chunk_bytes, chunk_bytes, transfer->bytes.size() - transfer->offset});
-  chunk.set_sequence(transfer->sequence);
-  chunk.set_total_bytes(static_cast<std::uint32_t>(transfer->bytes.size()));
-  chunk.set_offset(static_cast<std::uint32_t>(transfer->offset));
-  chunk.set_data(transfer->bytes.data() + transfer->offset, n);
-  queue(message);
-  transfer->offset += n;
-  if (transfer->offset < transfer->bytes.size()) return;
-  clouds_in_flight_.insert(transfer->sequence);
-  transfer.reset();
 }
 
 }  // namespace headframe

@@ -42,6 +42,10 @@ struct CloudUnreadable {
   std::uint64_t sequence = 0;
   Error error;
 };
+struct CloudRefused {  // by the server, for good
+  std::uint64_t sequence = 0;
+  std::string reason;
+};
 struct PolicyTold {
   double bytes_per_s = 0;  // 0: no limit
   std::string hold;        // not empty: why the server takes nothing for now
@@ -50,8 +54,8 @@ struct LinkEnded {
   Error error;
   bool permanent = false;  // connecting again will not help
 };
-using UplinkEvent =
-    std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, Transforms, PolicyTold, LinkEnded>;
+using UplinkEvent = std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, CloudRefused, Transforms,
+                                 PolicyTold, LinkEnded>;
 
 struct UplinkLimits {
   std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
@@ -61,6 +65,9 @@ struct UplinkLimits {
   double silence_s = 30;  // silence after which it is given up
   double doubt_s = 3;     // an answer that takes this long puts the link in doubt; asked for after half of it
 };
+
+/// What a peer wrote, for people: cut, and without control characters.
+std::string printable_text(const std::string& peer_text);
 
 /// Not thread safe. Frames come by priority: control, keyframes, chunks of requested clouds, chunks of background
 /// clouds. A requested cloud overtakes one that is on its way in the background between two chunks; never are more than
@@ -101,6 +108,7 @@ class UplinkProtocol {
   void handle(const v1::ServerMessage& message, Events& events);
   void on_welcome(const v1::Welcome& message, Events& events);
   void on_cloud_ack(std::uint64_t sequence, Events& events);
+  void on_cloud_refusal(const v1::CloudRefusal& message, Events& events);
   void on_submap_request(const v1::SubmapRequest& message);
   void on_transforms(const v1::TransformUpdate& message, Events& events);
   void on_error(const v1::ErrorReport& message, Events& events);

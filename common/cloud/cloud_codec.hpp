@@ -3,9 +3,11 @@
 //
 // One zstd frame with its content size and checksum. Inside, numbers are LEB128 varints (signed ones zigzag) unless
 // said otherwise:
-//   form (1), cell_m (float32, little endian), number of sweeps, then per sweep:
-//   origin in cells (3 signed), number of points; if there are points: lowest corner in cells (3 signed), then per
-//   point, in Morton order of (cell - corner), the difference to the Morton code before it (the first: to 0).
+//   form, cell_m (float32, little endian), number of sweeps, then per sweep:
+//   origin in cells (3 signed), number of points; if there are points: lowest corner in cells (3 signed), and then
+//   form 1: per point, in Morton order of (cell - corner), the difference to the Morton code before it (the first: to
+//   0) form 2: the levels of its octree (octree_code.hpp). After all sweeps, their octrees as one range coded stream.
+// Both are read. Form 2 is written, but for clouds of more than 262144 points or less than half a byte a point.
 
 #include <string>
 #include <string_view>

@@ -58,6 +58,7 @@ class VarintReader {
 
   bool ok() const { return ok_; }
   std::size_t left() const { return bytes_.size(); }
+  std::string_view rest() const { return bytes_; }  // what was not read yet
 
  private:
   std::uint64_t fail() {

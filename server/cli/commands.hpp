@@ -65,6 +65,8 @@ class Commands {
   /// Prints the one string that the robot needs.
   Result<int> add_robot(const std::string& robot);
   Result<int> revoke_robot(const std::string& robot);
+  /// 0: no limit of its own.
+  Result<int> rate_robot(const std::string& robot, std::uint64_t kib_s);
 
  private:
   struct Waited;

@@ -21,6 +21,7 @@ struct Options {
   int times = 0, most = 10000;
   headframe::MapRequest map;
   std::string session, file, frame, label, robot, alignment, a, b;
+  std::uint64_t kib_s = 0;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -173,6 +174,10 @@ void add_robot_commands(CLI::App& app, Options& options) {
   add("list", "All robots, and the server's fingerprint", [](Commands& c) { return c.list_robots(); });
   const auto named = [&](CLI::App* sub) { sub->add_option("NAME", options.robot, "Of the robot")->required(); };
   named(add("add", "Print what a robot needs to enrol, once", [&](Commands& c) { return c.add_robot(options.robot); }));
+  const auto rate = add("rate", "What the robot may send at most, from now on",
+                        [&](Commands& c) { return c.rate_robot(options.robot, options.kib_s); });
+  named(rate);
+  rate->add_option("KIB_S", options.kib_s, "KiB per second; 0: no limit of its own")->required();
   named(add("revoke", "Cut a robot off, now and until it enrols anew",
             [&](Commands& c) { return c.revoke_robot(options.robot); }));
 }

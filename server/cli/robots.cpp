@@ -19,6 +19,11 @@ std::string time_text(const Json& seconds) {
   return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local)};
 }
 
+std::string rate_text(const Json& kib_s) {
+  if (!kib_s.is_number() || kib_s == 0) return "what it can";
+  return "at most " + std::to_string(kib_s.get<std::uint64_t>()) + " KiB/s";
+}
+
 }  // namespace
 
 Result<int> Commands::list_robots() {
@@ -33,7 +38,7 @@ Result<int> Commands::list_robots() {
   for (const Json& row : json.at("robots"))
     std::cout << printable(row.at("robot").get<std::string>()) << ": " << printable(row.at("state").get<std::string>())
               << ", enrolled " << time_text(row.at("enrolled_s")) << ", code open until "
-              << time_text(row.at("code_expires_s")) << "\n";
+              << time_text(row.at("code_expires_s")) << ", sends " << rate_text(row.at("rate_kib_s")) << "\n";
   return exit_ok;
 }
 
@@ -52,6 +57,14 @@ Result<int> Commands::revoke_robot(const std::string& robot) {
   const auto body = posted("/api/v1/robots/revoke?robot=" + percent_encoded(robot), 200);
   if (!body) return tl::unexpected(body.error());
   std::cout << (json_ ? *body : "robot " + printable(robot) + " is cut off\n");
+  return exit_ok;
+}
+
+Result<int> Commands::rate_robot(const std::string& robot, std::uint64_t kib_s) {
+  const auto body =
+      posted("/api/v1/robots/rate?robot=" + percent_encoded(robot) + "&kib_s=" + std::to_string(kib_s), 200);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : "robot " + printable(robot) + " may send " + rate_text(kib_s) + "\n");
   return exit_ok;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "common/cloud/cloud_codec.hpp"
+#include "server/registration/parallel.hpp"
 
 namespace headframe {
 namespace {
@@ -58,30 +59,54 @@ void MergeWorker::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
+    cancelled_ = true;
   }
   wake_.notify_all();
   if (thread_.joinable()) thread_.join();
-  const std::vector<Order> late = [this] {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(orders_, {});
-  }();
-  for (const Order& order : late) order(failure(ErrorCode::unavailable, "the server stops"));
+  turn_away();
+}
+
+/// Answers the orders that nobody will carry out.
+void MergeWorker::turn_away() {
+  std::unique_lock lock(mutex_);
+  const std::vector<Order> late = std::exchange(orders_, {});
+  const std::string why = stop_reason_;
+  lock.unlock();
+  for (const Order& order : late) order(failure(ErrorCode::unavailable, why));
 }
 
 void MergeWorker::run() {
   // Robots wait for acks, merges for nobody: its threads, and those it starts, yield. Harmless where it is refused.
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), merge_nice);
+  const Cancellable cancellable(cancelled_);
   Mailbox news;
   std::vector<Order> orders;
-  while (wait_for_news(news, orders)) {
-    for (const auto& [session, what] : news) take(session, what);
-    if (!news.empty()) update_view();
-    for (const Order& order : orders) order({});
-    schedule_.tick(Clock::now());
-    const auto next = schedule_.next();
-    if (next) attempt(*next);
-    ahead_ = next || pipeline_->prepare_ahead(*this);  // while nothing waits
-    rest();
+  try {
+    while (wait_for_news(news, orders)) {
+      for (const auto& [session, what] : news) take(session, what);
+      if (!news.empty()) update_view();
+      for (const Order& order : orders) order({});
+      schedule_.tick(Clock::now());
+      const auto next = schedule_.next();
+      if (next) attempt(*next);
+      ahead_ = next || prepare_ahead();
+      rest();
+    }
+  } catch (const Cancelled&) {
+    spdlog::info("the server stops in the middle of an attempt; it is made anew after the next start");
+  }
+  turn_away();
+}
+
+/// While nothing waits: one part of what the next attempts will need.
+bool MergeWorker::prepare_ahead() {
+  try {
+    return pipeline_->prepare_ahead(*this);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception& e) {
+    spdlog::error("preparing for merges failed: {}", e.what());
+    return false;
   }
 }
 
@@ -153,6 +178,8 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   const auto start = Clock::now();
   try {
     report = pipeline_->attempt(attempt.session, *this);
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::exception& e) {
     spdlog::error("attempt to merge session {} failed: {}", attempt.session, e.what());
     return;
@@ -182,7 +209,7 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
 Result<void> MergeWorker::carry_out(AlignmentId id, Decision decision) {
   const auto report = pipeline_->decide(id, decision);
   if (!report) return tl::unexpected(report.error());
-  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, "the server stops");
+  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
   spdlog::info("the operator's decision on alignment {}: {}; revision {}", id, to_string(decision), atlas_.revision);
   for (const Alignment& alignment : report->changed)  // what a decision had suppressed is found again
     if (decision == Decision::undo && alignment.id == id)
@@ -193,7 +220,7 @@ Result<void> MergeWorker::carry_out(AlignmentId id, Decision decision) {
 Result<void> MergeWorker::carry_out_anchor(SessionId session) {
   const auto report = pipeline_->anchor(session);
   if (!report) return tl::unexpected(report.error());
-  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, "the server stops");
+  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
   spdlog::info("the operator made session {} its component's anchor; revision {}", session, atlas_.revision);
   return {};
 }
@@ -243,7 +270,8 @@ void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
                atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
 }
 
-/// Blocks until the write is on disk, trying again as long as the disk refuses it; false: the server stops.
+/// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the
+/// write can not be made at all, and merging stops.
 bool MergeWorker::write_durably(const PutMerge& write) {
   while (true) {
     auto result = std::make_shared<std::optional<Result<void>>>();
@@ -256,7 +284,14 @@ bool MergeWorker::write_durably(const PutMerge& write) {
     wake_.wait(lock, [&] { return result->has_value() || stopping_; });
     if (!result->has_value()) return false;
     if (result->value()) return true;
-    spdlog::error("the merge waits for the disk: {}", result->value().error().message);
+    const Error& why = result->value().error();
+    if (why.code != ErrorCode::unavailable) {  // as often as it is tried
+      stop_reason_ = "merging has stopped until the server is started anew: " + why.message;
+      spdlog::error("{}", stop_reason_);
+      stopping_ = true;
+      return false;
+    }
+    spdlog::error("the merge waits for the disk: {}", why.message);
     if (wake_.wait_for(lock, retry_after, [&] { return stopping_; })) return false;
   }
 }

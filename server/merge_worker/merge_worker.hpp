@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -25,7 +26,7 @@ struct MergeView {
 
 /// The one thread that owns the pipeline. It feeds durable keyframes from the store, tries sessions as the schedule
 /// says, stores what an attempt changed, and only then publishes it. One attempt at a time; a full disk holds merging
-/// up and nothing else. Thread safe but for restore() and start().
+/// up and nothing else; a database that can not be written ends it. Thread safe but for restore() and start().
 class MergeWorker : public MergeNews, private CloudSource {
  public:
   MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config);
@@ -82,6 +83,8 @@ class MergeWorker : public MergeNews, private CloudSource {
   void run();
   bool wait_for_news(Mailbox& news, std::vector<Order>& orders);
   void rest();
+  void turn_away();
+  bool prepare_ahead();
   void take(SessionId session, const SessionNews& news);
   void feed(SessionId session, bool counts);
   void attempt(const MergeSchedule::Attempt& attempt);
@@ -114,7 +117,9 @@ class MergeWorker : public MergeNews, private CloudSource {
   Pending pending_;  // of the schedule, when the worker looked last
   std::pair<std::uint64_t, StageTimes> effort_;
   bool busy_ = false, stopping_ = false;
-  bool ahead_ = false;  // the worker's thread only: there is more to prepare
+  std::atomic<bool> cancelled_ = false;           // as stopping_, for work that runs
+  bool ahead_ = false;                            // the worker's thread only: there is more to prepare
+  std::string stop_reason_ = "the server stops";  // written before stopping_ by the worker's thread alone
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();
   std::thread thread_;
 };

@@ -9,6 +9,7 @@ template <class Change>
 void MergeWorker::tell(SessionId session, Change change) {
   {
     const std::lock_guard lock(mutex_);
+    if (stopping_) return;  // nobody reads it
     change(mailbox_[session]);
   }
   wake_.notify_all();
@@ -58,7 +59,7 @@ void MergeWorker::give(Order order) {
   {
     std::unique_lock lock(mutex_);
     if (stopping_ || orders_.size() >= most_orders) {
-      const char* why = stopping_ ? "the server stops" : "too many decisions are waiting; try again in a moment";
+      const std::string why = stopping_ ? stop_reason_ : "too many decisions are waiting; try again in a moment";
       lock.unlock();
       return order(failure(ErrorCode::unavailable, why));
     }

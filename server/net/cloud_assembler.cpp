@@ -6,9 +6,7 @@ namespace headframe {
 
 Result<std::optional<std::string>> CloudAssembler::add(std::uint64_t sequence, std::size_t total_bytes,
                                                        std::size_t offset, const std::string& data) {
-  const auto bad = [&](const std::string& what) {
-    return failure(ErrorCode::bad_input, "cloud of keyframe " + std::to_string(sequence) + ": " + what);
-  };
+  const auto bad = [&](const std::string& what) { return failure(ErrorCode::bad_input, what); };
   if (total_bytes == 0 || total_bytes > limits::cloud_bytes)
     return bad(std::to_string(total_bytes) + " bytes announced, 1 to " + std::to_string(limits::cloud_bytes) +
                " are allowed");

@@ -23,9 +23,10 @@ class CloudAssembler {
   Result<std::optional<std::string>> add(std::uint64_t sequence, std::size_t total_bytes, std::size_t offset,
                                          const std::string& data);
 
- private:
+  /// What came of this cloud, if anything.
   void forget(std::uint64_t sequence);
 
+ private:
   struct Open {
     std::size_t total_bytes = 0;
     std::string bytes;

@@ -171,7 +171,7 @@ void RobotConnection::admit(const Hello& hello) {
 }
 
 void RobotConnection::refuse(const Error& error) {
-  const bool passes = error.code == ErrorCode::unavailable;
+  const bool passes = error.code != ErrorCode::refused;
   protocol_.fail(passes ? v1::ERROR_KIND_OVERLOADED : v1::ERROR_KIND_REFUSED, error.message, !passes);
 }
 
@@ -214,10 +214,7 @@ void RobotConnection::tick() {
     }
     begin();  // in the clear it can be told why
   }
-  if (const LinkPolicy policy = hub_.policy(); protocol_.welcomed() && policy != told_) {
-    told_ = policy;
-    protocol_.tell_policy(policy);
-  }
+  if (protocol_.welcomed()) tell_policy();
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
   if (stuck) ++hub_.counts().stuck;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();
@@ -226,6 +223,13 @@ void RobotConnection::tick() {
   timer_.async_wait([self = shared_from_this()](error_code error) {
     if (!error && !self->dropped_) self->tick();
   });
+}
+
+void RobotConnection::tell_policy() {
+  const LinkPolicy policy = hub_.policy_of(session_);
+  if (policy == told_) return;
+  told_ = policy;
+  protocol_.tell_policy(policy);
 }
 
 void RobotConnection::drop() {
@@ -238,11 +242,21 @@ void RobotConnection::drop() {
 }
 
 void RobotConnection::settled(std::size_t bytes, const Result<void>& result) {
-  on_strand([bytes, message = result ? std::string() : result.error().message](RobotConnection& self) {
+  on_strand([bytes, result](RobotConnection& self) {
     self.undurable_bytes_ -= bytes;
-    if (!message.empty()) self.protocol_.fail(v1::ERROR_KIND_OVERLOADED, "not stored: " + message, false);
+    if (!result) self.not_stored(result.error());
     self.read();
   });
+}
+
+/// A store that is broken holds the robot (SessionHub::policy) and acknowledges nothing: ending the connection would
+/// only bring it back.
+void RobotConnection::not_stored(const Error& error) {
+  const bool broken = error.code == ErrorCode::bad_input || error.code == ErrorCode::internal;
+  const bool refused = error.code == ErrorCode::refused;
+  if (!broken)
+    protocol_.fail(refused ? v1::ERROR_KIND_REFUSED : v1::ERROR_KIND_OVERLOADED, "not stored: " + error.message,
+                   refused);
 }
 
 void RobotConnection::keyframes_durable(std::uint64_t sequence) {
@@ -251,6 +265,10 @@ void RobotConnection::keyframes_durable(std::uint64_t sequence) {
 
 void RobotConnection::cloud_durable(std::uint64_t sequence) {
   on_strand([sequence](RobotConnection& self) { self.protocol_.cloud_durable(sequence); });
+}
+
+void RobotConnection::cloud_refused(std::uint64_t sequence, const std::string& reason) {
+  on_strand([=](RobotConnection& self) { self.protocol_.refuse_cloud(sequence, reason); });
 }
 
 void RobotConnection::request_submap(const std::vector<std::uint64_t>& sequences) {

@@ -37,6 +37,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   void settled(std::size_t bytes, const Result<void>& result) override;
   void keyframes_durable(std::uint64_t sequence) override;
   void cloud_durable(std::uint64_t sequence) override;
+  void cloud_refused(std::uint64_t sequence, const std::string& reason) override;
   void request_submap(const std::vector<std::uint64_t>& sequences) override;
   void update_transform(std::shared_ptr<const std::string> payload) override;
   void close(v1::ErrorKind kind, const std::string& message, bool permanent) override;
@@ -55,10 +56,12 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   void greet(const Hello& hello);
   void admit(const Hello& hello);
   void refuse(const Error& error);
+  void not_stored(const Error& error);
   void note(const std::string& what) const;
   void flush();
   void after_last_word();
   void tick();
+  void tell_policy();
   void drop();
   bool crowded() const;
 

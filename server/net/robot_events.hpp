@@ -21,6 +21,10 @@ struct CloudReceived {
   std::uint64_t sequence = 0;  // of a keyframe that was received before
   std::string encoded;         // it decodes
 };
+struct CloudRefused {  // the robot is told so, and drops it
+  std::uint64_t sequence = 0;
+  std::string reason;
+};
 struct CloudsUnavailable {
   std::vector<std::uint64_t> sequences;
 };
@@ -30,8 +34,8 @@ struct TriggerRequested {
 struct GoodbyeReceived {
   bool complete = false;
 };
-using RobotEvent =
-    std::variant<HelloReceived, KeyframeReceived, CloudReceived, CloudsUnavailable, TriggerRequested, GoodbyeReceived>;
+using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudReceived, CloudRefused, CloudsUnavailable,
+                                TriggerRequested, GoodbyeReceived>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {

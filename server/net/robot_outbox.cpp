@@ -8,6 +8,7 @@ namespace headframe {
 namespace {
 
 constexpr std::size_t list_entries = 4096;  // of one message: 10 bytes each at most, well below limits::frame_bytes
+constexpr std::size_t reason_bytes = 256;
 
 void append(std::string& out, const v1::ServerMessage& message) {
   // Lists are cut and texts are short: a message of ours always fits a frame.
@@ -15,6 +16,10 @@ void append(std::string& out, const v1::ServerMessage& message) {
 }
 
 }  // namespace
+
+void RobotOutbox::refuse_cloud(std::uint64_t sequence, const std::string& reason) {
+  cloud_refusals_[sequence] = reason.substr(0, reason_bytes);
+}
 
 void RobotOutbox::request_submap(const std::vector<std::uint64_t>& sequences) {
   for (const std::uint64_t sequence : sequences)
@@ -56,6 +61,13 @@ void RobotOutbox::append_lists(std::string& out) {
       sequences.Add(cloud_acks_.extract(cloud_acks_.begin()).value());
     append(out, message);
   }
+  for (const auto& [sequence, reason] : cloud_refusals_) {
+    v1::ServerMessage message;
+    message.mutable_cloud_refusal()->set_sequence(sequence);
+    message.mutable_cloud_refusal()->set_reason(reason);
+    append(out, message);
+  }
+  cloud_refusals_.clear();
   for (std::size_t i = 0; i < submap_.size(); i += list_entries) {
     v1::ServerMessage message;
     auto& sequences = *message.mutable_submap_request()->mutable_sequences();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,6 +21,7 @@ class RobotOutbox {
   void welcome(Durable durable) { welcome_ = std::move(durable); }
   void acknowledge_keyframes(std::uint64_t durable) { keyframe_ack_ = durable; }
   void acknowledge_cloud(std::uint64_t sequence) { cloud_acks_.insert(sequence); }
+  void refuse_cloud(std::uint64_t sequence, const std::string& reason);
   void request_submap(const std::vector<std::uint64_t>& sequences);
   /// A serialised ServerMessage, shared by all robots of the component.
   void update_transform(std::shared_ptr<const std::string> payload) { transform_ = std::move(payload); }
@@ -38,6 +40,7 @@ class RobotOutbox {
   std::optional<Durable> welcome_;
   std::optional<std::uint64_t> keyframe_ack_, ping_, pong_;
   std::set<std::uint64_t> cloud_acks_;
+  std::map<std::uint64_t, std::string> cloud_refusals_;
   std::vector<std::uint64_t> submap_;  // nearest to the sphere's centre first
   std::shared_ptr<const std::string> transform_;
   std::optional<LinkPolicy> policy_;

@@ -7,6 +7,7 @@
 namespace headframe {
 namespace {
 
+constexpr std::size_t most_skipped = 1024;
 constexpr std::size_t reason_bytes = 256;  // of a trigger request, for the log
 
 double seconds(RobotProtocol::Time from, RobotProtocol::Time to) {
@@ -101,12 +102,27 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
 std::optional<RobotEvent> RobotProtocol::on_chunk(const v1::CloudChunk& message) {
   if (message.sequence() == 0 || message.sequence() > received_)
     return out_of_order("cloud of keyframe " + std::to_string(message.sequence()) + ", which was not received");
+  const bool is_last = message.offset() + std::uint64_t{message.data().size()} >= message.total_bytes();
+  if (message.offset() > 0 && skipped_.contains(message.sequence())) {
+    if (is_last) skipped_.erase(message.sequence());
+    return std::nullopt;
+  }
+  skipped_.erase(message.sequence());
   auto whole = clouds_.add(message.sequence(), message.total_bytes(), message.offset(), message.data());
-  if (!whole) return bad_message(whole.error().message);
+  if (!whole) {
+    clouds_.forget(message.sequence());
+    if (skipped_.size() == most_skipped) skipped_.clear();  // at worst a refusal is said twice
+    if (!is_last) skipped_.insert(message.sequence());
+    return refused(message.sequence(), whole.error().message);
+  }
   if (!*whole) return std::nullopt;
-  if (const auto cloud = decode_cloud(**whole); !cloud)
-    return bad_message("cloud of keyframe " + std::to_string(message.sequence()) + ": " + cloud.error().message);
+  if (const auto cloud = decode_cloud(**whole); !cloud) return refused(message.sequence(), cloud.error().message);
   return CloudReceived{message.sequence(), std::move(**whole)};
+}
+
+std::optional<RobotEvent> RobotProtocol::refused(std::uint64_t sequence, const std::string& reason) {
+  refuse_cloud(sequence, reason);
+  return CloudRefused{sequence, reason};
 }
 
 std::optional<RobotEvent> RobotProtocol::on_unavailable(const v1::SubmapUnavailable& message) {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include "common/wire/frame_codec.hpp"
@@ -39,6 +40,8 @@ class RobotProtocol {
 
   void keyframes_durable(std::uint64_t sequence);
   void cloud_durable(std::uint64_t sequence) { outbox_.acknowledge_cloud(sequence); }
+  /// The robot drops this cloud; the connection goes on.
+  void refuse_cloud(std::uint64_t sequence, const std::string& reason) { outbox_.refuse_cloud(sequence, reason); }
   void request_submap(const std::vector<std::uint64_t>& sequences) { outbox_.request_submap(sequences); }
   void update_transform(std::shared_ptr<const std::string> payload) { outbox_.update_transform(std::move(payload)); }
 
@@ -60,6 +63,7 @@ class RobotProtocol {
   std::optional<RobotEvent> on_keyframe(const v1::Keyframe& message, std::uint64_t backlog);
   std::optional<RobotEvent> on_chunk(const v1::CloudChunk& message);
   std::optional<RobotEvent> on_unavailable(const v1::SubmapUnavailable& message);
+  std::optional<RobotEvent> refused(std::uint64_t sequence, const std::string& reason);
   std::nullopt_t out_of_order(const std::string& message);
   std::nullopt_t bad_message(const std::string& message);
 
@@ -70,6 +74,7 @@ class RobotProtocol {
   std::uint64_t pings_ = 0;
   FrameReader frames_;
   CloudAssembler clouds_;
+  std::set<std::uint64_t> skipped_;  // clouds that were refused half-way: the rest of them is not looked at
   RobotOutbox outbox_;
   FamilySpec family_;
   std::uint64_t received_ = 0, durable_ = 0;  // keyframes

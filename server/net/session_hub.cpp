@@ -3,8 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-
-#include "common/wire/limits.hpp"
+#include <bit>
 
 namespace headframe {
 namespace {
@@ -128,6 +127,7 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   const std::size_t bytes = stored_bytes(event);
   if (auto* keyframe = std::get_if<KeyframeReceived>(&event)) handle(session, std::move(*keyframe), link, bytes);
   if (auto* cloud = std::get_if<CloudReceived>(&event)) handle(session, std::move(*cloud), link, bytes);
+  if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
   if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
@@ -160,14 +160,32 @@ void SessionHub::handle(SessionId session, CloudReceived event, const std::share
     const std::lock_guard lock(mutex_);
     sessions_.at(session).cloud_bytes += event.encoded.size();
   }
-  write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, [this, cloud, to = std::weak_ptr(link)] {
+  const auto durable = [this, cloud, to = std::weak_ptr(link)] {
     {
       const std::lock_guard lock(mutex_);
       sessions_.at(cloud.session).clouds.insert(cloud.sequence);
     }
     news_.cloud_durable(cloud);
     if (const auto robot = to.lock()) robot->cloud_durable(cloud.sequence);
-  });
+  };
+  const auto rejected = [this, cloud, to = std::weak_ptr(link)](const Error& why) {
+    note_refusal(cloud.session, {cloud.sequence, why.message});
+    if (const auto robot = to.lock()) robot->cloud_refused(cloud.sequence, why.message);
+  };
+  write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, durable, rejected);
+}
+
+/// Counted; the log gets the first of a session, and then ever fewer.
+void SessionHub::note_refusal(SessionId session, const CloudRefused& cloud) {
+  ++counts_.refused_clouds;
+  {
+    const std::lock_guard lock(mutex_);
+    Session& known = sessions_.at(session);
+    if (std::has_single_bit(++known.refused_clouds))
+      spdlog::warn("robot {}: the cloud of keyframe {} was refused: {} ({} so far)", name_of(known.record.key),
+                   cloud.sequence, cloud.reason, known.refused_clouds);
+  }
+  news_.clouds_unavailable(session, {cloud.sequence});
 }
 
 void SessionHub::handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link) {
@@ -182,14 +200,17 @@ void SessionHub::handle(SessionId session, const GoodbyeReceived& event, const s
 }
 
 /// Not under the lock: a full queue answers at once.
-void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied) {
+void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied,
+                       Rejected rejected) {
   ++unsettled_;
-  store_.write(std::move(write),
-               [this, bytes, applied = std::move(applied), to = std::weak_ptr(link)](const Result<void>& result) {
-                 if (result) applied();
-                 --unsettled_;
-                 if (const auto robot = to.lock()) robot->settled(bytes, result);
-               });
+  store_.write(std::move(write), [this, bytes, applied = std::move(applied), rejected = std::move(rejected),
+                                  to = std::weak_ptr(link)](const Result<void>& result) {
+    const bool dealt_with = !result && rejected && result.error().code == ErrorCode::invalid_argument;
+    if (result) applied();
+    if (dealt_with) rejected(result.error());
+    --unsettled_;
+    if (const auto robot = to.lock()) robot->settled(bytes, dealt_with ? Result<void>() : result);
+  });
 }
 
 void SessionHub::received(SessionId session, std::size_t bytes) {
@@ -199,36 +220,6 @@ void SessionHub::received(SessionId session, std::size_t bytes) {
   known.bytes_received += bytes;
   known.rate.add(static_cast<double>(bytes), now);
   known.heard = now;
-}
-
-LinkPolicy SessionHub::policy() {
-  constexpr auto good_for = std::chrono::milliseconds(50);  // every connection asks often
-  const std::lock_guard made(policy_mutex_);
-  const auto now = Clock::now();
-  if (now - policy_made_ < good_for) return policy_;
-  policy_made_ = now;
-  LinkPolicy policy;
-  const StoreLoad load = store_.load();
-  const bool was_held = !policy_.hold.empty();
-  if (!load.waits_for.empty())
-    policy.hold = "the server waits for its disk: " + load.waits_for;
-  else if (load.queued_bytes > load.queue_bytes / (was_held ? 4 : 2))
-    policy.hold = "the server's disk is slow: more waits to be written than is good";
-  if (const std::uint64_t budget = budget_bytes_per_s_; budget > 0) {
-    const std::lock_guard lock(mutex_);
-    const auto connected = std::count_if(sessions_.begin(), sessions_.end(),
-                                         [](const auto& entry) { return !entry.second.link.expired(); });
-    policy.bytes_per_s =
-        std::max<std::uint64_t>(1, budget / std::max<std::uint64_t>(1, static_cast<std::uint64_t>(connected)));
-  }
-  if (policy.hold != policy_.hold) {
-    if (policy.hold.empty())
-      spdlog::info("robots may send again");
-    else
-      spdlog::error("robots are held, nothing is acknowledged: {}", policy.hold);
-  }
-  policy_ = policy;
-  return policy;
 }
 
 void SessionHub::left(SessionId session, const RobotLink* link) {
@@ -263,42 +254,6 @@ void SessionHub::request_submap(SessionId session, const std::vector<std::uint64
     robot->request_submap(sequences);
   else
     news_.clouds_unavailable(session, sequences);  // it left between the question and this call
-}
-
-/// Under the lock. Null when it does not fit a frame.
-std::shared_ptr<const std::string> SessionHub::update_of(const Component& component) const {
-  v1::ServerMessage message;
-  auto& update = *message.mutable_transform_update();
-  update.set_revision(atlas_.revision);
-  update.set_component(static_cast<std::uint64_t>(component.id));
-  *update.mutable_anchor() = to_proto(sessions_.at(component.id).record.key);
-  for (const Placement& placement : component.placements) {
-    auto& transform = *update.add_sessions();
-    *transform.mutable_session() = to_proto(sessions_.at(placement.session).record.key);
-    *transform.mutable_t_component_session() = to_proto(placement.T_component_session);
-  }
-  auto payload = std::make_shared<const std::string>(message.SerializeAsString());
-  if (payload->size() <= limits::frame_bytes) return payload;
-  spdlog::error("component {} has {} sessions: its transform update does not fit a frame and is not sent", component.id,
-                component.placements.size());
-  return nullptr;
-}
-
-void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& changed) {
-  std::vector<std::pair<std::shared_ptr<RobotLink>, std::shared_ptr<const std::string>>> updates;
-  {
-    const std::lock_guard lock(mutex_);
-    atlas_ = atlas;
-    for (const Component& component : changed) {
-      const auto payload = update_of(component);
-      for (const Placement& placement : component.placements) {
-        told_.insert(placement.session);
-        if (auto robot = sessions_.at(placement.session).link.lock(); robot && payload)
-          updates.emplace_back(std::move(robot), payload);
-      }
-    }
-  }
-  for (const auto& [robot, payload] : updates) robot->update_transform(payload);
 }
 
 std::vector<SessionRow> SessionHub::sessions() const {

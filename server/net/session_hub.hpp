@@ -17,8 +17,8 @@ namespace headframe {
 
 /// How connections went, for the operator. Thread safe.
 struct LinkCounts {
-  std::atomic<std::uint64_t> refused = 0, replaced = 0, failed = 0, stuck = 0, held_back = 0,
-                             sent_bytes = 0;  // as in LinkHealth
+  std::atomic<std::uint64_t> refused = 0, replaced = 0, failed = 0, stuck = 0, held_back = 0, sent_bytes = 0,
+                             refused_clouds = 0;  // as in LinkHealth
 };
 
 /// One robot's connection, as the hub sees it. Thread safe, never blocks.
@@ -29,6 +29,7 @@ class RobotLink {
   virtual void settled(std::size_t bytes, const Result<void>& result) = 0;
   virtual void keyframes_durable(std::uint64_t sequence) = 0;
   virtual void cloud_durable(std::uint64_t sequence) = 0;
+  virtual void cloud_refused(std::uint64_t sequence, const std::string& reason) = 0;
   virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
   virtual void update_transform(std::shared_ptr<const std::string> payload) = 0;
   virtual void close(v1::ErrorKind kind, const std::string& message, bool permanent) = 0;
@@ -71,6 +72,10 @@ class SessionHub : public Robots {
   /// As it is now: every robot's share of the budget, and a hold while the store waits for room on the disk or has half
   /// of its queue full. Its changes are logged.
   LinkPolicy policy();
+  /// The same for one session: its robot's own rate counts when it is the smaller.
+  LinkPolicy policy_of(SessionId session);
+  /// What this robot may send at most, in bytes per second; 0: no limit of its own. Told within a tick.
+  void set_rate(const std::string& robot, std::uint64_t bytes_per_s);
 
   /// distance_m and trigger_to_transform_ms are not the hub's to fill.
   std::vector<SessionRow> sessions() const;
@@ -88,16 +93,20 @@ class SessionHub : public Robots {
     std::uint64_t keyframes = 0;  // durable
     std::set<std::uint64_t> clouds;
     std::uint64_t bytes_received = 0, cloud_bytes = 0;
+    std::uint64_t refused_clouds = 0;
     std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last
     DataRate rate;
     Clock::time_point heard;
     std::weak_ptr<RobotLink> link;
   };
   using Applied = std::function<void()>;
+  using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written
 
   Session& session_of(const Hello& hello);
   bool has_room(const Hello& hello) const;
-  void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied);
+  void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied,
+             Rejected rejected = {});
+  void note_refusal(SessionId session, const CloudRefused& cloud);
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
@@ -113,6 +122,7 @@ class SessionHub : public Robots {
   Atlas atlas_;               // published last
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;
+  std::map<std::string, std::uint64_t> rates_bytes_per_s_;  // of robots that have one of their own
   LinkCounts counts_;
   std::atomic<std::uint64_t> budget_bytes_per_s_ = 0;
   std::mutex policy_mutex_;  // taken before mutex_

@@ -144,7 +144,8 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                  {"replaced", links.replaced},
                  {"failed", links.failed},
                  {"stuck", links.stuck},
-                 {"held_back", links.held_back}}}});
+                 {"held_back", links.held_back},
+                 {"refused_clouds", links.refused_clouds}}}});
 }
 
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas) {

@@ -19,7 +19,8 @@ std::string robots_json(const std::vector<RobotRow>& robots, const std::string& 
     rows.push_back({{"robot", row.robot},
                     {"state", row.state},
                     {"enrolled_s", time_or_null(row.enrolled_s)},
-                    {"code_expires_s", time_or_null(row.code_expires_s)}});
+                    {"code_expires_s", time_or_null(row.code_expires_s)},
+                    {"rate_kib_s", row.rate_kib_s > 0 ? Json(row.rate_kib_s) : Json()}});
   return text({{"fingerprint", fingerprint}, {"robots", std::move(rows)}});
 }
 

@@ -29,6 +29,20 @@ Result<Reply> add_robot(const Query& query, const Context& context) {
   }};
 }
 
+Result<Reply> rate_robot(const Query& query, const Context& context) {
+  const auto admin = robot_admin(context);
+  if (!admin) return tl::unexpected(admin.error());
+  const auto robot = required(query, "robot"), text = required(query, "kib_s");
+  if (!robot || !text) return tl::unexpected(robot ? text.error() : robot.error());
+  const auto kib_s = whole_number(query, "kib_s", 0, 1e9);
+  if (!kib_s) return tl::unexpected(kib_s.error());
+  return Later{[admin = *admin, robot = *robot, kib_s = *kib_s](const std::function<void(Ready)>& answer) {
+    admin->set_rate(robot, kib_s, [kib_s, answer](const Result<void>& done) {
+      answer(done ? json("{\"kib_s\":" + std::to_string(kib_s) + "}\n") : error_reply(done.error()));
+    });
+  }};
+}
+
 Result<Reply> revoke_robot(const Query& query, const Context& context) {
   const auto admin = robot_admin(context);
   const auto robot = required(query, "robot");

@@ -46,6 +46,7 @@ constexpr std::array all_routes =
                           {"GET", "/api/v1/trajectory", {"robot", "session", "format", "frame"}, trajectory},
                           {"GET", "/api/v1/robots", {}, robots},
                           {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
+                          {"POST", "/api/v1/robots/rate", {"robot", "kib_s"}, rate_robot},
                           {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}});
 
 /// "{name}" in the pattern takes one piece of the path, however it is spelt.

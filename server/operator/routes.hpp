@@ -73,6 +73,7 @@ Result<Reply> trajectory(const Query&, const Context&);
 // robot_routes.cpp
 Result<Reply> robots(const Query&, const Context&);
 Result<Reply> add_robot(const Query&, const Context&);
+Result<Reply> rate_robot(const Query&, const Context&);
 Result<Reply> revoke_robot(const Query&, const Context&);
 
 }  // namespace headframe::routes

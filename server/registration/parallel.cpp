@@ -77,6 +77,14 @@ class Pool {
 
 }  // namespace
 
+namespace {
+thread_local const std::atomic<bool>* flag_here = nullptr;
+}  // namespace
+
+Cancellable::Cancellable(const std::atomic<bool>& flag) { flag_here = &flag; }
+Cancellable::~Cancellable() { flag_here = nullptr; }
+const std::atomic<bool>* Cancellable::flag() { return flag_here; }
+
 void share_blocks(std::size_t blocks, int threads, void* work, void (*call)(void*, std::size_t)) {
   static Pool pool;
   Job job;

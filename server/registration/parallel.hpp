@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <exception>
 
 namespace headframe {
 
@@ -11,12 +13,34 @@ namespace headframe {
 /// have left.
 void share_blocks(std::size_t blocks, int threads, void* work, void (*call)(void* work, std::size_t block));
 
+/// While one lives, for_blocks on its thread throws Cancelled before the next block once the flag is up: work that
+/// nobody waits for any more need not be done. The flag must outlive it. Not nested.
+class Cancellable {
+ public:
+  explicit Cancellable(const std::atomic<bool>& flag);
+  ~Cancellable();
+  Cancellable(const Cancellable&) = delete;
+  Cancellable& operator=(const Cancellable&) = delete;
+
+  static const std::atomic<bool>* flag();  // of this thread; null: none
+};
+
+class Cancelled : public std::exception {
+ public:
+  const char* what() const noexcept override { return "cancelled"; }
+};
+
 /// Calls work(begin, end, block) for fixed blocks of `block_size` items, spread over threads. The blocks do not depend
-/// on the number of threads: sums kept by block and added in order are the same for any.
+/// on the number of threads: sums kept by block and added in order are the same for any. Throws what the work throws,
+/// and Cancelled.
 template <class Work>
 void for_blocks(std::size_t items, std::size_t block_size, int threads, Work&& work) {
   const std::size_t blocks = (items + block_size - 1) / block_size;
-  auto one = [&](std::size_t b) { work(b * block_size, std::min(items, (b + 1) * block_size), b); };
+  const std::atomic<bool>* const cancelled = Cancellable::flag();
+  auto one = [&](std::size_t b) {
+    if (cancelled && *cancelled) throw Cancelled();
+    work(b * block_size, std::min(items, (b + 1) * block_size), b);
+  };
   if (threads <= 1 || blocks <= 1) {
     for (std::size_t b = 0; b < blocks; ++b) one(b);
     return;

@@ -12,6 +12,7 @@ double system_now_s() {
 RobotGate::Seams filled(RobotGate::Seams seams) {
   if (!seams.now_s) seams.now_s = system_now_s;
   if (!seams.ended) seams.ended = [](const std::string&, const std::string&) {};
+  if (!seams.rated) seams.rated = [](const std::string&, std::uint64_t) {};
   return seams;
 }
 
@@ -24,6 +25,7 @@ Result<void> RobotGate::restore() {
   const auto robots = store_.robots();
   if (!robots) return tl::unexpected(robots.error());
   registry_.restore(*robots);
+  for (const RobotRecord& robot : *robots) seams_.rated(robot.name, robot.rate_kib_s);
   return {};
 }
 
@@ -73,6 +75,20 @@ void RobotGate::revoke(const std::string& robot, const std::function<void(const 
   seams_.ended(robot, "it was revoked");
   spdlog::info("robot {} was revoked", robot);
   store_.write(PutRobot{revoked->after}, done);  // not taken back when it fails: better locked out than let in
+}
+
+void RobotGate::set_rate(const std::string& robot, std::uint64_t kib_s,
+                         const std::function<void(const Result<void>&)>& done) {
+  const std::lock_guard lock(order_);
+  const auto change = registry_.set_rate(robot, kib_s);
+  if (!change) return done(tl::unexpected(change.error()));
+  keep(*change, [this, robot, kib_s, done](const Result<void>& stored) {
+    if (stored) {
+      seams_.rated(robot, kib_s);
+      spdlog::info("robot {} may send {}", robot, kib_s == 0 ? "what it can" : std::to_string(kib_s) + " KiB/s");
+    }
+    done(stored);
+  });
 }
 
 void RobotGate::keep(const RobotRegistry::Change& change, const std::function<void(const Result<void>&)>& done) {

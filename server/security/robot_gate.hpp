@@ -14,6 +14,7 @@ class RobotGate {
   struct Seams {  // a test's clock, and who cuts the connections of a robot whose credential has ended
     std::function<double()> now_s;  // since the epoch; empty: the system's
     std::function<void(const std::string& robot, const std::string& why)> ended;
+    std::function<void(const std::string& robot, std::uint64_t kib_s)> rated;  // what it may send; 0: no limit
   };
   RobotGate(Store& store, Seams seams, const AttemptLimits& limits = {});
 
@@ -34,6 +35,8 @@ class RobotGate {
   void open(const std::string& robot, const std::function<void(const Result<std::string>&)>& done);
   /// The robot is cut off before this returns; `done` says that it is on the disk.
   void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done);
+  /// `done` says that it is on the disk, and that robots that are connected were told.
+  void set_rate(const std::string& robot, std::uint64_t kib_s, const std::function<void(const Result<void>&)>& done);
   std::vector<RobotRecord> robots() const { return registry_.robots(); }
   double now_s() const { return seams_.now_s(); }
 

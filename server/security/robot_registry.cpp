@@ -14,6 +14,10 @@ tl::unexpected<Error> refused(const std::string& name, const std::string& why) {
   return failure(ErrorCode::refused, "robot " + name + ": " + why);
 }
 
+tl::unexpected<Error> unknown(const std::string& name) {
+  return failure(ErrorCode::not_found, "there is no robot \"" + name + "\"");
+}
+
 std::string ask_for_another(const std::string& name) {
   return "; ask the operator for another: headframe robot add " + name;
 }
@@ -53,10 +57,23 @@ Result<RobotRegistry::Opened> RobotRegistry::open(const std::string& name, doubl
 Result<RobotRegistry::Change> RobotRegistry::revoke(const std::string& name) {
   const std::lock_guard lock(mutex_);
   const auto known = robots_.find(name);
-  if (known == robots_.end()) return failure(ErrorCode::not_found, "there is no robot \"" + name + "\"");
+  if (known == robots_.end()) return unknown(name);
   Change change{{}, known->second};
   known->second.revoked = true;
   known->second.code_digest.clear();
+  change.after = known->second;
+  return change;
+}
+
+Result<RobotRegistry::Change> RobotRegistry::set_rate(const std::string& name, std::uint64_t kib_s) {
+  if (kib_s > most_rate_kib_s)
+    return failure(ErrorCode::invalid_argument, "a rate of " + std::to_string(kib_s) + " KiB/s; give up to " +
+                                                    std::to_string(most_rate_kib_s) + ", or 0 for no limit");
+  const std::lock_guard lock(mutex_);
+  const auto known = robots_.find(name);
+  if (known == robots_.end()) return unknown(name);
+  Change change{{}, known->second};
+  known->second.rate_kib_s = kib_s;
   change.after = known->second;
   return change;
 }
@@ -76,7 +93,7 @@ Result<std::optional<RobotRegistry::Change>> RobotRegistry::admit(const std::str
   if (now_s >= known->second.code_expires_s)
     return refused(name, "this enrolment code has expired" + ask_for_another(name));
   Change change{{}, known->second};
-  known->second = {name, sha256(shown.token), "", 0, now_s, false};
+  known->second = {name, sha256(shown.token), "", 0, now_s, false, known->second.rate_kib_s};
   change.after = known->second;
   return change;
 }

@@ -21,6 +21,7 @@ class RobotRegistry {
  public:
   static constexpr double code_lifetime_s = 3600;
   static constexpr std::size_t most_robots = 10'000;
+  static constexpr std::uint64_t most_rate_kib_s = 1024 * 1024;
 
   void restore(const std::vector<RobotRecord>& robots);
   std::vector<RobotRecord> robots() const;  // by name
@@ -39,6 +40,10 @@ class RobotRegistry {
 
   /// From now on neither its token nor an open code lets it in. not_found: there is no such robot.
   Result<Change> revoke(const std::string& name);
+
+  /// What it may send at most; 0: no limit of its own. It stays when the robot enrols anew. not_found: there is no such
+  /// robot; invalid_argument: beyond most_rate_kib_s.
+  Result<Change> set_rate(const std::string& name, std::uint64_t kib_s);
 
   /// Lets the robot in, or says why not (refused). A change: the code was used, and the token is its credential now.
   Result<std::optional<Change>> admit(const std::string& name, const Credential& shown, double now_s);

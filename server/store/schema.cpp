@@ -58,6 +58,7 @@ CREATE TABLE survey_points (
   session INTEGER NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL, x_session_m REAL NOT NULL,
   y_session_m REAL NOT NULL, z_session_m REAL NOT NULL, x_grid_m REAL NOT NULL, y_grid_m REAL NOT NULL,
   z_grid_m REAL NOT NULL, PRIMARY KEY (session, number)) WITHOUT ROWID;
+ALTER TABLE robots ADD COLUMN rate_kib_s INTEGER NOT NULL DEFAULT 0;
 )sql",
 };
 

@@ -61,9 +61,12 @@ tl::unexpected<Error> Database::fault(int code) const {
   const std::string detail = handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code);
   switch (code & 0xff) {
     case SQLITE_FULL: return failure(ErrorCode::unavailable, path_ + ": the disk is full; make room");
+    case SQLITE_CONSTRAINT:
+    case SQLITE_TOOBIG: return failure(ErrorCode::invalid_argument, path_ + ": " + detail);
     case SQLITE_READONLY:
     case SQLITE_CANTOPEN:
-    case SQLITE_PERM: return failure(ErrorCode::unavailable, path_ + " can not be written: " + detail);
+    case SQLITE_PERM:
+      return failure(ErrorCode::bad_input, path_ + " can not be written: " + detail + "; look at its file and disk");
     case SQLITE_IOERR:
     case SQLITE_BUSY:
     case SQLITE_LOCKED:

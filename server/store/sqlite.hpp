@@ -33,8 +33,9 @@ class Row {
   sqlite3_stmt* statement_;
 };
 
-/// One connection. Not thread safe. Errors: unavailable when the disk is full, read-only, locked or broken (may pass);
-/// bad_input when the file is no database; internal otherwise. Messages name the file.
+/// One connection. Not thread safe. Errors: unavailable when the disk is full, slow or locked (may pass);
+/// invalid_argument when this statement alone is at fault; bad_input when the file can not be written, is damaged or no
+/// database; internal otherwise. Messages name the file.
 class Database {
  public:
   static Result<Database> open(const std::string& path);

@@ -113,9 +113,11 @@ class SqliteStore : public Store {
     std::vector<RobotRecord> robots;
     const std::lock_guard lock(mutex_);
     auto read = reader_.each(
-        "SELECT name, token_digest, code_digest, code_expires_s, enrolled_s, revoked FROM robots ORDER BY name",
+        "SELECT name, token_digest, code_digest, code_expires_s, enrolled_s, revoked, rate_kib_s FROM robots"
+        " ORDER BY name",
         [&](const Row& row) {
-          robots.push_back({row.text(0), row.text(1), row.text(2), row.real(3), row.real(4), row.integer(5) != 0});
+          robots.push_back({row.text(0), row.text(1), row.text(2), row.real(3), row.real(4), row.integer(5) != 0,
+                            static_cast<std::uint64_t>(row.integer(6))});
         });
     if (!read) return tl::unexpected(read.error());
     return robots;

@@ -15,7 +15,8 @@ struct SqliteOptions {
 };
 
 /// Opens `directory`/headframe.db: WAL, synchronous=FULL, one writer thread with group commit. Creates and locks the
-/// directory. unavailable: not writable or in use; incompatible: a newer schema; bad_input: not a headframe database.
+/// directory. unavailable: not writable or in use; incompatible: a newer schema; bad_input: not a headframe database,
+/// or its file can not be written.
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::filesystem::path& directory,
                                                  const SqliteOptions& options = {});
 

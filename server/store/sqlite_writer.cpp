@@ -5,6 +5,11 @@ namespace {
 
 constexpr std::size_t group_bytes = 8UL * 1024 * 1024;  // a commit no greater than this, so that acks keep flowing
 
+/// Not one write, nor the disk for now.
+bool is_of_the_database(const Error& error) {
+  return error.code == ErrorCode::bad_input || error.code == ErrorCode::internal;
+}
+
 }  // namespace
 
 SqliteWriter::SqliteWriter(Database database, const SqliteOptions& options)
@@ -25,9 +30,12 @@ SqliteWriter::~SqliteWriter() {
 void SqliteWriter::write(Write write, Store::Done done) {
   Item item{std::move(write), std::move(done), 0};
   item.bytes = size_bytes(item.write);
+  Error why{ErrorCode::unavailable, "the store can not keep up: " + std::to_string(options_.queue_bytes) +
+                                        " bytes wait to be written; try again later"};
   {
     const std::lock_guard lock(mutex_);
-    if (load_.queued_bytes + item.bytes <= options_.queue_bytes) {
+    if (broken_) why = *broken_;
+    if (!broken_ && load_.queued_bytes + item.bytes <= options_.queue_bytes) {
       load_.queued_bytes += item.bytes;
       ++load_.queued_writes;
       queue_.push_back(std::move(item));
@@ -36,8 +44,7 @@ void SqliteWriter::write(Write write, Store::Done done) {
     }
     ++load_.failed_writes;
   }
-  item.done(failure(ErrorCode::unavailable, "the store can not keep up: " + std::to_string(options_.queue_bytes) +
-                                                " bytes wait to be written; try again later"));
+  item.done(tl::unexpected(std::move(why)));
 }
 
 StoreLoad SqliteWriter::load() const {
@@ -68,9 +75,11 @@ std::deque<SqliteWriter::Item> SqliteWriter::next_group() {
 
 void SqliteWriter::commit(std::deque<Item> group) {
   for (std::size_t count = group.size(); !group.empty();) {
-    const auto done = try_commit(group, count);
+    const auto done = broken_ ? Result<void>(tl::unexpected(*broken_)) : try_commit(group, count);
     const bool disk = !done && done.error().code == ErrorCode::unavailable;
-    if (!done && count > 1) {
+    if (!done && is_of_the_database(done.error())) {
+      give_up(done.error());
+    } else if (!done && count > 1) {
       count /= 2;
       continue;
     }
@@ -100,6 +109,14 @@ bool SqliteWriter::wait_for_room(const Error& why) {
   std::unique_lock lock(mutex_);
   load_.waits_for = load_.last_error = why.message;
   return !wake_.wait_for(lock, std::chrono::milliseconds(options_.retry_ms), [&] { return stopping_; });
+}
+
+/// From now on. broken_ is only set here, on the writer's thread, which therefore reads it without the lock.
+void SqliteWriter::give_up(const Error& why) {
+  if (broken_) return;
+  const std::lock_guard lock(mutex_);
+  broken_ = why;
+  load_.broken = why.message;
 }
 
 void SqliteWriter::finish(Item& item, const Result<void>& result) {

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "server/store/sqlite_store.hpp"
@@ -13,7 +14,9 @@ namespace headframe {
 
 /// The thread that writes. Writes that come within options.group_ms share one commit. A group that fails is halved
 /// until what is at fault stands alone: a bad write then fails; one that the disk refuses waits, and all behind it,
-/// until there is room, so nothing is answered that is not durable. write() and load() are thread safe.
+/// until there is room, so nothing is answered that is not durable. When the database itself is at fault (damaged,
+/// read-only, another schema) trying again is no use: this write and all after it fail. write() and load() are thread
+/// safe.
 class SqliteWriter {
  public:
   SqliteWriter(Database database, const SqliteOptions& options);
@@ -35,6 +38,7 @@ class SqliteWriter {
   Result<void> try_commit(const std::deque<Item>& group, std::size_t count);
   bool wait_for_room(const Error& why);
   void finish(Item& item, const Result<void>& result);
+  void give_up(const Error& why);
 
   Database database_;
   const SqliteOptions options_;
@@ -42,6 +46,7 @@ class SqliteWriter {
   std::condition_variable wake_;
   std::deque<Item> queue_;
   StoreLoad load_;
+  std::optional<Error> broken_;
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -25,9 +25,9 @@ Result<void> same_as_stored(Database& db, const PutKeyframe& write) {
       "SELECT stamp_s FROM keyframes WHERE session=? AND sequence=?",
       [&](const Row& row) { same = row.real(0) == write.keyframe.stamp_s; }, write.session, write.keyframe.sequence);
   if (!read || same) return read;
-  return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(write.keyframe.sequence) + " of session " +
-                                                  std::to_string(write.session) +
-                                                  " is stored with another stamp: the robot's spool was copied");
+  return failure(ErrorCode::refused, "keyframe " + std::to_string(write.keyframe.sequence) + " of session " +
+                                         std::to_string(write.session) +
+                                         " is stored with another stamp: the robot's spool was copied");
 }
 
 Result<void> put(Database& db, const PutKeyframe& write) {
@@ -58,8 +58,10 @@ Result<void> put(Database& db, const PutCloud& write) {
 
 Result<void> put(Database& db, const PutRobot& write) {
   const RobotRecord& r = write.robot;
-  return db.run("INSERT OR REPLACE INTO robots VALUES (?,?,?,?,?,?)", r.name, Blob{r.token_digest}, Blob{r.code_digest},
-                r.code_expires_s, r.enrolled_s, int{r.revoked});
+  return db.run(
+      "INSERT OR REPLACE INTO robots (name, token_digest, code_digest, code_expires_s, enrolled_s, revoked, rate_kib_s)"
+      " VALUES (?,?,?,?,?,?,?)",
+      r.name, Blob{r.token_digest}, Blob{r.code_digest}, r.code_expires_s, r.enrolled_s, int{r.revoked}, r.rate_kib_s);
 }
 
 Result<void> put(Database& db, const CompleteSession& write) {

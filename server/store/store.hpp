@@ -40,6 +40,7 @@ struct RobotRecord {
   double code_expires_s = 0;  // since the epoch
   double enrolled_s = 0;      // since the epoch; 0: never
   bool revoked = false;
+  std::uint64_t rate_kib_s = 0;  // what it may send at most; 0: no limit of its own
 
   bool operator==(const RobotRecord&) const = default;
 };
@@ -96,6 +97,7 @@ struct StoreLoad {
   std::size_t queue_bytes = 0;  // the most that may be queued
   std::string last_error;       // empty when the last write was well
   std::string waits_for;        // why the disk refuses the next write; empty: it does not. It is tried again
+  std::string broken;           // why nothing is written any more, until the store is opened anew; empty: it is well
 };
 
 struct StoredMerge {
@@ -119,8 +121,10 @@ class Store {
   virtual ~Store() = default;
 
   /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
-  /// the queue is full (unavailable). A disk that refuses is no failure: the write waits for room. It must be quick.
+  /// the queue is full (unavailable). A full or slow disk is no failure: the write waits for room. It must be quick.
   /// Writes are applied in the order of the calls; a keyframe that would leave a hole in its session's sequence fails.
+  /// Failures: invalid_argument and refused (another keyframe of this number is stored) concern this write alone;
+  /// bad_input and internal say that the database can not be written any more: from then on every write fails so.
   virtual void write(Write write, Done done) = 0;
   virtual StoreLoad load() const = 0;
 

@@ -64,6 +64,7 @@ struct FaultyProxy::State {
           if (error) return pair->close();
           const std::size_t passed = std::min(n, pair->left);  // a frame is cut anywhere
           if (pair->left != for_good) pair->left -= passed;
+          if (from == 0) to_server += passed;
           boost::asio::write(pair->ends[1 - from], boost::asio::buffer(pair->bytes[from], passed), error);
           if (error) return pair->close();
           if (pair->left > 0) return forward(pair, from);
@@ -82,6 +83,7 @@ struct FaultyProxy::State {
   std::mt19937 random;
   int begun = 0;
   std::atomic<int> happened{0};
+  std::atomic<std::uint64_t> to_server{0};
   std::vector<std::shared_ptr<Pair>> silent;
   std::thread thread;
 };
@@ -98,5 +100,6 @@ FaultyProxy::~FaultyProxy() {
 
 std::uint16_t FaultyProxy::port() const { return state_->acceptor.local_endpoint().port(); }
 int FaultyProxy::faults() const { return state_->happened; }
+std::uint64_t FaultyProxy::bytes_to_server() const { return state_->to_server; }
 
 }  // namespace headframe::test

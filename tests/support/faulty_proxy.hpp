@@ -22,6 +22,7 @@ class FaultyProxy {
 
   std::uint16_t port() const;  // where it listens
   int faults() const;          // that have happened
+  std::uint64_t bytes_to_server() const;
 
  private:
   struct State;

@@ -37,9 +37,17 @@ std::string compressed(const std::string& content) {
   return out;
 }
 
-std::string header(std::uint64_t sweeps) {
+std::string content_of(const std::string& encoded) {
+  std::string out(ZSTD_getFrameContentSize(encoded.data(), encoded.size()), '\0');
+  EXPECT_EQ(ZSTD_decompress(out.data(), out.size(), encoded.data(), encoded.size()), out.size());
+  return out;
+}
+
+char form_of(const std::string& encoded) { return content_of(encoded).at(0); }
+
+std::string header(std::uint64_t sweeps, std::uint64_t form = 1) {
   std::string s;
-  put_varint(s, 1);
+  put_varint(s, form);
   put_float32(s, 0.01F);
   put_varint(s, sweeps);
   return s;
@@ -69,6 +77,105 @@ TEST(CloudCodec, AnEmptyCloudIsACloud) {
   const auto back = decode_cloud(*encode_cloud({}));
   ASSERT_TRUE(back);
   EXPECT_TRUE(back->sweeps.empty());
+}
+
+TEST(CloudCodec, CloudsOfTheFirstFormAreStillRead) {
+  std::string s = header(1);
+  for (const int c : {100, -200, 0}) put_signed(s, c);
+  put_varint(s, 3);
+  for (const int c : {-5, 0, 7}) put_signed(s, c);
+  for (const int step : {0, 1 + 2 + 8, 0}) put_varint(s, static_cast<std::uint64_t>(step));
+  const auto cloud = decode_cloud(compressed(s));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  const Sweep& sweep = cloud->sweeps.at(0);
+  EXPECT_LT((sweep.origin - Eigen::Vector3f(1, -2, 0)).norm(), 1e-6F);
+  ASSERT_EQ(sweep.points.size(), 3U);
+  EXPECT_LT((sweep.points[0] - Eigen::Vector3f(-0.05F, 0, 0.07F)).norm(), 1e-6F);
+  EXPECT_LT((sweep.points[1] - Eigen::Vector3f(-0.02F, 0.01F, 0.07F)).norm(), 1e-6F);
+  EXPECT_EQ(sweep.points[2], sweep.points[1]);
+  EXPECT_EQ(form_of(*encode_cloud(*cloud)), 2) << "what is written now";
+}
+
+TEST(CloudCodec, AFormOfLaterVersionsIsRefusedByName) {
+  const auto later = decode_cloud(compressed(header(0, 3)));
+  ASSERT_FALSE(later);
+  EXPECT_NE(later.error().message.find("form 3, only 1 and 2 are known"), std::string::npos) << later.error().message;
+}
+
+TEST(CloudCodec, CloudsThatWouldBeSlowToReadTakeTheFirstForm) {
+  const Eigen::Vector3f point(1, 2, 3);
+  KeyframeCloud same{{{Eigen::Vector3f::Zero(), Points(10'000, point)}}};
+  const auto bytes = encode_cloud(same);
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(form_of(*bytes), 1);
+  EXPECT_EQ(decode_cloud(*bytes)->sweeps[0].points, same.sweeps[0].points);
+  KeyframeCloud many{{{Eigen::Vector3f::Zero(), drift(262'144, 4)}}};
+  EXPECT_EQ(form_of(*encode_cloud(many)), 2);
+  many.sweeps[0].points.push_back(point);
+  EXPECT_EQ(form_of(*encode_cloud(many)), 1);
+}
+
+TEST(CloudCodec, WhatIsWrittenIsReadHoweverFewBytesItTakes) {
+  for (std::size_t n = 1; n < 200; ++n) {
+    Points points(n, Eigen::Vector3f(1, 2, 3));
+    for (std::size_t i = 0; i < n; i += 9) points[i].x() += static_cast<float>(i);
+    const auto bytes = encode_cloud({{{Eigen::Vector3f::Zero(), points}}}, 1.0F);
+    ASSERT_TRUE(bytes);
+    const auto back = decode_cloud(*bytes);
+    ASSERT_TRUE(back) << n << " points: " << back.error().message;
+    EXPECT_EQ(point_count(*back), n);
+  }
+}
+
+TEST(CloudCodec, EveryShapeComesBackExactly) {
+  const auto on_grid = [](const std::vector<std::array<int, 3>>& cells) {
+    KeyframeCloud cloud{{Sweep{}}};
+    for (const auto& c : cells) cloud.sweeps[0].points.push_back(Eigen::Vector3i(c[0], c[1], c[2]).cast<float>());
+    return cloud;
+  };
+  const int far = (1 << 21) - 1;
+  for (const auto& cells :
+       std::vector<std::vector<std::array<int, 3>>>{{{5, -6, 7}},
+                                                    {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}},
+                                                    {{0, 0, 0}, {far, far, far}},
+                                                    {{0, 0, 0}, {far, 0, 0}, {far, 0, 0}},
+                                                    {{0, 0, 0}, {31, 31, 31}, {0, 31, 0}, {32, 0, 0}, {33, 0, 0}}}) {
+    const KeyframeCloud cloud = on_grid(cells);
+    const auto bytes = encode_cloud(cloud, 1.0F);
+    ASSERT_TRUE(bytes);
+    EXPECT_EQ(form_of(*bytes), 2);
+    auto back = decode_cloud(*bytes);
+    ASSERT_TRUE(back) << back.error().message;
+    auto sorted = [](Points points) {
+      std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+        return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+      });
+      return points;
+    };
+    EXPECT_EQ(sorted(back->sweeps[0].points), sorted(cloud.sweeps[0].points));
+  }
+}
+
+TEST(CloudCodec, AnyChangeOfAnOctreesBytesGivesACloudOfItsSizeOrNone) {
+  const auto encoded =
+      encode_cloud({{{Eigen::Vector3f::Zero(), drift(300, 3)}, {Eigen::Vector3f::Ones(), drift(9, 4)}}});
+  ASSERT_TRUE(encoded);
+  const std::string content = content_of(*encoded);
+  std::mt19937 random(5);
+  int read = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    std::string changed = content;
+    for (unsigned n = random() % 4 + 1; n > 0; --n) changed[random() % changed.size()] = static_cast<char>(random());
+    if (random() % 4 == 0) changed.resize(random() % changed.size());
+    const auto cloud = decode_cloud(compressed(changed));
+    if (cloud) {
+      EXPECT_LE(point_count(*cloud), 2 * changed.size());
+    }
+    read += cloud ? 1 : 0;
+  }
+  EXPECT_GT(read, 0) << "some changes only move points";
+  EXPECT_FALSE(decode_cloud(compressed(content + '\0'))) << "a byte too many";
+  EXPECT_FALSE(decode_cloud(compressed(content.substr(0, content.size() - 1))));
 }
 
 TEST(CloudCodec, DenseCloudsTakeUnderTwoBytesAPoint) {

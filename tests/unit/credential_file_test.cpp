@@ -49,6 +49,14 @@ TEST_F(Credentials, ACodeIsKeptUntilTheServerHasConfirmedIt) {
   EXPECT_NE(anew->credential().code, "");
 }
 
+TEST_F(Credentials, TheirFolderIsMade) {
+  const auto deep = dir.path() / "robots" / "ant" / "credential";
+  EXPECT_TRUE(CredentialFile::open(deep, "ant", enrolment()));
+  EXPECT_TRUE(CredentialFile::open(deep, "ant", "")) << "and found again";
+  EXPECT_FALSE(CredentialFile::open(dir.path() / "none" / "credential", "ant", ""));
+  EXPECT_FALSE(std::filesystem::exists(dir.path() / "none")) << "not for nothing";
+}
+
 TEST_F(Credentials, AreTheirOwnersAlone) {
   ASSERT_TRUE(open(enrolment()));
   struct stat facts {};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <future>
 
+#include "server/store/sqlite.hpp"
 #include "server/store/sqlite_store.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/robot_bytes.hpp"
@@ -373,6 +374,25 @@ TEST_F(Worker, AsksForTheCloudsThatAreMissingWhenTheRobotIsThere) {
   EXPECT_EQ(robots.asked(), (std::vector<KeyframeRef>{{1, 1}, {1, 3}, {1, 4}, {1, 5}}));
   worker->robot_left(1);
   EXPECT_EQ(asked(1).error().code, ErrorCode::refused);
+}
+
+TEST_F(Worker, ADatabaseThatCanNotBeWrittenEndsMergingWithAWord) {
+  script.on_attempt = [](SessionId, CloudSource&) {
+    AttemptReport report;
+    report.changed = {{1, 1, 2, AlignmentState::candidate, Pose::Identity(), {}}};
+    return report;
+  };
+  start();
+  auto database = Database::open((dir.path() / "headframe.db").string());
+  ASSERT_TRUE(database && database->execute("DROP TABLE alignments"));
+  worker->trigger(1, Trigger::command);
+  ASSERT_TRUE(eventually([&] { return !store->load().broken.empty(); }));
+  const auto refused = decided(*worker, 7, Decision::confirm);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("until the server is started anew"), std::string::npos)
+      << refused.error().message;
+  EXPECT_TRUE(eventually([&] { return idle(); })) << "nobody waits for what will not come";
+  EXPECT_EQ(script.attempted(), 1U);
 }
 
 TEST_F(Worker, DecisionsThatFailSaySoAndTooManyAreTurnedAway) {

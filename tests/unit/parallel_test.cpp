@@ -38,6 +38,25 @@ TEST(Parallel, CallsMayBeNestedAndComeFromManyThreads) {
   EXPECT_EQ(count, 3 * 2500);
 }
 
+TEST(Parallel, CancelledWorkEndsBeforeItsNextBlock) {
+  for (const int threads : {1, 3}) {
+    std::atomic<bool> flag = false;
+    std::atomic<int> done = 0;
+    const auto work = [&] {
+      for_blocks(1000, 1, threads, [&](std::size_t, std::size_t, std::size_t) {
+        ++done;
+        flag = true;
+      });
+    };
+    {
+      const Cancellable cancellable(flag);
+      EXPECT_THROW(work(), Cancelled);
+      EXPECT_LE(done, threads);
+    }
+    EXPECT_NO_THROW(work()) << "only where it was asked for";
+  }
+}
+
 TEST(Parallel, AnExceptionReachesTheCallerAndThePoolLivesOn) {
   for (int i = 0; i < 100; ++i)
     EXPECT_THROW(for_blocks(100, 1, 4,

@@ -26,8 +26,9 @@ using boost::asio::ip::tcp;
 /// connection after another until it is destroyed.
 class ScriptedStation {
  public:
-  int drop_after_chunks = -1;  // of the first connection
-  v1::ErrorReport refusal;     // sent instead of a welcome when it has a message
+  int drop_after_chunks = -1;       // of the first connection
+  std::uint64_t refused_cloud = 0;  // by its keyframe's sequence
+  v1::ErrorReport refusal;          // sent instead of a welcome when it has a message
 
   void start() {
     thread_ = std::thread([this] { serve(); });
@@ -99,6 +100,11 @@ class ScriptedStation {
       EXPECT_EQ(c.offset(), bytes.size());
       bytes += c.data();
       if (bytes.size() < c.total_bytes()) return true;
+      if (c.sequence() == refused_cloud) {
+        reply.mutable_cloud_refusal()->set_sequence(refused_cloud);
+        reply.mutable_cloud_refusal()->set_reason("it is damaged");
+        return send(socket, reply);
+      }
       clouds[c.sequence()] = decode_cloud(bytes).value();
       reply.mutable_cloud_ack()->add_sequences(c.sequence());
     } else if (m.has_trigger()) {
@@ -115,6 +121,10 @@ class ScriptedStation {
     } else {
       return true;
     }
+    return send(socket, reply);
+  }
+
+  static bool send(tcp::socket& socket, const v1::ServerMessage& reply) {
     std::string frame;
     EXPECT_TRUE(append_frame(frame, reply.SerializeAsString()));
     boost::system::error_code code;
@@ -221,6 +231,30 @@ TEST_F(RobotClientTest, EverythingArrivesThoughTheLinkBreaksWithinACloud) {
     EXPECT_TRUE(cloud.sweeps.back().origin.isZero());
     EXPECT_GT(std::count_if(k.walls.code.begin(), k.walls.code.end(), [](auto c) { return c != 0; }), 50);
   }
+}
+
+TEST_F(RobotClientTest, ARefusedCloudIsDroppedWithAWordAndAllElseArrives) {
+  ScriptedStation station;
+  station.refused_cloud = 2;
+  station.start();
+  {
+    const auto robot = RobotClient::open(config(station.port()));
+    ASSERT_TRUE(robot) << robot.error().message;
+    ASSERT_EQ(drive(**robot), 4U);
+    const auto done = (*robot)->finish(20s);
+    ASSERT_TRUE(done) << done.error().message;
+    const auto p = (*robot)->progress();
+    EXPECT_EQ(p.clouds_acknowledged, 3U);
+    EXPECT_EQ(p.clouds_refused, 1U);
+    EXPECT_EQ(p.clouds_dropped, 1U);
+    EXPECT_EQ(p.cloud_error, "cloud of keyframe 2 was refused: it is damaged");
+    EXPECT_EQ(p.link_error, "") << "the link stays";
+    EXPECT_FALSE(p.refused);
+  }
+  const auto again = RobotClient::open(config(station.port()));
+  ASSERT_TRUE(again);
+  EXPECT_TRUE((*again)->finish(20s)) << "it is not tried again";
+  EXPECT_EQ((*again)->progress().clouds_dropped, 1U);
 }
 
 TEST_F(RobotClientTest, WithoutAServerNothingIsLost) {

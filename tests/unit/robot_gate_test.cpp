@@ -23,7 +23,8 @@ struct Gate : testing::Test {
     store = open_sqlite_store(dir.path()).value();
     RobotGate::Seams seams{
         [this] { return now_s; },
-        [this](const std::string& robot, const std::string& why) { ended += robot + " " + why + "\n"; }};
+        [this](const std::string& robot, const std::string& why) { ended += robot + " " + why + "\n"; },
+        [this](const std::string& robot, std::uint64_t kib_s) { rates[robot] = kib_s; }};
     gate =
         std::make_unique<RobotGate>(*store, seams, AttemptLimits{.failures = 2, .forgiven_per_s = 1, .addresses = 9});
     ASSERT_TRUE(gate->restore());
@@ -44,10 +45,17 @@ struct Gate : testing::Test {
     return done.get_future().get();
   }
 
+  Result<void> set_rate(const std::string& robot, std::uint64_t kib_s) {
+    std::promise<Result<void>> done;
+    gate->set_rate(robot, kib_s, [&](const Result<void>& r) { done.set_value(r); });
+    return done.get_future().get();
+  }
+
   TempDir dir;
   double now_s = 1000;
   AttemptLimiter::Time now{};
   std::string ended;
+  std::map<std::string, std::uint64_t> rates;
   std::unique_ptr<Store> store;
   std::unique_ptr<RobotGate> gate;
   const std::string token = random_secret(token_bytes), other = random_secret(token_bytes);
@@ -80,6 +88,23 @@ TEST_F(Gate, ConnectionsEndWithTheirCredential) {
   EXPECT_EQ(revoke("bee").error().code, ErrorCode::not_found);
 }
 
+TEST_F(Gate, ARateOutlivesTheServerAndTheCredential) {
+  EXPECT_EQ(set_rate("ant", 5).error().code, ErrorCode::not_found);
+  EXPECT_TRUE(admit("ant", {token, open("ant")}));
+  EXPECT_TRUE(set_rate("ant", RobotRegistry::most_rate_kib_s));
+  EXPECT_EQ(set_rate("ant", RobotRegistry::most_rate_kib_s + 1).error().code, ErrorCode::invalid_argument);
+  EXPECT_TRUE(set_rate("ant", 64));
+  EXPECT_EQ(rates["ant"], 64U) << "told when it is durable";
+  EXPECT_TRUE(revoke("ant"));
+  EXPECT_TRUE(admit("ant", {other, open("ant")}));
+  rates.clear();
+  reopen();
+  EXPECT_EQ(rates["ant"], 64U);
+  EXPECT_TRUE(set_rate("ant", 0));
+  reopen();
+  EXPECT_EQ(rates["ant"], 0U);
+}
+
 TEST_F(Gate, FailedAttemptsAreLimitedByAddressAndTokensThatFitAreNot) {
   EXPECT_TRUE(admit("ant", {token, open("ant")}));
   const std::string code = open("bee");
@@ -98,7 +123,7 @@ TEST_F(Gate, AFullDiskOpensNothing) {
   gate.reset();
   store.reset();
   store = open_sqlite_store(dir.path(), {.queue_bytes = 1}).value();  // every write is one too many
-  gate = std::make_unique<RobotGate>(*store, RobotGate::Seams{[this] { return now_s; }, {}});
+  gate = std::make_unique<RobotGate>(*store, RobotGate::Seams{[this] { return now_s; }, {}, {}});
   ASSERT_TRUE(gate->restore());
   EXPECT_EQ(admit("ant", {token, code}).error().code, ErrorCode::unavailable);
   EXPECT_EQ(admit("ant", {token, ""}).error().code, ErrorCode::refused) << "nothing was granted";

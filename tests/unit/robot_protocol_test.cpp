@@ -1,45 +1,7 @@
-#include "server/net/robot_protocol.hpp"
-
-#include <gtest/gtest.h>
-
-#include "common/wire/limits.hpp"
-#include "tests/support/robot_bytes.hpp"
+#include "tests/support/protocol_fixture.hpp"
 
 namespace headframe {
 namespace {
-
-class Protocol : public testing::Test {
- protected:
-  std::vector<RobotEvent> feed(const std::string& bytes) {
-    protocol.receive(bytes, now);
-    std::vector<RobotEvent> events;
-    while (auto event = protocol.next()) events.push_back(std::move(*event));
-    return events;
-  }
-
-  void greet(const Durable& durable = {}) {
-    ASSERT_EQ(feed(hello_frame()).size(), 1U);
-    protocol.welcome(durable);
-    ASSERT_TRUE(protocol.welcomed());
-    (void)protocol.take_output();
-  }
-
-  void later(double s) {
-    now += std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(s));
-    protocol.tick(now, true);
-  }
-
-  /// The error that was sent; the connection has to end with it.
-  v1::ErrorReport error() {
-    EXPECT_TRUE(protocol.ended());
-    const auto sent = messages(protocol.take_output());
-    return sent.empty() ? v1::ErrorReport() : sent.back().error();
-  }
-
-  RobotLimits limits;
-  RobotProtocol::Time now{};
-  RobotProtocol protocol{limits, now};
-};
 
 TEST_F(Protocol, HelloIsAskedAboutAndTheWelcomeSaysWhatIsDurable) {
   const auto events = feed(hello_frame() + keyframe_frame(line_keyframe(6)));
@@ -208,56 +170,6 @@ TEST_F(Protocol, NothingFollowsACompleteSession) {
   EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER);
 }
 
-TEST_F(Protocol, CloudsThatDoNotFitOrDecodeAreRefused) {
-  const std::string cloud = small_cloud();
-  const std::vector<std::string> bad{
-      chunk_frame(1, cloud.size(), 5, "abc"),                      // a hole
-      chunk_frame(1, 2, 0, "abc"),                                 // more than announced
-      chunk_frame(1, limits::cloud_bytes + 1, 0, "abc"),           // over the limit
-      chunk_frame(1, 0, 0, "abc"),                                 //
-      chunk_frame(1, 3, 0, ""),                                    // would never end
-      chunk_frame(1, 6, 0, "abc") + chunk_frame(1, 7, 3, "defg"),  // another size half-way
-      chunk_frame(1, 7, 0, "garbage"),                             // does not decode
-  };
-  for (std::size_t i = 0; i < bad.size(); ++i) {
-    protocol = RobotProtocol(limits, now);
-    greet({1, {}});
-    EXPECT_TRUE(feed(bad[i]).empty());
-    EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE) << "case " << i;
-  }
-  protocol = RobotProtocol(limits, now);
-  greet({1, {}});
-  EXPECT_TRUE(feed(chunk_frame(1, limits::cloud_bytes, 0, "abc")).empty());
-  EXPECT_FALSE(protocol.ended()) << "exactly the limit";
-  EXPECT_TRUE(feed(chunk_frame(2, 3, 0, "abc")).empty());
-  EXPECT_EQ(error().kind(), v1::ERROR_KIND_OUT_OF_ORDER) << "no such keyframe";
-}
-
-TEST_F(Protocol, AFewCloudsMayOvertakeEachOtherButNotMany) {
-  greet({10, {}});
-  const std::string cloud = small_cloud();
-  for (std::uint64_t s = 1; s <= CloudAssembler::open_clouds; ++s)
-    EXPECT_TRUE(feed(chunk_frame(s, cloud.size(), 0, cloud.substr(0, 50))).empty());
-  EXPECT_EQ(feed(chunk_frame(2, cloud.size(), 50, cloud.substr(50))).size(), 1U);
-  EXPECT_EQ(feed(chunk_frame(1, cloud.size(), 0, cloud)).size(), 1U) << "begun anew";
-  for (const std::uint64_t s : {5, 6}) EXPECT_TRUE(feed(chunk_frame(s, cloud.size(), 0, "x")).empty());
-  EXPECT_FALSE(protocol.ended());
-  EXPECT_TRUE(feed(chunk_frame(7, cloud.size(), 0, "x")).empty());
-  EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
-}
-
-TEST(CloudAssembler, HoldsSoManyBytesOfUnfinishedCloudsAndNoMore) {
-  CloudAssembler clouds;
-  const std::size_t total = limits::cloud_bytes;
-  const std::string all_but_one(total - 1, 'x');
-  EXPECT_FALSE(clouds.add(1, total, 0, all_but_one).value());
-  EXPECT_FALSE(clouds.add(2, total, 0, all_but_one).value());
-  EXPECT_FALSE(clouds.add(3, total, 0, "xx").value());
-  EXPECT_FALSE(clouds.add(3, total, 2, "x"));
-  EXPECT_FALSE(clouds.add(1, total, 0, "x").value()) << "begun anew, its bytes are free again";
-  EXPECT_FALSE(clouds.add(3, total, 2, "x").value());
-}
-
 TEST_F(Protocol, SilenceIsAskedAboutAndThenEndsTheConnection) {
   greet();
   later(limits.ping_s - 0.1);
@@ -322,15 +234,6 @@ TEST_F(Protocol, OutputKeepsTheLatestWordOnly) {
   EXPECT_EQ(sent[2].transform_update().revision(), 1000U);
   EXPECT_EQ(sent[3].pong().nonce(), 1000U);
   EXPECT_TRUE(protocol.take_output().empty());
-}
-
-TEST_F(Protocol, UnavailableCloudsOfUnknownKeyframesAreLeftOut) {
-  greet({3, {}});
-  v1::RobotMessage message;
-  for (const std::uint64_t s : {0, 2, 3, 4}) message.mutable_submap_unavailable()->add_sequences(s);
-  const auto events = feed(frame(message));
-  ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(std::get<CloudsUnavailable>(events[0]).sequences, (std::vector<std::uint64_t>{2, 3}));
 }
 
 }  // namespace

@@ -1,46 +1,19 @@
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <fstream>
-#include <future>
 #include <limits>
-#include <thread>
 
 #include "server/store/schema.hpp"
-#include "server/store/sqlite_store.hpp"
 #include "tests/support/keyframes.hpp"
-#include "tests/support/temp_dir.hpp"
+#include "tests/support/stores.hpp"
 
 namespace headframe {
 namespace {
 
-Result<void> write_and_wait(Store& store, Write write) {
-  std::promise<Result<void>> durable;
-  store.write(std::move(write), [&](const Result<void>& result) { durable.set_value(result); });
-  return durable.get_future().get();
-}
-
-std::unique_ptr<Store> open(const TempDir& dir, const SqliteOptions& options = {}) {
-  auto store = open_sqlite_store(dir.path(), options);
-  EXPECT_TRUE(store) << (store ? "" : store.error().message);
-  return store ? std::move(*store) : nullptr;
-}
-
-std::vector<Keyframe> keyframes(Store& store, SessionId session, std::uint64_t first = 1) {
-  std::vector<Keyframe> all;
-  EXPECT_TRUE(store.each_keyframe(session, first, [&](Keyframe k) { all.push_back(std::move(k)); }));
-  return all;
-}
-
 TEST(Store, KeepsRobotsAsTheyWerePutLast) {
   const TempDir dir;
-  const RobotRecord ant{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false}, bee{"bee", "", "code", 1, 0, true};
+  const RobotRecord ant{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false, 64},
+      bee{"bee", "", "code", 1, 0, true};
   {
     const auto store = open(dir);
     ASSERT_TRUE(write_and_wait(*store, PutRobot{bee}));
@@ -152,10 +125,11 @@ TEST(Store, KeepsDecisionsAndThatTheyWereUndone) {
   EXPECT_EQ(decisions[1].decision, Decision::confirm);
 }
 
-/// What takes a database back to the schema before labels, anchors and surveys.
+/// What takes a database back to the schema before labels, anchors, surveys and rates.
 constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN label; ALTER TABLE alignments DROP COLUMN T_a_b_runner_up;"
-    "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; PRAGMA user_version=3;";
+    "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; ALTER TABLE robots DROP COLUMN rate_kib_s;"
+    "PRAGMA user_version=3;";
 
 Survey survey_of(SessionId session) {
   return {session,
@@ -304,104 +278,6 @@ TEST(Store, FullQueueRefusesAtOnce) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   EXPECT_EQ(store->load().queued_bytes, 0U);
-}
-
-/// Files of this process may not grow beyond this: a full disk that can be emptied.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
-
-TEST(Store, AFullDiskIsWaitedOutAndNothingIsLost) {
-  const TempDir dir;
-  constexpr std::uint64_t all = 3000;
-  std::atomic<std::uint64_t> durable = 0, failed = 0;
-  {
-    const auto store = open(dir, {.retry_ms = 1});
-    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
-    std::uint64_t before = 0;
-    {
-      const FileLimit limit(1'000'000);
-      for (std::uint64_t i = 1; i <= all; ++i)
-        store->write(PutKeyframe{1, line_keyframe(i)},
-                     [&](const Result<void>& result) { ++(result ? durable : failed); });
-      while (store->load().waits_for.empty()) std::this_thread::yield();
-      EXPECT_EQ(keyframes(*store, 1).size(), durable) << "reads go on";
-      before = durable;
-      EXPECT_LT(before, all);
-      EXPECT_EQ(store->load().last_error, store->load().waits_for);
-    }
-    EXPECT_TRUE(write_and_wait(*store, CompleteSession{1})) << "it goes on by itself";
-    EXPECT_EQ(durable, all);
-    EXPECT_EQ(failed, 0U);
-    EXPECT_EQ(store->load().waits_for, "");
-  }
-  EXPECT_EQ(keyframes(*open(dir), 1).size(), all);
-}
-
-TEST(Store, ClosedWhileTheDiskIsFullItFailsWhatWaits) {
-  const TempDir dir;
-  std::uint64_t durable = 0, failed = 0;  // counted by the writer's thread, read when it has ended
-  {
-    const auto store = open(dir, {.database_bytes = 1'000'000, .retry_ms = 1});
-    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
-    for (std::uint64_t i = 1; i < 3000; ++i)
-      store->write(PutKeyframe{1, line_keyframe(i)},
-                   [&](const Result<void>& result) { ++(result ? durable : failed); });
-    while (store->load().waits_for.empty()) std::this_thread::yield();
-    EXPECT_NE(store->load().waits_for.find("disk is full"), std::string::npos) << store->load().waits_for;
-  }
-  EXPECT_GE(durable, 100U);
-  EXPECT_EQ(durable + failed, 2999U);
-  const auto store = open(dir);  // room was made
-  EXPECT_EQ(keyframes(*store, 1).size(), durable);
-  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(durable + 1)}));
-}
-
-/// Writes without end; tells each durable sequence through the pipe. Only left by a kill.
-[[noreturn]] void write_for_ever(const std::filesystem::path& directory, int pipe) {
-  auto store = open_sqlite_store(directory, {.group_ms = 1});
-  (*store)->write(PutSession{session_record(1, "ant")}, [](const Result<void>&) {});
-  for (std::uint64_t i = 1;; ++i) {
-    while ((*store)->load().queued_writes > 200) ::usleep(100);
-    (*store)->write(PutKeyframe{1, line_keyframe(i)}, [pipe, i](const Result<void>& result) {
-      if (!result || ::write(pipe, &i, sizeof i) != sizeof i) ::_exit(1);
-    });
-  }
-}
-
-TEST(Store, KillInMidWriteLosesNothingThatWasDurable) {
-  const TempDir dir;
-  for (int round = 0; round < 3; ++round) {
-    std::filesystem::remove_all(dir.path());
-    int ends[2];
-    ASSERT_EQ(::pipe(ends), 0);
-    const pid_t child = ::fork();
-    if (child == 0) write_for_ever(dir.path(), ends[1]);
-    ::close(ends[1]);
-    std::uint64_t told = 0, sequence = 0;
-    while (told < 500U * (round + 1) && ::read(ends[0], &sequence, sizeof sequence) == sizeof sequence) told = sequence;
-    ::kill(child, SIGKILL);
-    ::waitpid(child, nullptr, 0);
-    while (::read(ends[0], &sequence, sizeof sequence) == sizeof sequence) told = sequence;
-    ::close(ends[0]);
-    ASSERT_GE(told, 500U);
-    const auto store = open(dir);
-    const auto all = keyframes(*store, 1);
-    EXPECT_GE(all.size(), told);
-    for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i].sequence, i + 1);
-  }
 }
 
 std::string open_error(const std::filesystem::path& path) {

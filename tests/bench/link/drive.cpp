@@ -30,13 +30,14 @@ std::vector<float> numbers(std::mt19937& random, std::size_t size) {
 }  // namespace
 
 RobotConfig drive_config(const std::string& robot, const std::filesystem::path& spool, const std::string& host,
-                         std::uint16_t port) {
+                         std::uint16_t port, const std::string& enrolment) {
   RobotConfig config;
   config.robot = robot;
   config.spool = spool;
   config.host = host;
   config.port = port;
-  config.insecure = true;
+  config.insecure = enrolment.empty();
+  config.enrolment = enrolment;
   config.sensor = {"drawn-32", 32, 22.5F, 22.5F, 60.0F};
   config.own_descriptors = OwnDescriptors{{"bench_noise", 1}, q_size, w_size};
   config.clouds = CloudPolicy::all;

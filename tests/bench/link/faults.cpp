@@ -8,6 +8,7 @@
 
 #include "server/map_merge_server.hpp"
 #include "tests/bench/link/drive.hpp"
+#include "tests/bench/link/enrol.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -87,14 +88,17 @@ Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::pa
   config.merge.least_path_m = 1e5;
   Result<std::unique_ptr<MapMergeServer>> server;
   (*link)->as_server([&] {
-    server = MapMergeServer::start({scratch / "data", {BadLink::server_address, 0}, {"127.0.0.1", 0}, config, true});
+    server = MapMergeServer::start({scratch / "data", {BadLink::server_address, 0}, {"127.0.0.1", 0}, config});
   });
   if (!server) return tl::unexpected(server.error());
   std::vector<Watched> robots(static_cast<std::size_t>(plan.robots));
   for (std::size_t i = 0; i < robots.size(); ++i) {
     robots[i].name = "robot" + std::to_string(i);
+    Result<std::string> enrolled;
+    (*link)->as_server([&] { enrolled = enrolment(to_string((*server)->http()), scratch / "data", robots[i].name); });
+    if (!enrolled) return tl::unexpected(enrolled.error());
     const auto robot = drive_config(robots[i].name, scratch / "spools" / robots[i].name, BadLink::server_address,
-                                    (*server)->robots().port);
+                                    (*server)->robots().port, *enrolled);
     Result<std::unique_ptr<RobotClient>> client;
     (*link)->as_robot([&] { client = RobotClient::open(robot); });
     if (!client) return tl::unexpected(client.error());

@@ -28,7 +28,7 @@ struct FaultOutcome {
   void add(const FaultOutcome& other);
 };
 
-/// A server and robots in one process, a namespace each, the radio between them.
+/// A server and robots in one process, a namespace each, the radio between them; TLS.
 Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::path& scratch);
 
 /// Of sorted or unsorted values; 0 of none.

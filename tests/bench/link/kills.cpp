@@ -7,6 +7,7 @@
 #include <random>
 #include <thread>
 
+#include "tests/bench/link/enrol.hpp"
 #include "tests/support/base_station.hpp"
 
 namespace headframe::bench {
@@ -48,17 +49,22 @@ class Block {
   int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
 
   Result<void> start_server() {
-    auto started = test::BaseStation::start(scratch_ / "data", listen_, true);
+    auto started = test::BaseStation::start(scratch_ / "data", listen_);
     if (!started) return tl::unexpected(started.error());
     listen_ = started->robots();  // the same port from now on
     server_.emplace(std::move(*started));
+    for (auto i = enrolments_.size(); i < names_.size(); ++i) {
+      auto made = enrolment(server_->http(), scratch_ / "data", names_[i]);
+      if (!made) return tl::unexpected(made.error());
+      enrolments_.push_back(std::move(*made));
+    }
     return {};
   }
 
   Result<void> start_robot(std::size_t i) {
     auto started = test::Process::start({test::program("headframe-link-robot"), names_[i], spool(i).string(),
                                          listen_.substr(listen_.rfind(':') + 1), std::to_string(plan_.keyframes),
-                                         std::to_string(plan_.every_ms)});
+                                         std::to_string(plan_.every_ms), enrolments_[i]});
     if (!started) return tl::unexpected(started.error());
     robots_[i].emplace(std::move(*started));
     return {};
@@ -138,7 +144,7 @@ class Block {
   const KillPlan plan_;
   const fs::path scratch_;
   std::mt19937& random_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, enrolments_;  // an enrolment may be shown again by the robot that used it
   std::map<std::string, Produced> produced_;
   std::string listen_ = "127.0.0.1:0";
   std::optional<test::BaseStation> server_;
@@ -147,15 +153,18 @@ class Block {
 
 }  // namespace
 
-Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch) {
-  std::mt19937 random(plan.seed);
-  KillOutcome outcome;
+Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch, KillOutcome outcome,
+                                  const std::function<void(const KillOutcome&)>& after_block) {
   while (outcome.kills < plan.count) {
+    std::seed_seq seed{plan.seed,
+                       static_cast<std::uint32_t>(outcome.kills)};  // of this block, whoever ran those before
+    std::mt19937 random(seed);
     const fs::path folder = scratch / ("block" + std::to_string(outcome.compares));
     const int kills = std::min(plan.kills_a_block, plan.count - outcome.kills);
     auto done = Block(plan, folder, random).run(kills, outcome);
     if (!done) return tl::unexpected(done.error());
     fs::remove_all(folder);
+    if (after_block) after_block(outcome);
   }
   return outcome;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "tests/bench/link/audit.hpp"
 
@@ -23,7 +24,10 @@ struct KillOutcome {
 };
 
 /// Kills the server, a robot, or all at seeded moments under load; restarts them in a seeded order; compares after
-/// every restart. Real processes, data below `scratch`. Fails when a program does not start or does not finish.
-Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch);
+/// every restart. Real processes over TLS, data below `scratch`. `outcome` has what earlier blocks of the same plan
+/// came to, so that a campaign may be interrupted between them; after_block is told after each. Fails when a program
+/// does not start or does not finish.
+Result<KillOutcome> kill_campaign(const KillPlan& plan, const std::filesystem::path& scratch, KillOutcome outcome = {},
+                                  const std::function<void(const KillOutcome&)>& after_block = {});
 
 }  // namespace headframe::bench

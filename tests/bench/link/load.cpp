@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "tests/bench/link/drive.hpp"
+#include "tests/bench/link/enrol.hpp"
 #include "tests/bench/link/faults.hpp"
 #include "tests/support/process.hpp"
 
@@ -26,23 +27,25 @@ double since(Clock::time_point start) { return std::chrono::duration<double>(Clo
 struct Server {
   test::Process process;
   std::uint16_t port = 0;
+  std::string http;
+  fs::path data;
 };
 
 Result<Server> serve(const fs::path& scratch, int robots) {
   fs::create_directories(scratch);
   std::ofstream(scratch / "config.toml") << "[limits]\nrobots = " << robots + 8 << "\n";
   const std::string log = (scratch / "server.log").string();
-  auto process = test::Process::start(
-      {test::program("headframe-server"), "--data", (scratch / "data").string(), "--listen", "127.0.0.1:0", "--http",
-       "127.0.0.1:0", "--insecure", "--config", (scratch / "config.toml").string()},
-      log);
+  auto process =
+      test::Process::start({test::program("headframe-server"), "--data", (scratch / "data").string(), "--listen",
+                            "127.0.0.1:0", "--http", "127.0.0.1:0", "--config", (scratch / "config.toml").string()},
+                           log);
   if (!process) return tl::unexpected(process.error());
-  static const std::regex ready("ready: robots on 127.0.0.1:([0-9]+)");
+  static const std::regex ready("ready: robots on 127.0.0.1:([0-9]+), http on ([^,]+)");
   for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(20ms)) {
     std::ifstream in(log);
     const std::string text(std::istreambuf_iterator<char>(in), {});
     if (std::smatch match; std::regex_search(text, match, ready))
-      return Server{std::move(*process), static_cast<std::uint16_t>(std::stoi(match[1]))};
+      return Server{std::move(*process), static_cast<std::uint16_t>(std::stoi(match[1])), match[2], scratch / "data"};
   }
   return failure(ErrorCode::unavailable, "the server did not get ready, see " + log);
 }
@@ -82,7 +85,9 @@ class Load {
       auto& robot = robots_[i];
       robot.name = "robot" + std::to_string(i);
       robot.added_s = std::vector<std::atomic<double>>(static_cast<std::size_t>(plan_.seconds) + 2);
-      auto config = drive_config(robot.name, spools / robot.name, "127.0.0.1", server_.port);
+      const auto enrolled = enrolment(server_.http, server_.data, robot.name);
+      if (!enrolled) return tl::unexpected(enrolled.error());
+      auto config = drive_config(robot.name, spools / robot.name, "127.0.0.1", server_.port, *enrolled);
       config.sync = false;
       auto client = RobotClient::open(config);
       if (!client) return tl::unexpected(client.error());

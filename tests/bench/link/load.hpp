@@ -27,8 +27,8 @@ struct LoadOutcome {
   double late_ms = 0;                         // by which the bench itself added keyframes too late, at worst
 };
 
-/// headframe-server as a process with its data in `scratch`, all robots in this process; their spools are not synced,
-/// since robots have disks of their own.
+/// headframe-server as a process with its data in `scratch`, over TLS; all robots in this process; their spools are not
+/// synced, since robots have disks of their own.
 Result<LoadOutcome> load(const LoadPlan& plan, const std::filesystem::path& scratch,
                          const std::filesystem::path& spools);
 

@@ -9,11 +9,17 @@
 namespace headframe::bench {
 namespace {
 
-/// New figures replace old ones of the same name; the others stay.
-void save(const std::filesystem::path& path, const nlohmann::json& figures) {
+nlohmann::json saved(const std::filesystem::path& path) {
   nlohmann::json all;
   if (std::ifstream in(path); in) all = nlohmann::json::parse(in, nullptr, false);
   if (!all.is_object()) all = nlohmann::json::object();
+  if (!all["link"].is_object()) all["link"] = nlohmann::json::object();
+  return all;
+}
+
+/// New figures replace old ones of the same name; the others stay.
+void save(const std::filesystem::path& path, const nlohmann::json& figures) {
+  nlohmann::json all = saved(path);
   all["link"].update(figures);
   std::filesystem::create_directories(path.parent_path());
   std::ofstream(path) << all.dump(1) << "\n";
@@ -32,7 +38,12 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   CLI::App app("What the link costs and what it stands; without a part: all of them.", "./run bench link");
   KillPlan kill_plan;
   auto* bytes_part = app.add_subcommand("bytes", "bytes of a keyframe and of a point");
-  auto* kills_part = app.add_subcommand("kills", "kill -9 of server and robots under load, all compared");
+  auto* merge_part = app.add_subcommand("merge", "bytes that a merge of two robots of the demo costs");
+  double hostile_seconds = 30;
+  auto* hostile_part = app.add_subcommand("hostile", "what robots notice of hostile peers");
+  hostile_part->add_option("--seconds", hostile_seconds, "without them, and again with them")->capture_default_str();
+  auto* kills_part = app.add_subcommand(
+      "kills", "kill -9 of server and robots under load, all compared; goes on where it was interrupted");
   kills_part->add_option("--count", kill_plan.count, "kills")->capture_default_str();
   kills_part->add_option("--seed", kill_plan.seed)->capture_default_str();
   double seconds = 310;
@@ -64,7 +75,12 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
     std::fflush(stdout);
   };
   part(bytes_part, link_bytes);
-  part(kills_part, [&] { return link_kills(kill_plan); });
+  part(merge_part, link_merge);
+  part(hostile_part, [&] { return link_hostile(hostile_seconds); });
+  part(kills_part, [&] {
+    return link_kills(kill_plan, saved(out / "link.json")["link"],
+                      [&](const nlohmann::json& so_far) { save(out / "link.json", so_far); });
+  });
   part(faults_part, [&] { return link_faults(seconds, seed); });
   part(load_part, [&] { return link_load(load_plan, until_it_breaks); });
   return good ? 0 : 1;

@@ -30,11 +30,50 @@ Result<LoadOutcome> load_once(const LoadPlan& plan) {
   return outcome;
 }
 
+nlohmann::json figures_of(const KillOutcome& outcome, std::uint32_t seed) {
+  const Faults& f = outcome.faults;
+  return {{"kill_seed", seed},
+          {"kills", outcome.kills},
+          {"lost", f.lost + f.clouds_lost},
+          {"duplicated", f.duplicated},
+          {"corrupted", f.corrupted},
+          {"clouds_lost", f.clouds_lost},
+          {"clouds_corrupted", f.clouds_corrupted},
+          {"kill_keyframes", f.keyframes},
+          {"kill_clouds", f.clouds},
+          {"kill_compares", outcome.compares},
+          {"server_kills", outcome.server_kills}};
+}
+
+KillOutcome outcome_of(const nlohmann::json& figures) {
+  const auto count = [&](const char* name) { return figures.value(name, std::uint64_t{0}); };
+  KillOutcome outcome;
+  outcome.kills = figures.value("kills", 0);
+  outcome.server_kills = figures.value("server_kills", 0);
+  outcome.compares = figures.value("kill_compares", 0);
+  Faults& f = outcome.faults;
+  f.clouds_lost = count("clouds_lost");
+  f.lost = count("lost") - f.clouds_lost;
+  f.duplicated = count("duplicated");
+  f.corrupted = count("corrupted");
+  f.clouds_corrupted = count("clouds_corrupted");
+  f.keyframes = count("kill_keyframes");
+  f.clouds = count("kill_clouds");
+  return outcome;
+}
+
 }  // namespace
 
-nlohmann::json link_kills(const KillPlan& plan) {
+nlohmann::json link_kills(const KillPlan& plan, const nlohmann::json& before,
+                          const std::function<void(const nlohmann::json&)>& save) {
+  KillOutcome earlier;
+  if (before.value("kill_seed", 0U) == plan.seed && before.value("kills", 0) < plan.count) earlier = outcome_of(before);
+  if (earlier.kills > 0) std::printf("link kills: goes on after %d kills of an earlier run\n", earlier.kills);
   const test::ScratchFolder scratch;
-  const auto outcome = kill_campaign(plan, scratch.path());
+  const auto outcome = kill_campaign(plan, scratch.path(), earlier, [&](const KillOutcome& so_far) {
+    save(figures_of(so_far, plan.seed));
+    std::fprintf(stderr, "link kills: %d of %d\n", so_far.kills, plan.count);
+  });
   if (!outcome) return std::fprintf(stderr, "link kills: %s\n", outcome.error().message.c_str()), nlohmann::json();
   const Faults& f = outcome->faults;
   const auto n = [](std::uint64_t v) { return static_cast<unsigned long long>(v); };
@@ -43,16 +82,7 @@ nlohmann::json link_kills(const KillPlan& plan) {
       plan.seed, outcome->kills, outcome->server_kills, outcome->compares, n(f.keyframes), n(f.clouds));
   std::printf("  lost %llu, duplicated %llu, corrupted %llu; clouds lost %llu, corrupted %llu %s\n", n(f.lost),
               n(f.duplicated), n(f.corrupted), n(f.clouds_lost), n(f.clouds_corrupted), f.first.c_str());
-  return {{"kills", outcome->kills},
-          {"lost", f.lost + f.clouds_lost},
-          {"duplicated", f.duplicated},
-          {"corrupted", f.corrupted},
-          {"clouds_lost", f.clouds_lost},
-          {"clouds_corrupted", f.clouds_corrupted},
-          {"kill_keyframes", f.keyframes},
-          {"kill_clouds", f.clouds},
-          {"kill_compares", outcome->compares},
-          {"server_kills", outcome->server_kills}};
+  return figures_of(*outcome, plan.seed);
 }
 
 nlohmann::json link_faults(double seconds, std::uint32_t seed) {

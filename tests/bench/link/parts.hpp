@@ -9,7 +9,10 @@
 
 namespace headframe::bench {
 
-nlohmann::json link_kills(const KillPlan& plan);
+/// before: figures that were saved; those of an interrupted campaign with the same seed are gone on from. `save` is
+/// given the figures after each block.
+nlohmann::json link_kills(const KillPlan& plan, const nlohmann::json& before,
+                          const std::function<void(const nlohmann::json&)>& save);
 
 /// All bad radios at the same time, each with robots and a server of its own.
 nlohmann::json link_faults(double seconds, std::uint32_t seed);

@@ -1,0 +1,82 @@
+#pragma once
+// The inside of the uplink: uplink_thread.cpp makes, doubts and ends connections, uplink.cpp sends over them.
+
+#include <array>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <optional>
+#include <thread>
+
+#include "client/uplink/pacing.hpp"
+#include "client/uplink/uplink.hpp"
+#include "common/security/link_stream.hpp"
+#include "common/security/tls.hpp"
+
+namespace headframe {
+
+// All members but the atomics belong to the thread that runs `io`.
+struct Uplink::Thread {
+  using Clock = std::chrono::steady_clock;
+  using Code = boost::system::error_code;
+
+  /// One connection or attempt. Handlers hold it; `over` tells late ones to do nothing.
+  struct Connection {
+    Connection(boost::asio::io_context& io, const UplinkConfig& config, const Hello& hello, const UplinkSource& source)
+        : stream(io), pace(io), deadline(io), protocol(config.limits, hello, source, Clock::now()) {}
+    LinkStream stream;
+    boost::asio::steady_timer pace, deadline;
+    UplinkProtocol protocol;
+    std::array<char, 16 * 1024> received{};
+    std::string writing;  // the frame that is on its way
+    bool up = false, over = false, shut = false;
+  };
+  using Link = std::shared_ptr<Connection>;
+
+  Thread(const UplinkConfig& c, const Hello& h, const UplinkSource& s, std::function<void(const UplinkEvent&)> e)
+      : config(c), hello(h), source(s), on_event(std::move(e)), bucket(c.bytes_per_s, Clock::now()) {
+    if (!config.fingerprint.empty()) tls.emplace(config.fingerprint);
+  }
+
+  void connect();
+  void shake_hands(const Link& link);
+  void connected_to(const Link& link);
+  void read(const Link& link);
+  void pump(const Link& link);
+  void pump_later(const Link& link);
+  void write(const Link& link);
+  void tick(const Link& link);
+  void take(const Link& link, const std::vector<UplinkEvent>& events);
+  void fail(const Link& link, const std::string& what, const Code& code);
+  void end(const Link& link, bool permanent);
+  static void discard(const Link& link);
+  void retry_after(double s);
+  void doubt();
+  std::size_t room(const Link& link) const;
+  void begin_close(bool complete);
+
+  static Clock::duration seconds(double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  }
+
+  const UplinkConfig config;
+  const Hello hello;
+  const UplinkSource& source;
+  const std::function<void(const UplinkEvent&)> on_event;
+  boost::asio::io_context io{1};
+  std::optional<PinnedTls> tls;  // none: in the clear
+  boost::asio::steady_timer retry{io};
+  boost::asio::ip::tcp::resolver resolver{io};
+  TokenBucket bucket;
+  Backoff backoff{config.retry_first_s, config.retry_most_s, std::random_device{}()};
+  Link link;     // the one that carries the session; null or over: none does
+  Link attempt;  // being made; beside a link in doubt, or without one
+  std::string pending_trigger;
+  bool closing = false;
+  std::atomic<bool> up{false};
+  std::atomic<std::uint64_t> bytes_sent{0};
+  std::thread runner;
+};
+
+}  // namespace headframe

@@ -1,0 +1,143 @@
+#pragma once
+// Bits with learned probabilities, as few bytes: a binary range coder with carry.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace headframe {
+
+/// How likely a bit is 0, in 1/65536, learned from those before it: the mean of a quick and a slow estimate, both
+/// quicker at first.
+class AdaptiveBit {
+ public:
+  std::uint32_t zero() const {
+    constexpr std::uint32_t least = 64;  // never certain
+    const std::uint32_t p = (std::uint32_t{quick_} + slow_) / 2;
+    return p < least ? least : p > 65536 - least ? 65536 - least : p;
+  }
+  void learn(bool bit) {
+    if (seen_ < slow_shift) ++seen_;
+    quick_ = moved(quick_, bit, seen_ < quick_shift ? seen_ : quick_shift);
+    slow_ = moved(slow_, bit, seen_);
+  }
+
+ private:
+  static constexpr std::uint8_t quick_shift = 4, slow_shift = 7;
+  static std::uint16_t moved(std::uint16_t p, bool bit, int shift) {
+    return static_cast<std::uint16_t>(bit ? p - (p >> shift) : p + ((65535 - p) >> shift));
+  }
+  std::uint16_t quick_ = 32768, slow_ = 32768;
+  std::uint8_t seen_ = 0;
+};
+
+class RangeEncoder {
+ public:
+  void put(AdaptiveBit& model, bool bit) {
+    const std::uint32_t bound = (range_ >> 16) * model.zero();
+    if (bit) {
+      low_ += bound;
+      range_ -= bound;
+    } else {
+      range_ = bound;
+    }
+    model.learn(bit);
+    normalise();
+  }
+
+  /// The lowest `count` bits of a number, all as likely as not.
+  void put_plain(std::uint64_t bits, int count) {
+    while (count-- > 0) {
+      range_ >>= 1;
+      if ((bits >> count & 1U) != 0) low_ += range_;
+      normalise();
+    }
+  }
+
+  /// Nothing may be put after this.
+  std::string finish() {
+    for (int i = 0; i < 5; ++i) shift();
+    return std::move(out_);
+  }
+
+ private:
+  void normalise() {
+    for (; range_ < 1U << 24; range_ <<= 8) shift();
+  }
+  /// A byte is held back, and 0xff after it counted, until it is known whether a carry comes.
+  void shift() {
+    if (low_ < 0xff000000ULL || low_ > 0xffffffffULL) {
+      const auto carry = static_cast<std::uint8_t>(low_ >> 32);
+      if (held_) out_.push_back(static_cast<char>(byte_ + carry));
+      for (; ones_ > 0; --ones_) out_.push_back(static_cast<char>(0xff + carry));
+      byte_ = static_cast<std::uint8_t>(low_ >> 24);
+      held_ = true;
+    } else {
+      ++ones_;
+    }
+    low_ = low_ << 8 & 0xffffffffULL;
+  }
+
+  std::string out_;
+  std::uint64_t low_ = 0, ones_ = 0;
+  std::uint32_t range_ = 0xffffffffU;
+  std::uint8_t byte_ = 0;
+  bool held_ = false;
+};
+
+/// Reads any bytes: what is no encoder's work gives some bits, and in the end done() says no.
+class RangeDecoder {
+ public:
+  explicit RangeDecoder(std::string_view bytes) : bytes_(bytes) {
+    for (int i = 0; i < 4; ++i) take();
+  }
+
+  bool get(AdaptiveBit& model) {
+    const std::uint32_t bound = (range_ >> 16) * model.zero();
+    const bool bit = code_ >= bound;
+    if (bit) {
+      code_ -= bound;
+      range_ -= bound;
+    } else {
+      range_ = bound;
+    }
+    model.learn(bit);
+    normalise();
+    return bit;
+  }
+
+  std::uint64_t get_plain(int count) {
+    std::uint64_t bits = 0;
+    while (count-- > 0) {
+      range_ >>= 1;
+      const bool bit = code_ >= range_;
+      if (bit) code_ -= range_;
+      bits = bits << 1 | (bit ? 1U : 0U);
+      normalise();
+    }
+    return bits;
+  }
+
+  /// More was read than there is.
+  bool overrun() const { return missing_ > 0; }
+  /// All was read, and no more.
+  bool done() const { return next_ == bytes_.size() && missing_ == 0; }
+
+ private:
+  void normalise() {
+    for (; range_ < 1U << 24; range_ <<= 8) take();
+  }
+  void take() {
+    code_ <<= 8;
+    if (next_ < bytes_.size())
+      code_ |= static_cast<std::uint8_t>(bytes_[next_++]);
+    else
+      ++missing_;
+  }
+
+  std::string_view bytes_;
+  std::size_t next_ = 0, missing_ = 0;
+  std::uint32_t range_ = 0xffffffffU, code_ = 0;
+};
+
+}  // namespace headframe

@@ -1,0 +1,60 @@
+// Every message that a robot may send, to the server's side of the protocol; with a welcome or before it.
+#include <google/protobuf/stubs/logging.h>
+
+#include "server/net/robot_protocol.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace headframe::fuzz {
+namespace {
+
+constexpr std::uint64_t durable = 3;
+
+Hello hello() { return {{"ant", "s1"}, {"os1", 32, 22, 22, 120}, {{"f", 1}, 3, 2}, CloudPolicy::all, "fuzz", 7}; }
+
+void check(const RobotEvent& event, std::uint64_t& received) {
+  if (const auto* keyframe = std::get_if<KeyframeReceived>(&event)) {
+    require(keyframe->keyframe.sequence == ++received);
+    require(keyframe->keyframe.descriptor.q.size() == 3 && keyframe->keyframe.descriptor.w.size() == 2);
+  }
+  if (const auto* cloud = std::get_if<CloudReceived>(&event))
+    require(cloud->sequence >= 1 && cloud->sequence <= received);
+}
+
+}  // namespace
+}  // namespace headframe::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);  // as the server does
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace headframe;
+  RobotProtocol::Time now{};
+  RobotProtocol protocol({}, now);
+  auto bytes = fuzz::text(data, size);
+  std::uint64_t received = fuzz::durable;
+  const bool greets = fuzz::take_byte(bytes) % 8 != 0;
+  if (greets) {
+    v1::RobotMessage message;
+    *message.mutable_hello() = to_proto(fuzz::hello());
+    std::string frame;
+    fuzz::require(append_frame(frame, message.SerializeAsString()).has_value());
+    protocol.receive(frame, now);
+    fuzz::require(protocol.next().has_value());
+    protocol.welcome({fuzz::durable, {1}});
+  }
+  for (const auto piece : fuzz::pieces(bytes)) {
+    std::string frame;
+    if (!append_frame(frame, piece)) continue;
+    protocol.receive(frame, now += std::chrono::milliseconds(100));
+    while (const auto event = protocol.next()) {
+      if (greets) fuzz::check(*event, received);
+      if (std::holds_alternative<HelloReceived>(*event)) return 0;  // of their own: what follows has other numbers
+    }
+    protocol.tick(now, true);
+    protocol.keyframes_durable(received);
+    (void)protocol.take_output();
+  }
+  return 0;
+}

@@ -1,0 +1,68 @@
+// Every message that a server may send, to the robot's side of the protocol.
+#include <google/protobuf/stubs/logging.h>
+
+#include "client/uplink/uplink_protocol.hpp"
+#include "tests/fuzz/fuzz.hpp"
+
+namespace headframe::fuzz {
+namespace {
+
+constexpr std::uint64_t keyframes = 6;
+
+class Source : public UplinkSource {
+ public:
+  std::uint64_t last_sequence() const override { return keyframes; }
+  Result<Keyframe> keyframe(std::uint64_t sequence) const override {
+    require(sequence >= 1 && sequence <= keyframes);
+    Keyframe k;
+    k.sequence = sequence;
+    k.descriptor.q = {1};
+    return k;
+  }
+  bool holds_cloud(std::uint64_t sequence) const override { return sequence >= 2 && sequence <= keyframes; }
+  std::uint64_t next_held_cloud(std::uint64_t from) const override {
+    return from > keyframes ? 0 : std::max<std::uint64_t>(from, 2);
+  }
+  Result<std::string> cloud(std::uint64_t sequence) const override {
+    if (sequence == 3) return failure(ErrorCode::bad_input, "damaged");
+    return std::string(1000 * sequence, 'c');
+  }
+};
+
+Hello hello() { return {{"ant", "s1"}, {"os1", 32, 22, 22, 120}, {{"f", 1}, 1, 0}, CloudPolicy::all, "fuzz", 7}; }
+
+void hear(UplinkProtocol& link, std::string_view payload, UplinkProtocol::Time now) {
+  std::string frame;
+  if (append_frame(frame, payload)) (void)link.receive(frame, now);
+}
+
+}  // namespace
+}  // namespace headframe::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  google::protobuf::SetLogHandler(nullptr);  // as the server does
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace headframe;
+  UplinkProtocol::Time now{};
+  const fuzz::Source source;
+  UplinkProtocol link({}, fuzz::hello(), source, now);
+  auto bytes = fuzz::text(data, size);
+  std::vector<UplinkEvent> events;
+  (void)link.next_frame(now, 256, events);
+  if (fuzz::take_byte(bytes) % 8 != 0) {
+    v1::ServerMessage welcome;
+    welcome.mutable_welcome()->set_protocol_version(protocol_version);
+    fuzz::hear(link, welcome.SerializeAsString(), now);
+  }
+  for (const auto piece : fuzz::pieces(bytes)) {
+    now += std::chrono::milliseconds(200);
+    for (std::size_t i = piece.size() % 32; i > 0 && link.next_frame(now, 256, events); --i) continue;
+    fuzz::hear(link, piece, now);
+    (void)link.tick(now);
+    (void)link.doubtful(now);
+  }
+  return 0;
+}

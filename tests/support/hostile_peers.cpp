@@ -1,0 +1,192 @@
+#include "tests/support/hostile_peers.hpp"
+
+#include <zstd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/stream.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "common/security/secret.hpp"
+#include "tests/support/robot_bytes.hpp"
+
+namespace headframe::test {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr std::size_t flood = 300;
+
+class TlsPeer {
+ public:
+  explicit TlsPeer(const HostileTarget& target) {
+    error_code fault;
+    stream_.next_layer().connect({asio::ip::make_address(target.server.host), target.server.port}, fault);
+    if (!fault) stream_.handshake(asio::ssl::stream_base::client, fault);
+  }
+
+  void send(const std::string& bytes) {
+    error_code closed;  // until_closed() tells
+    asio::write(stream_, asio::buffer(bytes), closed);
+  }
+
+  std::optional<v1::ServerMessage> read() {
+    while (true) {
+      const auto payload = frames_.next();
+      v1::ServerMessage message;
+      if (payload && *payload && message.ParseFromString(**payload)) return message;
+      std::array<char, 4096> bytes{};
+      error_code closed;
+      const auto n = stream_.read_some(asio::buffer(bytes), closed);
+      if (closed) return std::nullopt;
+      frames_.feed({bytes.data(), n});
+    }
+  }
+
+  /// What it is told last, in words.
+  std::string until_closed() {
+    std::string words;
+    while (const auto message = read())
+      if (message->has_error()) words = message->error().message();
+    return words;
+  }
+
+  void greet(const Hello& hello) {
+    send(hello_frame(hello));
+    for (auto message = read(); message && !message->has_welcome();) message = read();
+  }
+
+ private:
+  asio::io_context io_;
+  asio::ssl::context context_{asio::ssl::context::tls_client};
+  asio::ssl::stream<tcp::socket> stream_{io_, context_};
+  FrameReader frames_;
+};
+
+Hello hello_of(const std::string& robot, const std::string& token, const std::string& code = "") {
+  Hello hello = robot_hello(robot);
+  hello.token = token;
+  hello.enrolment_code = code;
+  return hello;
+}
+
+std::string answer_to(const HostileTarget& target, const std::string& bytes) {
+  TlsPeer peer(target);
+  peer.send(bytes);
+  return peer.until_closed();
+}
+
+std::string wrong_version(const HostileTarget& target) {
+  v1::RobotMessage message;
+  *message.mutable_hello() = to_proto(hello_of(target.accomplice, target.token));
+  message.mutable_hello()->set_protocol_version(7);
+  return answer_to(target, frame(message));
+}
+
+std::string wrong_token(const HostileTarget& target) {
+  return answer_to(target, hello_frame(hello_of(target.victim, random_secret(token_bytes))));
+}
+
+std::string other_robots_session(const HostileTarget& target) {
+  return answer_to(target, hello_frame(hello_of(target.victim, target.token)));
+}
+
+std::string replayed_code(const HostileTarget& target) {
+  return answer_to(target, hello_frame(hello_of(target.accomplice, random_secret(token_bytes), target.used_code)));
+}
+
+std::string four_gigabytes(const HostileTarget& target) { return answer_to(target, std::string(4, '\xff')); }
+
+/// As the accomplice, who is let in.
+std::string from_within(const HostileTarget& target, const std::string& bytes) {
+  TlsPeer peer(target);
+  Hello hello = hello_of(target.accomplice, target.token);
+  hello.session.session = to_hex(random_secret(8));  // of its own, each time
+  peer.greet(hello);
+  peer.send(bytes);
+  while (const auto message = peer.read()) {
+    if (message->has_error()) return message->error().message();
+    if (message->has_cloud_refusal()) return message->cloud_refusal().reason();
+  }
+  return "";
+}
+
+std::string zip_bomb(const HostileTarget& target) {
+  const std::string zeros(64 << 20, '\0');
+  std::string bomb(ZSTD_compressBound(zeros.size()), '\0');
+  bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), zeros.data(), zeros.size(), 1));
+  return from_within(target, keyframe_frame(line_keyframe(1)) + chunk_frame(1, bomb.size(), 0, bomb));
+}
+
+std::string huge_descriptor(const HostileTarget& target) {
+  Keyframe keyframe = line_keyframe(1);
+  keyframe.descriptor.q.resize(4096);
+  return from_within(target, keyframe_frame(keyframe));
+}
+
+std::string huge_family(const HostileTarget& target) {
+  v1::RobotMessage message;
+  *message.mutable_hello() = to_proto(hello_of(target.accomplice, target.token));
+  message.mutable_hello()->mutable_family()->set_q_size(1U << 30U);
+  return answer_to(target, frame(message));
+}
+
+std::string no_text(const HostileTarget& target) {
+  std::string hello = hello_frame(hello_of(target.accomplice, target.token));
+  const auto name = hello.find(target.accomplice);
+  hello.replace(name, target.accomplice.size(), target.accomplice.size(), '\xff');
+  return answer_to(target, hello);
+}
+
+std::string slow_loris(const HostileTarget& target) {
+  TlsPeer peer(target);
+  const std::string hello = hello_frame(hello_of(target.accomplice, target.token));
+  peer.send(hello.substr(0, 10));
+  return peer.until_closed();
+}
+
+std::string connection_flood(const HostileTarget& target) {
+  asio::io_context io;
+  std::vector<std::unique_ptr<tcp::socket>> sockets;
+  sockets.reserve(flood);
+  for (std::size_t i = 0; i < flood; ++i) {
+    sockets.push_back(std::make_unique<tcp::socket>(io));
+    error_code full;
+    sockets.back()->connect({asio::ip::make_address(target.server.host), target.server.port}, full);
+  }
+  std::array<char, 16> bytes{};
+  error_code closed;
+  sockets.front()->read_some(asio::buffer(bytes), closed);  // the oldest makes room for the newest
+  return closed ? "" : "something";
+}
+
+}  // namespace
+
+void enrol_accomplice(const HostileTarget& target) {
+  TlsPeer(target).greet(hello_of(target.accomplice, target.token, target.used_code));
+}
+
+const std::vector<HostilePeer>& hostile_peers() {
+  static const std::vector<HostilePeer> peers{
+      {"wrong version", "robot speaks protocol 7", wrong_version},
+      {"wrong token", "this is not its credential", wrong_token},
+      {"another robot's session", "this is not its credential", other_robots_session},
+      {"replayed enrolment code", "was used", replayed_code},
+      {"4 GB length prefix", "4294967295 bytes", four_gigabytes},
+      {"zip-bomb cloud", "announced", zip_bomb},
+      {"huge descriptor", "the hello announced", huge_descriptor},
+      {"huge family", "q has 1 to 4096", huge_family},
+      {"name that is no text", "no RobotMessage", no_text},
+      {"slowloris", "no hello within", slow_loris},
+      {"connection flood", "", connection_flood},
+  };
+  return peers;
+}
+
+}  // namespace headframe::test

@@ -1,0 +1,108 @@
+#pragma once
+// The robot's side of the protocol with a manual clock and a table for a spool.
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "client/uplink/uplink_protocol.hpp"
+#include "common/wire/limits.hpp"
+
+namespace headframe {
+
+class Table : public UplinkSource {
+ public:
+  std::uint64_t keyframes = 0;
+  std::map<std::uint64_t, std::string> clouds;
+  std::uint64_t last_sequence() const override { return keyframes; }
+  Result<Keyframe> keyframe(std::uint64_t sequence) const override {
+    Keyframe k;
+    k.sequence = sequence;
+    k.descriptor.q = {1};
+    return k;
+  }
+  bool holds_cloud(std::uint64_t s) const override { return clouds.count(s) != 0; }
+  std::uint64_t next_held_cloud(std::uint64_t from) const override {
+    const auto it = clouds.lower_bound(from);
+    return it == clouds.end() ? 0 : it->first;
+  }
+  Result<std::string> cloud(std::uint64_t s) const override {
+    const auto it = clouds.find(s);
+    if (it == clouds.end() || it->second == "damaged") return failure(ErrorCode::bad_input, "damaged");
+    return it->second;
+  }
+};
+
+inline Hello rover(CloudPolicy clouds) {
+  return {{"rover", "s"}, {"os1", 32, 20, 20, 100}, {{"f", 1}, 1, 0}, clouds, "test", 9};
+}
+
+class UplinkProtocolTest : public testing::Test {
+ protected:
+  void start(CloudPolicy clouds = CloudPolicy::all) { link_.emplace(limits_, rover(clouds), table_, now_); }
+
+  /// Everything it wants to send now, in words: "k3" keyframe, "c2:0" chunk of cloud 2 at KiB 0, "none2" unavailable.
+  std::vector<std::string> sent(std::size_t most = 1000) {
+    std::vector<std::string> words;
+    while (words.size() < most) {
+      const auto frame = link_->next_frame(now_, chunk_bytes_, events_);
+      if (!frame) break;
+      FrameReader reader;
+      reader.feed(*frame);
+      v1::RobotMessage m;
+      EXPECT_TRUE(m.ParseFromString(**reader.next()));
+      words.push_back(word(m));
+    }
+    return words;
+  }
+
+  static std::string word(const v1::RobotMessage& m) {
+    if (m.has_hello()) return "hello";
+    if (m.has_keyframe()) return "k" + std::to_string(m.keyframe().sequence());
+    if (m.has_cloud_chunk())
+      return "c" + std::to_string(m.cloud_chunk().sequence()) + ":" + std::to_string(m.cloud_chunk().offset() / 1024);
+    if (m.has_submap_unavailable()) return "none" + std::to_string(m.submap_unavailable().sequences(0));
+    if (m.has_trigger()) return "trigger";
+    if (m.has_goodbye()) return m.goodbye().complete() ? "goodbye complete" : "goodbye";
+    return m.has_ping() ? "ping" : "pong";
+  }
+
+  void hear(const v1::ServerMessage& m) {
+    std::string frame;
+    ASSERT_TRUE(append_frame(frame, m.SerializeAsString()));
+    take(link_->receive(frame, now_));
+  }
+  void take(const std::vector<UplinkEvent>& events) { events_.insert(events_.end(), events.begin(), events.end()); }
+  void welcome(std::uint64_t durable = 0) {
+    v1::ServerMessage m;
+    m.mutable_welcome()->set_protocol_version(protocol_version);
+    m.mutable_welcome()->set_durable_keyframes(durable);
+    hear(m);
+  }
+  void ack(std::uint64_t keyframe) {
+    v1::ServerMessage m;
+    m.mutable_keyframe_ack()->set_durable_keyframes(keyframe);
+    hear(m);
+  }
+  void ack_cloud(std::uint64_t sequence) {
+    v1::ServerMessage m;
+    m.mutable_cloud_ack()->add_sequences(sequence);
+    hear(m);
+  }
+  void request(const std::vector<std::uint64_t>& sequences) {
+    v1::ServerMessage m;
+    for (auto s : sequences) m.mutable_submap_request()->add_sequences(s);
+    hear(m);
+  }
+  const LinkEnded* end() const { return events_.empty() ? nullptr : std::get_if<LinkEnded>(&events_.back()); }
+
+  using Words = std::vector<std::string>;
+  UplinkLimits limits_;
+  std::size_t chunk_bytes_ = limits::chunk_bytes;
+  Table table_;
+  UplinkProtocol::Time now_{};
+  std::optional<UplinkProtocol> link_;
+  std::vector<UplinkEvent> events_;
+};
+
+}  // namespace headframe
