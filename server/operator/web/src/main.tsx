@@ -22,10 +22,11 @@ const host = document.getElementById('app')!;
 
 function mount(canvas: HTMLCanvasElement, layer: HTMLElement): void {
   view = new MineView(canvas, layer, station, ui, desk.colours, draw);
-  Object.assign(window, { headframe: { shown: view.shown } });
+  Object.assign(window, { headframe: { shown: view.shown } }); // for the tests and the bench
 }
 
 function draw(): void {
+  desk.colours.know(station.sessions.values());
   document.documentElement.dataset.theme = ui.isDark ? 'dark' : 'light';
   render(<App desk={desk} mount={mount} />, host);
 }

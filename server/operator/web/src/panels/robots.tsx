@@ -47,7 +47,7 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
         <span class="robot-name">{station.titleOf(session)}</span>
         <LinkBar session={session} />
         <span class="robot-figures">
-          <span title="keyframes">{compact(session.keyframes)} kf</span>
+          <span>{compact(session.keyframes)} keyframes</span>
           {session.backlog > 0 ? <span class="behind">{compact(session.backlog)} behind</span> : <span>{session.complete ? 'finished' : session.connected ? 'up to date' : 'away'}</span>}
           <span class="end">{session.connected ? `${bytes(session.bytes_per_s ?? 0)}/s` : bytes(session.bytes_received)}</span>
         </span>
@@ -108,7 +108,7 @@ function Empty({ desk }: { desk: Desk }) {
 }
 
 export function RobotsPanel({ desk }: { desk: Desk }) {
-  const sessions = [...desk.station.sessions.values()].sort((x, y) => Number(y.connected) - Number(x.connected) || x.robot.localeCompare(y.robot) || y.id - x.id);
+  const sessions = [...desk.station.sessions.values()].sort((x, y) => Number(y.connected) - Number(x.connected) || x.robot.localeCompare(y.robot, 'en', { numeric: true }) || y.id - x.id);
   const connected = sessions.filter((session) => session.connected).length;
   return (
     <section class="panel robots" aria-label="Robots">

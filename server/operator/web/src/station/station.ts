@@ -94,11 +94,7 @@ export class Station {
 
   private async admit(): Promise<void> {
     for (;;) {
-      const health = await askJson<{ token?: boolean }>('/healthz');
-      if (health.token && !token.get()) {
-        await this.wrongToken(false);
-        continue;
-      }
+      if (!token.get() && (await askJson<{ token: boolean }>('/healthz')).token) await this.wrongToken(false);
       try {
         this.status = await askJson<Status>('/api/v1/status');
         break;
@@ -110,7 +106,7 @@ export class Station {
         await this.wrongToken(tried);
       }
     }
-    if (this.routes.size === 0) await this.readRoutes();
+    void this.readRoutes().catch(() => {}); // with the next connection, then
   }
 
   private async readRoutes(): Promise<void> {
@@ -120,6 +116,7 @@ export class Station {
         this.routes.add(`${method.toUpperCase()} ${path}`);
         for (const { name } of parameters) this.routes.add(`${method.toUpperCase()} ${path}?${name}`);
       }
+    this.changed();
   }
 
   private onLink(state: LinkState): void {

@@ -15,6 +15,9 @@ export interface Label {
   onClick?: () => void;
 }
 
+/** Pixels between a place and the text over it. */
+const over: Record<Label['kind'], number> = { robot: 18, away: 18, frame: 1, verdict: 0, measure: 0 };
+
 interface Shown {
   element: HTMLElement;
   label: Label;
@@ -45,9 +48,8 @@ export class Labels {
     const rows = [...this.shown.values()].sort((x, y) => x.label.rank - y.label.rank);
     for (const { element, label, width, height } of rows) {
       const { x, y, z } = this.stage.toPage(label.place);
-      const above = label.kind === 'robot' || label.kind === 'away' ? 16 : label.kind === 'frame' ? -height : height / 2;
       const left = Math.round(label.kind === 'frame' ? x : x - width / 2);
-      const top = Math.round(y - above - (label.kind === 'robot' || label.kind === 'away' ? height / 2 : 0));
+      const top = Math.round(y - over[label.kind] - (label.kind === 'frame' ? height : height / 2));
       const outside = z > 1 || left + width < 0 || top + height < 0 || left > this.stage.size.x || top > this.stage.size.y;
       const hidden = outside || taken.some(([l, t, r, b]) => left < r && left + width > l && top < b && top + height > t);
       element.style.visibility = hidden ? 'hidden' : 'visible';

@@ -37,7 +37,7 @@ export function extentOf(component: number, members: { T: Matrix4; path: [number
 /** Columns to the right of the largest component, as high as what is there asks. */
 export function layOut(extents: Extent[]): Map<number, Plot> {
   const plots = new Map<number, Plot>();
-  const [main, ...others] = [...extents].sort((x, y) => y.sessions - x.sessions || x.component - y.component);
+  const [main, ...others] = [...extents].sort((x, y) => y.sessions - x.sessions || Math.abs(x.component) - Math.abs(y.component));
   if (!main) return plots;
   plots.set(main.component, { offset: new Vector2(), box: main.box });
   const areas = extents.map(({ box }) => (box.max.x - box.min.x + gap_m) * (box.max.y - box.min.y + gap_m));

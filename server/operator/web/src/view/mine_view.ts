@@ -19,6 +19,11 @@ const themes = {
   light: { paper: '#f3f4f2', ink: '#14181d', rim: '#ffffff', outline: '#cfd3d2' },
 };
 
+// What the colours of heights span, from the lowest and highest path: a sensor rides about so high, walls end about there.
+const floor_m = 1.5;
+const wall_m = 3;
+const mostFrameLabels = 12; // more lie over each other; the robots' own labels do then
+
 export interface Shown {
   /** Keyframes of each session at the last frame. */
   keyframes: Map<number, number>;
@@ -95,14 +100,19 @@ export class MineView {
     this.stage.pan(0, 0);
   }
 
-  /** Lowest and highest point of the paths, as drawn. */
+  /** Between which there may be points, for the slice. */
   heights(): [number, number] {
+    const [low, high] = this.pathHeights();
+    return [low - 3, high + 4];
+  }
+
+  private pathHeights(): [number, number] {
     const box = new Box3();
     for (const [id, path] of this.station.paths) {
       const T = this.frames.of(id);
       if (T) for (const { position } of path) box.expandByPoint(new Vector3(...position).applyMatrix4(T));
     }
-    return box.isEmpty() ? [0, 1] : [box.min.z - 3, box.max.z + 4];
+    return box.isEmpty() ? [0, 1] : [box.min.z, box.max.z];
   }
 
   private onClick(x: number, y: number): void {
@@ -137,6 +147,7 @@ export class MineView {
   private sync(): void {
     this.dirty = false;
     const { isDark, now } = this.ui;
+    this.colours.know(this.station.sessions.values());
     const theme = isDark ? themes.dark : themes.light;
     this.stage.paint(theme.paper);
     shared.paper.value.copy(vector(theme.paper));
@@ -144,7 +155,8 @@ export class MineView {
     shared.roof.value = now.roof_m ?? 1e6;
     shared.slice.value.set(...(now.slice_m ?? [-1e6, 1e6]));
     this.frames.sync();
-    shared.heights.value.set(...this.heights());
+    const [low, high] = this.pathHeights();
+    shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
     this.clouds.sync();
     this.clouds.paint((id) => ({ colour: this.colourOf(this.station.sessions.get(id)!), faded: this.fadedOf(id) }));
     this.robots.sync((session) => ({
@@ -233,7 +245,7 @@ export class MineView {
   }
 
   private frameLabels(): Label[] {
-    if (this.frames.plots.size < 2) return [];
+    if (this.frames.plots.size < 2 || this.frames.plots.size > mostFrameLabels) return [];
     return [...this.frames.plots].map(([id, { box }]) => {
       const members = [...this.station.sessions.values()].filter((session) => (this.station.placed.get(session.id)?.component ?? -session.id) === id);
       const text = members.length === 1 ? `${this.station.titleOf(members[0])}: own frame, not merged` : `Map of ${members.length} sessions`;
@@ -242,10 +254,12 @@ export class MineView {
   }
 }
 
-/** Software rendering shows itself by its name; it gets fewer points. */
+/** ?points=N says how many are kept. Software rendering shows itself by its name; it gets fewer. */
 function budget(gl: WebGLRenderingContext | WebGL2RenderingContext): Budget {
+  const asked = Number(new URLSearchParams(location.search).get('points'));
+  if (asked > 0) return { loaded: asked, drawn: asked, leastDrawn: Math.min(asked, 100_000) };
   const details = gl.getExtension('WEBGL_debug_renderer_info');
   const renderer = details ? String(gl.getParameter(details.UNMASKED_RENDERER_WEBGL)) : '';
-  if (/swiftshader|llvmpipe|software/i.test(renderer)) return { loaded: 400_000, drawn: 150_000, leastDrawn: 40_000 };
+  if (/swiftshader|llvmpipe|software/i.test(renderer)) return { loaded: 100_000, drawn: 100_000, leastDrawn: 40_000 };
   return { loaded: 6_000_000, drawn: 3_000_000, leastDrawn: 200_000 };
 }

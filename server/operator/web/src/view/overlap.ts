@@ -4,7 +4,7 @@ import { Vector3 } from 'three';
 import type { Keyframe, Transform } from '../station/types';
 import { matrixOf } from './layout';
 
-const near_m = 10; // the server's own measure of an overlap (Evidence::pairs)
+const near_m = 5; // in one drift: two that run side by side lie further apart
 const mostLinks = 14;
 
 export interface Link {

@@ -14,9 +14,13 @@ export function mixed(colour: string, other: string, share: number): string {
   return `#${channels.join('')}`;
 }
 
-/** Robots get theirs in the order in which they were first seen. */
+/** Robots get theirs in the order of their first sessions, so that every page shows the same ones. */
 export class RobotColours {
   private readonly order: string[] = [];
+
+  know(sessions: Iterable<{ id: number; robot: string }>): void {
+    for (const { robot } of [...sessions].sort((x, y) => x.id - y.id)) if (!this.order.includes(robot)) this.order.push(robot);
+  }
 
   of(robot: string, isDark: boolean): string {
     let index = this.order.indexOf(robot);

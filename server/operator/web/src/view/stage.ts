@@ -129,6 +129,7 @@ export class Stage {
     }
     this.camera.updateProjectionMatrix();
     this.controls.update();
+    this.camera.updateMatrixWorld(); // for what is placed in this same frame
     this.draw();
   }
 
