@@ -12,6 +12,7 @@ export const outputs = process.env.HEADFRAME_OUT;
 if (!bin || !outputs) throw new Error('HEADFRAME_BIN and HEADFRAME_OUT say where the programs are and where pictures go; ctest sets them');
 
 process.setMaxListeners(0);
+const between_ms = 50; // of two looks: what is waited for needs the processor itself
 export const patience_ms = 60_000;
 
 /** A folder that goes with the process. */
@@ -41,7 +42,7 @@ export async function until(what, holds, within_ms = patience_ms) {
   for (const end = Date.now() + within_ms; Date.now() < end; ) {
     const found = await holds();
     if (found) return found;
-    await new Promise((resolve) => setImmediate(resolve));
+    await new Promise((resolve) => setTimeout(resolve, between_ms));
   }
   throw new Error(`waited in vain: ${what}`);
 }

@@ -8,6 +8,7 @@ import type { Frames } from './frames';
 import { levelCube_m, SessionCloud } from './session_cloud';
 import type { Stage } from './stage';
 
+const pointsAtOnce = 60_000;
 const growth = 4; // points of a level against the coarser one, about
 const growingLevel = 2; // while a session still grows: finer ones cost the server more than they show
 const settled_ms = 6000;
@@ -128,9 +129,17 @@ export class Clouds {
       const rested = now - (this.fetchedAt.get(cloud.id) ?? -again_ms) >= again_ms;
       if (rested && cloud.lacks(cloud.level < 0 ? 1 : level, clouds, epoch)) this.fetch(cloud, cloud.level < 0 ? 1 : level, clouds);
     }
-    if (rows.length < this.clouds.size) return; // finer ones wait until nothing else is on its way
+    if (rows.length < this.clouds.size) return; // other levels wait until nothing else is on its way
+    if (this.loadedPoints > this.budget.loaded) {
+      const coarser = rows.filter((cloud) => cloud.idle && cloud.level > 0).sort((x, y) => y.level - x.level || distance(y) - distance(x))[0];
+      if (coarser) {
+        coarser.finest = coarser.level - 1;
+        this.fetch(coarser, coarser.finest, this.station.sessions.get(coarser.id)!.clouds);
+      }
+      return;
+    }
     const finer = rows
-      .filter((cloud) => cloud.idle && cloud.level >= 0 && cloud.level < this.finest(cloud.id, now))
+      .filter((cloud) => cloud.idle && cloud.level >= 0 && cloud.level < Math.min(cloud.finest, this.finest(cloud.id, now)))
       .sort((x, y) => x.level - y.level || distance(x) - distance(y))
       .find((cloud) => this.loadedPoints + growth * cloud.points <= this.budget.loaded);
     if (finer) this.fetch(finer, finer.level + 1, this.station.sessions.get(finer.id)!.clouds);
@@ -142,6 +151,7 @@ export class Clouds {
 
   private fetch(cloud: SessionCloud, level: number, clouds: number): void {
     this.fetchedAt.set(cloud.id, performance.now());
-    void cloud.fetch(level, clouds, this.station.epoch);
+    const atOnce = Math.min(pointsAtOnce, this.budget.loaded / 8);
+    void cloud.fetch(level, clouds, this.station.epoch, Math.ceil(atOnce), () => this.loadedPoints + atOnce <= this.budget.loaded);
   }
 }

@@ -6,7 +6,6 @@ import { Chunk, chunkPoints, takeBlocks } from './chunk';
 import { cloudMaterial, vector } from './cloud_material';
 
 export const levelCube_m = [2, 1, 0.5, 0.25, 0.1];
-const pointsAtOnce = 60000;
 
 class Level {
   readonly group = new Group();
@@ -51,6 +50,8 @@ export class SessionCloud {
   private seenClouds = 0;
   private epoch = 0;
   private busy = false;
+  /** The finest level for which there was room. */
+  finest = levelCube_m.length - 1;
   private shown: Level | null = null;
   private coming: Level | null = null;
   private colour = '#888888';
@@ -92,8 +93,9 @@ export class SessionCloud {
     return clouds > 0 && (level !== this.level || clouds !== this.seenClouds || epoch !== this.epoch);
   }
 
-  /** Fetches what is new at the level that is shown, or all of another one, which then takes its place. */
-  async fetch(level: number, clouds: number, epoch: number): Promise<void> {
+  /** Fetches what is new at the level that is shown, or all of another one, which then takes its place; given up, if
+   * finer, once there is no room. */
+  async fetch(level: number, clouds: number, epoch: number, pointsAtOnce: number, room: () => boolean): Promise<void> {
     this.busy = true;
     try {
       const anew = level !== this.level || epoch !== this.epoch;
@@ -103,6 +105,10 @@ export class SessionCloud {
         const taken = into.take(bytes);
         this.onPoints();
         if (taken < pointsAtOnce) break;
+        if (level > this.level && this.level >= 0 && !room()) {
+          this.finest = this.level;
+          throw new Error('no room for a finer level');
+        }
       }
       if (anew) {
         this.shown?.dispose();
