@@ -23,10 +23,11 @@ struct MapMergeServer::Parts {
         store(std::move(opened)),
         worker(make_pipeline(o.config.merge), *store, o.config.schedule),
         hub(*store, worker, o.config.limits),
+        notes(*store),
         gate(*store, {{}, [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); }}),
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
-        view(io, hub, worker, *store, o.config.merge) {}
+        view(io, hub, worker, *store, notes, o.config.merge) {}
   ~Parts() { stop(); }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
@@ -39,6 +40,7 @@ struct MapMergeServer::Parts {
   std::unique_ptr<Store> store;
   MergeWorker worker;
   SessionHub hub;
+  StationNotes notes;
   RobotGate gate;
   std::optional<boost::asio::ssl::context> tls;  // none: --insecure
   RobotListener listener;
@@ -54,6 +56,7 @@ Result<void> MapMergeServer::Parts::start() {
   auto done = hub.restore();
   if (done) done = worker.restore();
   if (done) done = gate.restore();
+  if (done) done = notes.restore();
   if (!done) return done;
   hub.set_uplink_budget(static_cast<std::uint64_t>(options.config.limits.uplink_kib_s) * 1024);
   auto listening = listener.listen(options.listen);

@@ -77,11 +77,14 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     });
   if (verdicts.empty()) return;  // the operator has ruled on all there is
   Judgement best = verdicts.front().judgement;
-  for (const Verdict& v : verdicts)
-    if (differ(v.judgement.T_a_b, best.T_a_b, v.p_b, rival_m, rival_rad))
-      best.evidence.runner_up = std::max(best.evidence.runner_up, v.judgement.evidence.probability);
+  std::optional<Pose> T_a_b_runner_up;
+  for (const Verdict& v : verdicts) {  // the more probable first
+    if (T_a_b_runner_up || !differ(v.judgement.T_a_b, best.T_a_b, v.p_b, rival_m, rival_rad)) continue;
+    best.evidence.runner_up = v.judgement.evidence.probability;
+    T_a_b_runner_up = v.judgement.T_a_b;
+  }
   if (!cases.empty() && (awaited == 0 || best.evidence.probability < config.accept_probability))
-    record(a, b, best, report);
+    record(a, b, best, T_a_b_runner_up, report);
 }
 
 /// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
@@ -112,7 +115,8 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   return true;
 }
 
-void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report) {
+void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& best,
+                                  const std::optional<Pose>& T_a_b_runner_up, AttemptReport& report) {
   const Evidence& e = best.evidence;
   AlignmentState now = AlignmentState::rejected;
   if (e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share)
@@ -121,7 +125,8 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
     now = AlignmentState::candidate;
   Alignment* known = find(a, b);
   if (!known) {
-    alignments.push_back({static_cast<AlignmentId>(alignments.size()) + 1, a, b, now, best.T_a_b, e, now});
+    alignments.push_back({static_cast<AlignmentId>(alignments.size()) + 1, a, b, now, best.T_a_b, e, now, Ruling::none,
+                          T_a_b_runner_up});
     report.changed.push_back(alignments.back());
     return;
   }
@@ -135,6 +140,7 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
   const bool news = known->state != now || differ(known->T_a_b, best.T_a_b, Eigen::Vector3d::Zero(), 1e-6, 1e-6);
   known->state = now;
   known->T_a_b = best.T_a_b;
+  known->T_a_b_runner_up = T_a_b_runner_up;
   known->evidence = e;
   known->ruling = decisions.ruling(*known);
   if (news) report.changed.push_back(*known);
@@ -144,7 +150,7 @@ void MergePipeline::State::update_atlas(AttemptReport& report) {
   const Stopwatch watch(report.times.atlas_ms);
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions) ids.push_back(id);
-  const MergeResult merged = merge_sessions(ids, alignments);
+  const MergeResult merged = merge_sessions(ids, alignments, {}, anchors);
   for (std::size_t i = 0; i < alignments.size(); ++i) {
     if (alignments[i].state == merged.states[i]) continue;
     alignments[i].state = merged.states[i];
@@ -222,8 +228,21 @@ Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
   return report;
 }
 
+Result<AttemptReport> MergePipeline::anchor(SessionId id) {
+  if (!state_->sessions.contains(id)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(id));
+  AttemptReport report;
+  auto& anchors = state_->anchors;
+  if (!anchors.empty() && anchors.back() == id) return report;
+  std::erase(anchors, id);
+  anchors.push_back(id);
+  report.anchored = id;
+  state_->update_atlas(report);
+  return report;
+}
+
 void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision,
-                            std::vector<DecisionRecord> decisions) {
+                            std::vector<DecisionRecord> decisions, std::vector<SessionId> anchors) {
+  state_->anchors = std::move(anchors);
   state_->alignments = std::move(alignments);
   state_->decisions.restore(std::move(decisions));
   for (Alignment& alignment : state_->alignments) alignment.ruling = state_->decisions.ruling(alignment);

@@ -40,6 +40,7 @@ struct AttemptReport {
   bool atlas_changed = false;
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
   StageTimes times;
+  SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
 };
 
 /// Owns descriptors, alignments and the atlas in memory. Not thread safe: one thread calls it (server/merge_worker).
@@ -63,13 +64,18 @@ class MergePipeline {
   void complete_session(SessionId id);
 
   /// After a restart, once all sessions and keyframes were added: alignments and decisions as they were stored, ordered
-  /// by id, and the last revision.
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {});
+  /// by id, the last revision, and the anchors in the order they were chosen.
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
+               std::vector<SessionId> anchors = {});
 
   /// The operator's word on an alignment, put into the atlas at once. not_found: no such alignment; refused: the
   /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
   /// what had been suppressed.
   Result<AttemptReport> decide(AlignmentId id, Decision decision);
+
+  /// The session's frame becomes its component's, now and after later merges, until another of the component is chosen.
+  /// not_found: no such session. Nothing changes when it was chosen last already.
+  Result<AttemptReport> anchor(SessionId id);
 
   /// Tries to merge this session with every other session of its family.
   AttemptReport attempt(SessionId id, CloudSource& clouds);

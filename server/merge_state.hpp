@@ -51,6 +51,7 @@ struct MergePipeline::State {
   std::map<FamilyId, Family> families;
   std::vector<Alignment> alignments;
   DecisionBook decisions;
+  std::vector<SessionId> anchors;  // in the order they were chosen
   Atlas atlas;
   HypothesisFinder finder;
   PreparedClouds prepared;
@@ -61,7 +62,8 @@ struct MergePipeline::State {
 
   void merge_pair(SessionId a, SessionId b, CloudSource& clouds, AttemptReport& report);
   bool still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report);
-  void record(SessionId a, SessionId b, const Judgement& best, AttemptReport& report);
+  void record(SessionId a, SessionId b, const Judgement& best, const std::optional<Pose>& T_a_b_runner_up,
+              AttemptReport& report);
   void update_atlas(AttemptReport& report);
 
   /// Sessions of the same family, those whose descriptors look most alike first.

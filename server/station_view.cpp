@@ -33,7 +33,9 @@ struct Wait : std::enable_shared_from_this<Wait> {
 std::vector<SessionRow> StationView::sessions() const {
   auto rows = hub_.sessions();
   const auto view = worker_.view();
+  const auto labels = notes_.labels();
   for (SessionRow& row : rows) {
+    if (const auto label = labels.find(row.id); label != labels.end()) row.label = label->second;
     const auto it = view->sessions.find(row.id);
     if (it == view->sessions.end()) continue;
     row.distance_m = it->second.distance_m;
@@ -67,7 +69,10 @@ Workload StationView::workload() const {
           load.failed_writes,
           load.last_error,
           attempts,
-          stages};
+          stages,
+          load.commits,
+          load.commit_s,
+          worker_.waiting_orders()};
 }
 
 LinkHealth StationView::link_health() const {
@@ -89,6 +94,27 @@ void StationView::merge_all() {
 
 void StationView::decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) {
   worker_.decide(alignment, decision, std::move(callback));
+}
+
+void StationView::rename(SessionId session, const std::string& label,
+                         std::function<void(const Result<void>&)> callback) {
+  notes_.rename(session, label, std::move(callback));
+}
+
+void StationView::anchor(SessionId session, std::function<void(const Result<void>&)> callback) {
+  worker_.anchor(session, std::move(callback));
+}
+
+void StationView::request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) {
+  worker_.request_clouds(session, std::move(callback));
+}
+
+void StationView::set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) {
+  notes_.set_survey(survey, std::move(callback));
+}
+
+void StationView::drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) {
+  notes_.drop_survey(session, std::move(callback));
 }
 
 Result<std::vector<Keyframe>> StationView::trajectory(SessionId session) const {

@@ -5,15 +5,16 @@
 #include "server/merge_worker/merge_worker.hpp"
 #include "server/net/session_hub.hpp"
 #include "server/operator/station.hpp"
+#include "server/station_notes.hpp"
 
 namespace headframe {
 
-/// The operator's view of hub, worker and store. All of them must outlive it, and `io` its waits.
+/// The operator's view of hub, worker, store and notes. All of them must outlive it, and `io` its waits.
 class StationView : public Station {
  public:
-  StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store,
+  StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store, StationNotes& notes,
               const MergeConfig& config)
-      : io_(io), hub_(hub), worker_(worker), store_(store), config_(config) {}
+      : io_(io), hub_(hub), worker_(worker), store_(store), notes_(notes), config_(config) {}
 
   std::vector<SessionRow> sessions() const override;
   AtlasView atlas() const override;
@@ -24,6 +25,12 @@ class StationView : public Station {
   void when_idle(double timeout_s, std::function<void(Pending)> callback) override;
   void merge_all() override;
   void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) override;
+  void rename(SessionId session, const std::string& label, std::function<void(const Result<void>&)> callback) override;
+  void anchor(SessionId session, std::function<void(const Result<void>&)> callback) override;
+  void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) override;
+  std::vector<Survey> surveys() const override { return notes_.surveys(); }
+  void set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) override;
+  void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) override;
   Result<std::vector<Keyframe>> trajectory(SessionId session) const override;
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
 
@@ -32,6 +39,7 @@ class StationView : public Station {
   SessionHub& hub_;
   MergeWorker& worker_;
   Store& store_;
+  StationNotes& notes_;
   const MergeConfig config_;
 };
 

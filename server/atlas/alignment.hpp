@@ -72,6 +72,7 @@ struct Alignment {
   Evidence evidence;
   AlignmentState verdict = AlignmentState::candidate;  // rejected, candidate or verified: what the evidence alone says
   Ruling ruling = Ruling::none;
+  std::optional<Pose> T_a_b_runner_up = std::nullopt;  // what evidence.runner_up speaks of; none: there was none
 };
 
 /// False: nothing could be registered, T_a_b means nothing.

@@ -13,8 +13,8 @@ struct Placement {
   Pose T_component_session = Pose::Identity();
 };
 
-/// id is the anchor's session id; the anchor is the component's earliest session and its placement is the identity.
-/// Placements are sorted by session.
+/// id is the anchor's session id; its placement is the identity. The anchor is the session that the operator chose last
+/// of those in the component; without a choice, the earliest. Placements are sorted by session.
 struct Component {
   SessionId id = 0;
   std::vector<Placement> placements;

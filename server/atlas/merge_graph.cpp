@@ -125,19 +125,22 @@ void relax(Frames& frames, const std::vector<Alignment>& edges) {
   }
 }
 
-Component component_from(const Frames& frames) {
+Component component_from(const Frames& frames, std::span<const SessionId> anchors) {
+  const auto chosen = std::find_if(anchors.rbegin(), anchors.rend(), [&](SessionId id) { return frames.contains(id); });
+  const auto anchor = chosen == anchors.rend() ? frames.begin() : frames.find(*chosen);
   Component component;
-  component.id = frames.begin()->first;
-  const Pose T_anchor = frames.begin()->second.inverse();
-  for (const auto& [session, T] : frames) component.placements.push_back({session, orthonormalised(T_anchor * T)});
-  component.placements.front().T_component_session = Pose::Identity();
+  component.id = anchor->first;
+  const Pose T_component = anchor->second.inverse();
+  for (const auto& [session, T] : frames)
+    component.placements.push_back(
+        {session, session == component.id ? Pose::Identity() : orthonormalised(T_component * T)});
   return component;
 }
 
 }  // namespace
 
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
-                           const LoopTolerance& tolerance) {
+                           const LoopTolerance& tolerance, std::span<const SessionId> anchors) {
   MergeResult result;
   for (const Alignment& alignment : alignments) result.states.push_back(alignment.state);
   Growing growing(sessions);
@@ -161,7 +164,7 @@ MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const 
     for (const Alignment& alignment : published)
       if (frames.contains(alignment.a)) edges.push_back(alignment);
     if (edges.size() >= frames.size()) relax(frames, edges);
-    result.components.push_back(component_from(frames));
+    result.components.push_back(component_from(frames, anchors));
   }
   std::sort(result.components.begin(), result.components.end(),
             [](const auto& x, const auto& y) { return x.id < y.id; });

@@ -24,8 +24,9 @@ struct MergeResult {
 /// that close more triangles with others than they fail to close, then the more probable. The published ones are then
 /// made to agree by least squares over the session frames. The outcome depends on the set of alignments only, not on
 /// the order they came in. Alignments in state candidate, retracted or rejected are not used. Poses of a component are
-/// relative to its lowest session id.
+/// relative to its anchor: of `anchors`, in the order they were chosen, the last that is in the component; without one
+/// its lowest session id.
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
-                           const LoopTolerance& tolerance = {});
+                           const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {});
 
 }  // namespace headframe

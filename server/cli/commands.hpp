@@ -11,6 +11,18 @@ namespace headframe {
 
 enum ExitCode : int { exit_ok = 0, exit_failed = 1, exit_usage = 2, exit_waited_out = 3 };
 
+/// The line that the server wrote for people, or at least its status.
+Error error_of(const HttpResponse& response);
+
+/// Of an export. Empty: what the server takes without it.
+struct MapRequest {
+  std::string component, file;
+  std::string format;  // empty: the file's ending
+  std::string frame;   // component or grid
+  std::optional<double> voxel_m;
+};
+
+/// Sessions are named "robot/session", or by the robot or the label when only one has it.
 class Commands {
  public:
   /// json: print the API's JSON instead of tables.
@@ -31,10 +43,22 @@ class Commands {
   /// Shows status and sessions, again every `every_s`, on a terminal in place; `times` 0: until it is ended. With json:
   /// one line of status each time.
   Result<int> watch(double every_s, int times);
-  /// The format is the file's extension: .ply, .pcd or .las.
-  Result<int> export_map(const std::string& component, const std::string& file, std::optional<double> voxel_m);
-  /// session: "robot/session", or "robot" when it has just one. CSV when the file ends in .csv, TUM otherwise.
-  Result<int> trajectory(const std::string& session, const std::string& file);
+
+  // export_commands.cpp
+  Result<int> export_map(const MapRequest& request);
+  /// CSV when the file ends in .csv, TUM otherwise. frame: as MapRequest's.
+  Result<int> trajectory(const std::string& session, const std::string& file, const std::string& frame);
+
+  // session_commands.cpp
+  Result<int> rename(const std::string& session, const std::string& label);
+  Result<int> anchor(const std::string& session);
+  Result<int> request_clouds(const std::string& session);
+  Result<int> list_surveys();
+  /// The file holds the API's JSON, or control points when it ends in .csv.
+  Result<int> set_survey(const std::string& session, const std::string& file);
+  Result<int> drop_survey(const std::string& session);
+  /// How far the two sessions' surfaces lie apart; with json the points too, so many of each session at most.
+  Result<int> overlay(const std::string& alignment, int most);
 
   // robots.cpp
   Result<int> list_robots();
@@ -44,7 +68,8 @@ class Commands {
 
  private:
   struct Waited;
-  Result<std::string> posted(const std::string& target, int status);
+  Result<std::string> posted(const std::string& target, int status, const std::string& body = {});
+  Result<nlohmann::json> session_named(const std::string& wanted);
   Result<std::string> fetched(const std::string& target, double silence_s = 30);
   Result<Waited> wait_for_idle(std::optional<double> wait_s, bool progress);
   Result<int> print_waited(const Waited& waited);

@@ -6,8 +6,8 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/buffer_body.hpp>
-#include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/read.hpp>
+#include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <charconv>
 #include <chrono>
@@ -26,12 +26,12 @@ constexpr std::size_t collected_bytes = 64 * 1024 * 1024;
 /// Asio's timeouts hold for asynchronous calls only: each step is one, run to its end.
 class Exchange {
  public:
-  explicit Exchange(const HttpEndpoint& endpoint) : endpoint_(endpoint) {
+  Exchange(const HttpEndpoint& endpoint, const HttpWatch& watch) : endpoint_(endpoint), watch_(watch) {
     parser_.body_limit(std::numeric_limits<std::uint64_t>::max());  // Beast 1.74 takes boost::none for 0
   }
 
   Result<void> connect(double timeout_s);
-  Result<void> send(std::string_view method, std::string_view target, double timeout_s);
+  Result<void> send(std::string_view method, std::string_view target, std::string_view body, double timeout_s);
   Result<HttpResponse> receive(const HttpSink& sink, double timeout_s);
 
  private:
@@ -41,12 +41,16 @@ class Exchange {
     stream_.expires_after(std::chrono::milliseconds(static_cast<std::int64_t>(timeout_s * 1000)));
     start([&result](error_code code, auto&&...) { result = code; });
     io_.restart();
-    io_.run();
+    const auto began = std::chrono::steady_clock::now();
+    while (io_.run_for(std::chrono::seconds(1)), !io_.stopped())
+      if (watch_.waiting)
+        watch_.waiting(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     return result;
   }
   tl::unexpected<Error> broken(error_code code) const;
 
   const HttpEndpoint& endpoint_;
+  const HttpWatch& watch_;
   net::io_context io_;
   beast::tcp_stream stream_{io_};
   beast::flat_buffer buffer_;
@@ -72,8 +76,9 @@ Result<void> Exchange::connect(double timeout_s) {
                                              "); start it, or say where it is with --http HOST:PORT");
 }
 
-Result<void> Exchange::send(std::string_view method, std::string_view target, double timeout_s) {
-  http::request<http::empty_body> request;
+Result<void> Exchange::send(std::string_view method, std::string_view target, std::string_view body, double timeout_s) {
+  http::request<http::string_body> request;
+  request.body() = body;
   request.version(11);
   request.method_string({method.data(), method.size()});
   request.target({target.data(), target.size()});
@@ -93,6 +98,7 @@ Result<HttpResponse> Exchange::receive(const HttpSink& sink, double timeout_s) {
   if (code) return broken(code);
   HttpResponse response{static_cast<int>(parser_.get().result_int()), {}};
   const bool collect = !sink || response.status != 200;
+  if (const auto length = parser_.content_length(); length && !collect && watch_.length) watch_.length(*length);
   std::array<char, 64 * 1024> piece;
   while (!parser_.is_done()) {
     auto& body = parser_.get().body();
@@ -152,11 +158,12 @@ std::string percent_encoded(std::string_view text) {
   return out;
 }
 
-Result<HttpResponse> HttpClient::ask(std::string_view method, std::string_view target, const HttpSink& sink) {
+Result<HttpResponse> HttpClient::ask(const Question& question, const HttpSink& sink, const HttpWatch& watch) {
   try {
-    Exchange exchange(endpoint_);
+    Exchange exchange(endpoint_, watch);
     if (auto connected = exchange.connect(timeouts_.connect_s); !connected) return tl::unexpected(connected.error());
-    if (auto sent = exchange.send(method, target, timeouts_.silence_s); !sent) return tl::unexpected(sent.error());
+    if (auto sent = exchange.send(question.method, question.target, question.body, timeouts_.silence_s); !sent)
+      return tl::unexpected(sent.error());
     return exchange.receive(sink, timeouts_.silence_s);
   } catch (const std::exception& exception) {  // of Asio or Beast: ends here
     return failure(ErrorCode::internal, std::string("HTTP: ") + exception.what());

@@ -35,6 +35,12 @@ struct HttpTimeouts {
 /// Takes a 200's body piece by piece; a failure ends the request and is what it returns.
 using HttpSink = std::function<Result<void>(std::string_view)>;
 
+/// For people who wait. Each may be empty.
+struct HttpWatch {
+  std::function<void(double waited_s)> waiting;     // once a second, while nothing comes
+  std::function<void(std::uint64_t bytes)> length;  // of the body, when the server says it, before the first piece
+};
+
 /// HTTP/1.1, one connection for each request, blocking. An answer of any status is a result; unavailable: no server, no
 /// answer in time, or an answer that broke off. Bodies without a sink may have 64 MiB. Not thread safe.
 class HttpClient {
@@ -42,12 +48,20 @@ class HttpClient {
   explicit HttpClient(HttpEndpoint endpoint, HttpTimeouts timeouts = {})
       : endpoint_(std::move(endpoint)), timeouts_(timeouts) {}
 
-  Result<HttpResponse> get(std::string_view target, const HttpSink& sink = {}) { return ask("GET", target, sink); }
-  Result<HttpResponse> post(std::string_view target) { return ask("POST", target, {}); }
+  Result<HttpResponse> get(std::string_view target, const HttpSink& sink = {}, const HttpWatch& watch = {}) {
+    return ask({"GET", target, {}}, sink, watch);
+  }
+  Result<HttpResponse> post(std::string_view target, std::string_view body = {}) {
+    return ask({"POST", target, body}, {}, {});
+  }
+  Result<HttpResponse> remove(std::string_view target) { return ask({"DELETE", target, {}}, {}, {}); }
   const HttpEndpoint& endpoint() const { return endpoint_; }
 
  private:
-  Result<HttpResponse> ask(std::string_view method, std::string_view target, const HttpSink& sink);
+  struct Question {
+    std::string_view method, target, body;
+  };
+  Result<HttpResponse> ask(const Question& question, const HttpSink& sink, const HttpWatch& watch);
 
   HttpEndpoint endpoint_;
   HttpTimeouts timeouts_;

@@ -16,10 +16,11 @@ using headframe::Result;
 struct Options {
   std::string http = "127.0.0.1:7448", token_file;
   bool json = false;
-  std::optional<double> wait_s, voxel_m;
+  std::optional<double> wait_s;
   double every_s = 1;
-  int times = 0;
-  std::string component, session, file, robot, alignment, a, b;
+  int times = 0, most = 10000;
+  headframe::MapRequest map;
+  std::string session, file, frame, label, robot, alignment, a, b;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -39,13 +40,18 @@ std::string completion(const CLI::App& app) {
          "complete -o default -F _headframe headframe\n";
 }
 
-void add_commands(CLI::App& app, Options& options) {
-  const auto add = [&](const char* name, const char* what, auto run) {
+/// Adds subcommands to `app`: each has --json, and sets what is to be run.
+auto adder(CLI::App& app, Options& options) {
+  return [&app, &options](const char* name, const char* what, auto run) {
     CLI::App* sub = app.add_subcommand(name, what);
     sub->add_flag("--json", options.json, "Print JSON");
     sub->callback([&options, run] { options.command = run; });
     return sub;
   };
+}
+
+void add_commands(CLI::App& app, Options& options) {
+  const auto add = adder(app, options);
   const auto wait = [&](CLI::App* sub, const char* what) {
     sub->add_option("--wait", options.wait_s, what)->check(CLI::Range(0.0, 1e7))->type_name("SECONDS");
   };
@@ -81,30 +87,74 @@ void add_commands(CLI::App& app, Options& options) {
   wait(add("merge", "Try to merge every session now, and wait for the outcome",
            [&](Commands& c) { return c.merge(options.wait_s); }),
        "Wait no longer than this; exit status 3 when work is still pending");
-  CLI::App* map = add("export", "The merged cloud of a component",
-                      [&](Commands& c) { return c.export_map(options.component, options.file, options.voxel_m); });
-  map->add_option("--component", options.component, "Id of the component, as atlas shows it")
+}
+
+constexpr const char* session_help = "robot/session, or the robot or the label when just one has it";
+
+void add_frame(CLI::App* sub, std::string& frame) {
+  sub->add_option("--frame", frame, "component (default) or grid: the mine's, known by a survey")
+      ->check(CLI::IsMember({"component", "grid"}));
+}
+
+void add_export_commands(CLI::App& app, Options& options) {
+  const auto add = adder(app, options);
+  CLI::App* map = add("export", "The merged cloud of a component, or its plan",
+                      [&](Commands& c) { return c.export_map(options.map); });
+  map->add_option("--component", options.map.component, "Id of the component, as atlas shows it")
       ->required()
       ->type_name("ID");
-  map->add_option("--voxel", options.voxel_m, "One point per cube within each keyframe, 0: every point (default 0.1)")
+  map->add_option("--voxel", options.map.voxel_m,
+                  "One point per cube within each keyframe, 0: every point (default 0.1)")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("M");
-  map->add_option("FILE", options.file, "FILE.ply, FILE.pcd or FILE.las")->required();
-  CLI::App* path = add("trajectory", "A session's trajectory in its component's frame, as TUM text",
-                       [&](Commands& c) { return c.trajectory(options.session, options.file); });
-  path->add_option("SESSION", options.session, "robot/session, or robot when it has just one")->required();
-  path->add_option("FILE", options.file, "Where to write it")->required();
+  map->add_option("--format", options.map.format, "ply, pcd, las, or png: the plan; default: FILE's ending")
+      ->check(CLI::IsMember({"ply", "pcd", "las", "png"}));
+  add_frame(map, options.map.frame);
+  map->add_option("FILE", options.map.file, "FILE.ply, FILE.pcd, FILE.las or FILE.png")->required();
+  CLI::App* path = add("trajectory", "A session's trajectory, as TUM text or CSV",
+                       [&](Commands& c) { return c.trajectory(options.session, options.file, options.frame); });
+  add_frame(path, options.frame);
+  path->add_option("SESSION", options.session, session_help)->required();
+  path->add_option("FILE", options.file, "Where to write it; CSV when it ends in .csv")->required();
+}
+
+void add_session_commands(CLI::App& app, Options& options) {
+  const auto add = adder(app, options);
+  const auto of_session = [&](CLI::App* sub) {
+    sub->add_option("SESSION", options.session, session_help)->required();
+    return sub;
+  };
+  of_session(add("rename", "Give a session a label; an empty one takes it away",
+                 [&](Commands& c) { return c.rename(options.session, options.label); }))
+      ->add_option("LABEL", options.label, "At most 128 bytes")
+      ->required();
+  of_session(add("anchor", "Make a session's frame that of its component; the robots are told",
+                 [&](Commands& c) { return c.anchor(options.session); }));
+  of_session(add("request-clouds", "Ask a session's robot for the clouds that are not here",
+                 [&](Commands& c) { return c.request_clouds(options.session); }));
+  CLI::App* overlay = add("overlay", "How far the surfaces of two aligned sessions lie apart; with --json their points",
+                          [&](Commands& c) { return c.overlay(options.alignment, options.most); });
+  overlay->add_option("ALIGNMENT", options.alignment, "Its number, as alignments shows it")->required();
+  overlay->add_option("--most", options.most, "Points of each session (default 10000)")->check(CLI::Range(0, 100000));
+  CLI::App* survey = app.add_subcommand("survey", "Where sessions lie in the mine's grid");
+  survey->add_flag("--json", options.json, "Print JSON");
+  survey->require_subcommand(1);
+  const auto add_survey = adder(*survey, options);
+  add_survey("list", "All surveys, and how far each control point is off",
+             [](Commands& c) { return c.list_surveys(); });
+  of_session(add_survey("set", "Set a session's survey",
+                        [&](Commands& c) { return c.set_survey(options.session, options.file); }))
+      ->add_option("FILE", options.file,
+                   "Control points, FILE.csv: name,x,y,z of the session,x,y,z of the grid; or JSON")
+      ->required();
+  of_session(
+      add_survey("drop", "Take a session's survey away", [&](Commands& c) { return c.drop_survey(options.session); }));
 }
 
 void add_robot_commands(CLI::App& app, Options& options) {
   CLI::App* robots = app.add_subcommand("robot", "Which robots may come in");
   robots->add_flag("--json", options.json, "Print JSON");
-  const auto add = [&](const char* name, const char* what, auto run) {
-    CLI::App* sub = robots->add_subcommand(name, what);
-    sub->add_flag("--json", options.json, "Print JSON");
-    sub->callback([&options, run] { options.command = run; });
-    return sub;
-  };
+  const auto add = adder(*robots, options);
   add("list", "All robots, and the server's fingerprint", [](Commands& c) { return c.list_robots(); });
   const auto named = [&](CLI::App* sub) { sub->add_option("NAME", options.robot, "Of the robot")->required(); };
   named(add("add", "Print what a robot needs to enrol, once", [&](Commands& c) { return c.add_robot(options.robot); }));
@@ -131,6 +181,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
   add_commands(app, options);
+  add_export_commands(app, options);
+  add_session_commands(app, options);
   add_robot_commands(app, options);
   try {
     app.parse(argc, argv);

@@ -14,6 +14,12 @@ std::string name(const Json& key) {
   return printable(key.at("robot").get<std::string>()) + "/" + printable(key.at("session").get<std::string>());
 }
 
+/// With the operator's label, if there is one.
+std::string labelled(const Json& session) {
+  const Json label = session.value("label", Json());
+  return name(session) + (label.is_string() ? " (" + printable(label.get<std::string>()) + ")" : "");
+}
+
 /// "-" for null: not measured, or not there yet.
 std::string number(const Json& value, int decimals) {
   return value.is_number() ? fixed(value.get<double>(), decimals) : "-";
@@ -38,7 +44,7 @@ std::string component_table(const Json& component, std::size_t width) {
     const auto& T = placed.at("T_component_session");
     const double yaw_deg = std::atan2(T.at(4).get<double>(), T.at(0).get<double>()) * 180 / M_PI;
     table.rows.push_back(
-        {"  " + name(placed), number(T.at(3), 2), number(T.at(7), 2), number(T.at(11), 2), fixed(yaw_deg, 2)});
+        {"  " + labelled(placed), number(T.at(3), 2), number(T.at(7), 2), number(T.at(11), 2), fixed(yaw_deg, 2)});
   }
   return "\ncomponent " + component.at("id").dump() + ", in the frame of " + name(component.at("anchor")) + "\n" +
          table.text(width);
@@ -147,7 +153,7 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
               {}};
   for (const Json& row : rows) {
     const Json& ms = row.at("trigger_to_transform_ms");
-    table.rows.push_back({name(row), state(row), row.at("keyframes").dump(), row.at("clouds").dump(),
+    table.rows.push_back({labelled(row), state(row), row.at("keyframes").dump(), row.at("clouds").dump(),
                           bytes_text(row.at("bytes_received").get<double>()), row.value("backlog", Json(0)).dump(),
                           bytes_text(row.value("bytes_per_s", 0.0)) + "/s", ago(row.value("link_age_s", Json())),
                           number(row.at("distance_m"), 0) + " m",

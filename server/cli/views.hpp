@@ -17,6 +17,11 @@ std::string decision_view(const nlohmann::json& decided);
 
 std::string explanation_view(const nlohmann::json& explanation);
 
+std::string survey_view(const nlohmann::json& survey, std::size_t width);
+std::string surveys_view(const nlohmann::json& surveys, std::size_t width);
+/// How far the surfaces lie apart, as bars.
+std::string overlay_view(const nlohmann::json& overlay);
+
 /// "2 attempts, 5 keyframes, 1 submap", without what is zero; "nothing".
 std::string pending_view(const nlohmann::json& pending);
 

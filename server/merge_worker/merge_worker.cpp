@@ -41,7 +41,8 @@ Result<void> MergeWorker::restore() {
   }
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
-  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision, std::move(merge->decisions));
+  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision, std::move(merge->decisions),
+                     std::move(merge->anchors));
   atlas_ = pipeline_->atlas();
   update_view();
   rest();
@@ -64,7 +65,7 @@ void MergeWorker::stop() {
     const std::lock_guard lock(mutex_);
     return std::exchange(orders_, {});
   }();
-  for (const Order& order : late) order.done(failure(ErrorCode::unavailable, "the server stops"));
+  for (const Order& order : late) order(failure(ErrorCode::unavailable, "the server stops"));
 }
 
 void MergeWorker::run() {
@@ -75,7 +76,7 @@ void MergeWorker::run() {
   while (wait_for_news(news, orders)) {
     for (const auto& [session, what] : news) take(session, what);
     if (!news.empty()) update_view();
-    for (const Order& order : orders) carry_out(order);
+    for (const Order& order : orders) order({});
     schedule_.tick(Clock::now());
     if (const auto next = schedule_.next()) attempt(*next);
     rest();
@@ -175,16 +176,36 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   if (report.unfinished) schedule_.again(attempt);
 }
 
-void MergeWorker::carry_out(const Order& order) {
-  const auto report = pipeline_->decide(order.alignment, order.decision);
-  if (!report) return order.done(tl::unexpected(report.error()));
-  if (!commit({}, *report, nullptr)) return order.done(failure(ErrorCode::unavailable, "the server stops"));
-  spdlog::info("the operator's decision on alignment {}: {}; revision {}", order.alignment, to_string(order.decision),
-               atlas_.revision);
+Result<void> MergeWorker::carry_out(AlignmentId id, Decision decision) {
+  const auto report = pipeline_->decide(id, decision);
+  if (!report) return tl::unexpected(report.error());
+  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, "the server stops");
+  spdlog::info("the operator's decision on alignment {}: {}; revision {}", id, to_string(decision), atlas_.revision);
   for (const Alignment& alignment : report->changed)  // what a decision had suppressed is found again
-    if (order.decision == Decision::undo && alignment.id == order.alignment)
+    if (decision == Decision::undo && alignment.id == id)
       schedule_.trigger(alignment.b, Trigger::command, Clock::now());
-  order.done({});
+  return {};
+}
+
+Result<void> MergeWorker::carry_out_anchor(SessionId session) {
+  const auto report = pipeline_->anchor(session);
+  if (!report) return tl::unexpected(report.error());
+  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, "the server stops");
+  spdlog::info("the operator made session {} its component's anchor; revision {}", session, atlas_.revision);
+  return {};
+}
+
+Result<std::size_t> MergeWorker::ask_for_clouds(SessionId session) {
+  const auto it = known_.find(session);
+  if (it == known_.end()) return failure(ErrorCode::not_found, "there is no session " + std::to_string(session));
+  const Known& known = it->second;
+  if (!known.answers)
+    return failure(ErrorCode::refused, "the session's robot is away, or was told never to send clouds");
+  std::vector<std::uint64_t> missing;
+  for (std::uint64_t sequence = 1; sequence <= known.keyframes; ++sequence)
+    if (!known.stored.contains(sequence) && !known.without_cloud.contains(sequence)) missing.push_back(sequence);
+  if (!missing.empty()) robots_->request_submap(session, missing);
+  return missing.size();
 }
 
 void MergeWorker::request(const std::vector<KeyframeRef>& clouds) {
@@ -197,8 +218,10 @@ void MergeWorker::request(const std::vector<KeyframeRef>& clouds) {
 bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
   write.changed = report.changed;
   write.decided = report.decided;
+  write.anchored = report.anchored;
   if (report.atlas_changed) write.atlas = pipeline_->atlas();
-  if (write.attempted == 0 && write.changed.empty() && write.decided.empty() && !write.atlas) return true;
+  const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0;
+  if (!news && !write.atlas) return true;
   if (!write_durably(write)) return false;
   if (report.atlas_changed) published(attempt);
   if (report.atlas_changed || !report.changed.empty()) update_view();

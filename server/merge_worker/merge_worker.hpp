@@ -50,7 +50,16 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// told, or with a failure. unavailable: too many wait already, or the server stops; and as MergePipeline::decide.
   void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done);
 
+  /// Makes the session's frame that of its component; `done` as decide()'s. not_found: no such session.
+  void anchor(SessionId session, std::function<void(const Result<void>&)> done);
+
+  /// Asks the session's robot for all its clouds that are not here; `done` runs once with how many. not_found: no such
+  /// session; refused: its robot is away, or sends no clouds.
+  void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> done);
+
   Pending pending() const;
+  /// What the operator asked for and the worker has not taken up.
+  std::size_t waiting_orders() const;
   std::shared_ptr<const MergeView> view() const;
   /// Attempts since start(), and where their time went.
   std::pair<std::uint64_t, StageTimes> effort() const;
@@ -64,11 +73,8 @@ class MergeWorker : public MergeNews, private CloudSource {
     bool answers = false;
   };
 
-  struct Order {
-    AlignmentId alignment = 0;
-    Decision decision = Decision::confirm;
-    std::function<void(const Result<void>&)> done;
-  };
+  /// What the operator asks for: run once, on the worker's thread, or with why it can not be carried out.
+  using Order = std::function<void(const Result<void>& admitted)>;
   static constexpr std::size_t most_orders = 64;
 
   template <class Change>
@@ -79,7 +85,10 @@ class MergeWorker : public MergeNews, private CloudSource {
   void take(SessionId session, const SessionNews& news);
   void feed(SessionId session, bool counts);
   void attempt(const MergeSchedule::Attempt& attempt);
-  void carry_out(const Order& order);
+  void give(Order order);
+  Result<void> carry_out(AlignmentId alignment, Decision decision);
+  Result<void> carry_out_anchor(SessionId session);
+  Result<std::size_t> ask_for_clouds(SessionId session);
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
   void published(const MergeSchedule::Attempt* attempt);

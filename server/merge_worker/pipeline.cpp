@@ -12,11 +12,12 @@ class RealPipeline : public Pipeline {
     pipeline_.prepare_cloud(keyframe, clouds);
   }
   void complete_session(SessionId id) override { pipeline_.complete_session(id); }
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision,
-               std::vector<DecisionRecord> decisions) override {
-    pipeline_.restore(std::move(alignments), revision, std::move(decisions));
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
+               std::vector<SessionId> anchors) override {
+    pipeline_.restore(std::move(alignments), revision, std::move(decisions), std::move(anchors));
   }
   Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return pipeline_.decide(id, decision); }
+  Result<AttemptReport> anchor(SessionId id) override { return pipeline_.anchor(id); }
   AttemptReport attempt(SessionId id, CloudSource& clouds) override { return pipeline_.attempt(id, clouds); }
   const Atlas& atlas() const override { return pipeline_.atlas(); }
   const std::vector<Alignment>& alignments() const override { return pipeline_.alignments(); }

@@ -14,9 +14,10 @@ class Pipeline {
   virtual void add_keyframe(SessionId id, Keyframe keyframe) = 0;
   virtual void prepare_cloud(const KeyframeRef& /*keyframe*/, CloudSource& /*clouds*/) {}
   virtual void complete_session(SessionId id) = 0;
-  virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision,
-                       std::vector<DecisionRecord> decisions) = 0;
+  virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
+                       std::vector<SessionId> anchors) = 0;
   virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;
+  virtual Result<AttemptReport> anchor(SessionId id) = 0;
   virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;
   virtual const Atlas& atlas() const = 0;
   virtual const std::vector<Alignment>& alignments() const = 0;

@@ -54,17 +54,40 @@ void MergeWorker::trigger(SessionId session, Trigger trigger) {
   });
 }
 
-void MergeWorker::decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done) {
+void MergeWorker::give(Order order) {
   {
     std::unique_lock lock(mutex_);
     if (stopping_ || orders_.size() >= most_orders) {
       const char* why = stopping_ ? "the server stops" : "too many decisions are waiting; try again in a moment";
       lock.unlock();
-      return done(failure(ErrorCode::unavailable, why));
+      return order(failure(ErrorCode::unavailable, why));
     }
-    orders_.push_back({alignment, decision, std::move(done)});
+    orders_.push_back(std::move(order));
   }
   wake_.notify_all();
+}
+
+void MergeWorker::decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done) {
+  give([this, alignment, decision, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? carry_out(alignment, decision) : admitted);
+  });
+}
+
+void MergeWorker::anchor(SessionId session, std::function<void(const Result<void>&)> done) {
+  give([this, session, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? carry_out_anchor(session) : admitted);
+  });
+}
+
+void MergeWorker::request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> done) {
+  give([this, session, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? ask_for_clouds(session) : tl::unexpected(admitted.error()));
+  });
+}
+
+std::size_t MergeWorker::waiting_orders() const {
+  const std::lock_guard lock(mutex_);
+  return orders_.size();
 }
 
 Pending MergeWorker::pending() const {

@@ -4,6 +4,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "server/operator/session_totals.hpp"
+
 namespace headframe {
 namespace {
 
@@ -17,8 +19,7 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 
 Json transform(const Pose& T) {
   Json out = Json::array();
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) out.push_back(number(T.matrix()(row, column)));
+  for (const double value : row_major(T)) out.push_back(number(value));
   return out;
 }
 
@@ -47,6 +48,7 @@ Json session_object(const SessionRow& row) {
   return {{"robot", row.key.robot},
           {"session", row.key.session},
           {"id", row.id},
+          {"label", row.label.empty() ? Json() : Json(row.label)},
           {"family", {{"name", row.family.name}, {"version", row.family.version}}},
           {"sensor",
            {{"model", row.sensor.model},
@@ -66,7 +68,33 @@ Json session_object(const SessionRow& row) {
           {"trigger_to_transform_ms", row.trigger_to_transform_ms >= 0 ? number(row.trigger_to_transform_ms) : Json()}};
 }
 
+SessionId component_of(const Atlas& atlas, SessionId session_id) {
+  for (const Component& component : atlas.components)
+    for (const Placement& placement : component.placements)
+      if (placement.session == session_id) return component.id;
+  return 0;
+}
+
 }  // namespace
+
+std::vector<double> row_major(const Pose& T) {
+  std::vector<double> out;
+  out.reserve(16);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) out.push_back(T.matrix()(row, column));
+  return out;
+}
+
+std::string session_json(const SessionRow& row, const Atlas& atlas) {
+  Json object = session_object(row);
+  const SessionId component = component_of(atlas, row.id);
+  object["component"] = component == 0 ? Json() : Json(component);
+  return text(object);
+}
+
+std::string anchor_json(const Atlas& atlas, SessionId session) {
+  return text({{"revision", atlas.revision}, {"component", component_of(atlas, session)}});
+}
 
 std::string session_event(std::string_view type, const SessionRow& row) {
   Json event{{"type", type}};
@@ -92,13 +120,7 @@ std::string error_json(const Error& error) {
 
 std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
                         const LinkHealth& links, double uptime_s) {
-  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
-  for (const SessionRow& row : sessions) {
-    connected += row.connected ? 1 : 0;
-    keyframes += row.keyframes;
-    clouds += row.clouds;
-    bytes += row.bytes_received;
-  }
+  const SessionTotals totals = totals_of(sessions);
   Json states = Json::object();
   for (const AlignmentRow& row : view.alignments) {
     Json& count = states[std::string(to_string(row.alignment.state))];
@@ -109,10 +131,10 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                {"revision", view.atlas.revision},
                {"components", view.atlas.components.size()},
                {"sessions", sessions.size()},
-               {"connected", connected},
-               {"keyframes", keyframes},
-               {"clouds", clouds},
-               {"bytes_received", bytes},
+               {"connected", totals.connected},
+               {"keyframes", totals.keyframes},
+               {"clouds", totals.clouds},
+               {"bytes_received", totals.bytes_received},
                {"alignments", std::move(states)},
                {"pending", pending_object(pending)},
                {"links",
@@ -169,18 +191,21 @@ std::string explanation_json(const SessionKey& a, const SessionKey& b, const Ali
 }
 
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait) {
-  std::map<SessionId, SessionKey> names;
-  for (const SessionRow& row : sessions) names[row.id] = row.key;
+  std::map<SessionId, const SessionRow*> rows;
+  for (const SessionRow& row : sessions) rows[row.id] = &row;
+  const auto name = [&](SessionId id) { return rows.contains(id) ? session(rows[id]->key) : session({}); };
   Json components = Json::array();
   for (const Component& component : view.atlas.components) {
     Json placed = Json::array();
     for (const Placement& placement : component.placements) {
-      Json entry = session(names[placement.session]);
+      Json entry = name(placement.session);
+      entry["id"] = placement.session;
+      const auto row = rows.find(placement.session);
+      entry["label"] = row == rows.end() || row->second->label.empty() ? Json() : Json(row->second->label);
       entry["T_component_session"] = transform(placement.T_component_session);
       placed.push_back(std::move(entry));
     }
-    components.push_back(
-        {{"id", component.id}, {"anchor", session(names[component.id])}, {"sessions", std::move(placed)}});
+    components.push_back({{"id", component.id}, {"anchor", name(component.id)}, {"sessions", std::move(placed)}});
   }
   Json alignments = Json::array();
   for (const AlignmentRow& row : view.alignments) alignments.push_back(alignment_object(row));

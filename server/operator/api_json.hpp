@@ -16,6 +16,9 @@ struct WaitOutcome {
   bool waited_out = false;
 };
 
+/// 16 numbers, row-major.
+std::vector<double> row_major(const Pose& T);
+
 std::string error_json(const Error& error);
 std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
                         const LinkHealth& links, double uptime_s);
@@ -32,6 +35,11 @@ std::string alignment_json(const AtlasView& view, AlignmentId id);
 /// alignment may be null: nothing has been tried.
 std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
                              const Explanation& explanation);
+
+/// One session, as sessions_json has it.
+std::string session_json(const SessionRow& row, const Atlas& atlas);
+/// What became of a choice of anchor: the revision, and the component that the session is in now.
+std::string anchor_json(const Atlas& atlas, SessionId session);
 
 // Events (event_diff.hpp), one JSON object each, "type" first.
 std::string session_event(std::string_view type, const SessionRow& row);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,8 @@ class BodySource {
  public:
   virtual ~BodySource() = default;
   virtual Result<std::optional<std::string>> next() = 0;
+  /// Of the whole body, when the first piece that is not empty has been made; none: not known.
+  virtual std::optional<std::uint64_t> total_bytes() const { return std::nullopt; }
 };
 
 }  // namespace headframe

@@ -18,8 +18,8 @@ struct StationLook {
 StationLook look_at(const Station& station);
 
 /// One JSON object for each thing that happened, its "type" first: robot_connected, robot_left, keyframes (also of a
-/// new session), alignment (new, or another state, decision, placement or probability), revision, pending. What came
-/// and went between two looks is not told.
+/// new session), renamed, alignment (new, or another state, decision, placement or probability), revision, pending.
+/// What came and went between two looks is not told.
 std::vector<std::string> events_between(const StationLook& before, const StationLook& after);
 
 /// The whole look as one event of type "snapshot": sessions, atlas, pending.

@@ -101,8 +101,8 @@ void HttpSession::on_read(Code code) {
   if (auto refusal = turned_down()) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
-    perform(route(text(request.method_string()), text(request.target()), shared_->station, shared_->tiles,
-                  shared_->limits, uptime.count(), shared_->robots));
+    perform(route({text(request.method_string()), text(request.target()), request.body()}, shared_->station,
+                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
@@ -231,17 +231,24 @@ void HttpSession::on_piece(Piece piece) {
 
 void HttpSession::write_piece(std::optional<std::string> piece) {
   std::ostringstream head;
+  const bool last = !piece;
   if (!std::exchange(head_sent_, true)) {
+    left_ = body_->body->total_bytes();
     http::response<http::empty_body> response(http::status::ok, 11);
     set_common(response, body_->content_type, keep_alive_);
-    response.chunked(true);
+    left_ ? response.content_length(*left_) : response.chunked(true);
     head << response.base();
   }
-  const bool last = !piece;
-  head << std::hex << (last ? 0 : piece->size()) << "\r\n";
+  if (left_) {
+    if (last ? *left_ > 0 : piece->size() > *left_) return finish();  // not what was promised: it must not look whole
+    *left_ -= last ? 0 : piece->size();
+  } else {
+    head << std::hex << (last ? 0 : piece->size()) << "\r\n";
+  }
   head_ = head.str();
   piece_ = std::move(piece).value_or("");
-  const std::array<net::const_buffer, 3> buffers{net::buffer(head_), net::buffer(piece_), net::buffer("\r\n", 2)};
+  const std::array<net::const_buffer, 3> buffers{net::buffer(head_), net::buffer(piece_),
+                                                 net::buffer("\r\n", left_ ? 0 : 2)};
   stream_.expires_after(duration(shared_->limits.write_s));
   net::async_write(stream_, buffers, [self = shared_from_this(), last](Code code, std::size_t) {
     if (code) return self->finish();

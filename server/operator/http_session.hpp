@@ -95,7 +95,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   std::size_t header_bytes_ = 0;
   bool keep_alive_ = false;
-  bool head_sent_ = false;  // of the Stream under way
+  bool head_sent_ = false;             // of the Stream under way
+  std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks
   std::unique_ptr<Stream> body_;
   std::string head_, piece_;
   std::shared_ptr<void> response_;  // lives until it is written

@@ -23,8 +23,9 @@ void append_name(std::string& out, std::string name) {
 
 }  // namespace
 
-std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m) {
-  constexpr std::uint16_t header_bytes = 227, point_bytes = 26;
+std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
+                       const Eigen::Vector3d& offset_m) {
+  constexpr std::uint16_t header_bytes = 227;
   std::string out = "LASF";
   out.append(4 + 16, '\0');  // source, encoding, project
   append(out, std::uint8_t{1});
@@ -37,12 +38,12 @@ std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const
   append(out, std::uint32_t{header_bytes});
   append(out, std::uint32_t{0});  // variable length records
   append(out, std::uint8_t{2});
-  append(out, point_bytes);
+  append(out, las_point_bytes);
   append(out, points);
   append(out, points);  // of the first return
   out.append(4 * sizeof(std::uint32_t), '\0');
   for (int axis = 0; axis < 3; ++axis) append(out, las_unit_m);
-  for (int axis = 0; axis < 3; ++axis) append(out, 0.0);
+  for (int axis = 0; axis < 3; ++axis) append(out, offset_m[axis]);
   for (int axis = 0; axis < 3; ++axis) {
     append(out, max_m[axis]);
     append(out, min_m[axis]);
@@ -50,8 +51,10 @@ std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const
   return out;
 }
 
-void append_las_point(std::string& out, const Eigen::Vector3d& p_m, const std::array<std::uint8_t, 3>& colour) {
-  for (int axis = 0; axis < 3; ++axis) append(out, static_cast<std::int32_t>(std::lround(p_m[axis] / las_unit_m)));
+void append_las_point(std::string& out, const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m,
+                      const std::array<std::uint8_t, 3>& colour) {
+  for (int axis = 0; axis < 3; ++axis)
+    append(out, static_cast<std::int32_t>(std::lround((p_m[axis] - offset_m[axis]) / las_unit_m)));
   append(out, std::uint16_t{0});    // intensity
   append(out, std::uint8_t{0x09});  // the first return of one
   out.append(5, '\0');              // class, angle, user data, source

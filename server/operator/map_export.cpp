@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iomanip>
 #include <map>
 #include <sstream>
 
@@ -38,17 +39,6 @@ std::string one_line(std::string name) {
 
 }  // namespace
 
-Result<Component> find_component(const Atlas& atlas, SessionId id) {
-  std::ostringstream there;
-  for (const Component& component : atlas.components) {
-    if (component.id == id) return component;
-    there << (there.tellp() > 0 ? ", " : "") << component.id;
-  }
-  const std::string list = there.str();
-  return failure(ErrorCode::not_found, "there is no component " + std::to_string(id) +
-                                           (list.empty() ? "; the atlas is empty" : "; there are " + list));
-}
-
 Result<std::optional<std::string>> MapExport::next() {
   if (stage_ == Stage::start) {
     if (auto listed = list_keyframes(); !listed) return tl::unexpected(listed.error());
@@ -70,26 +60,23 @@ Result<std::optional<std::string>> MapExport::next() {
 }
 
 Result<void> MapExport::list_keyframes() {
-  const auto component = find_component(station_.atlas().atlas, request_.component);
-  if (!component) return tl::unexpected(component.error());
-  std::map<SessionId, std::string> robot_of;
-  for (const SessionRow& row : station_.sessions()) robot_of[row.id] = row.key.robot;
+  auto placed = placed_component(station_, request_.component, request_.frame);
+  if (!placed) return tl::unexpected(placed.error());
+  origin_m_ = placed->origin_m;
   std::map<std::string, Colour> colours;
-  for (const Placement& placement : component->placements) {
-    const std::string& robot = robot_of[placement.session];
-    const auto [colour, first] = colours.try_emplace(robot, palette[colours.size() % palette.size()]);
-    if (first) {
-      std::ostringstream line;
-      line << "robot " << one_line(robot) << " colour";
-      for (int channel : colour->second) line << ' ' << channel;
-      legend_.push_back(line.str());
-    }
-    const auto keyframes = station_.trajectory(placement.session);
-    if (!keyframes) return tl::unexpected(keyframes.error());
-    for (const Keyframe& keyframe : *keyframes)
-      items_.push_back({placement.session, keyframe.sequence, placement.T_component_session * keyframe.T_local_sensor,
-                        colour->second, 0});
+  std::vector<Colour> of_session;
+  for (const SessionRow& row : placed->sessions) {
+    const auto [colour, first] = colours.try_emplace(row.key.robot, palette[colours.size() % palette.size()]);
+    of_session.push_back(colour->second);
+    if (!first) continue;
+    std::ostringstream line;
+    line << "robot " << one_line(row.key.robot) << " colour";
+    for (int channel : colour->second) line << ' ' << channel;
+    legend_.push_back(line.str());
   }
+  for (const PlacedKeyframe& keyframe : placed->keyframes)
+    items_.push_back({placed->sessions[keyframe.session].id, keyframe.sequence, keyframe.T_frame_sensor,
+                      of_session[keyframe.session], 0});
   return {};
 }
 
@@ -98,7 +85,7 @@ Result<void> MapExport::count(Item& item) {
   if (points) {
     item.points = points->size();
     if (request_.format == CloudFormat::las)
-      for (const Eigen::Vector3f& p_sensor : *points) box_m_.extend(item.T_component_sensor * p_sensor.cast<double>());
+      for (const Eigen::Vector3f& p_sensor : *points) box_m_.extend(item.T_frame_sensor * p_sensor.cast<double>());
   } else if (points.error().code != ErrorCode::not_found) {  // a keyframe whose cloud is not stored is left out
     return tl::unexpected(points.error());
   }
@@ -122,42 +109,65 @@ Result<std::string> MapExport::written(const Item& item) const {
   if (points->size() != item.points)
     return failure(ErrorCode::internal, "the cloud of keyframe " + std::to_string(item.sequence) + " of session " +
                                             std::to_string(item.session) + " changed during the export; start again");
-  const bool ply = request_.format == CloudFormat::ply;
-  const auto [red, green, blue] = item.colour;
   std::string out;
-  out.reserve(points->size() * 26);
-  for (const Eigen::Vector3f& p_sensor : *points) {
-    const Eigen::Vector3d p_m = item.T_component_sensor * p_sensor.cast<double>();
-    if (request_.format == CloudFormat::las) {
-      append_las_point(out, p_m, item.colour);
-      continue;
-    }
-    const Eigen::Vector3f p_component = p_m.cast<float>();
-    for (int axis = 0; axis < 3; ++axis) append(out, p_component[axis]);
-    if (ply) {
-      for (std::uint8_t channel : item.colour) append(out, channel);
-    } else {
-      append(out, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
-    }
-  }
+  out.reserve(points->size() * point_bytes());
+  for (const Eigen::Vector3f& p_sensor : *points)
+    append_point(out, item.T_frame_sensor * p_sensor.cast<double>(), item);
   return out;
 }
 
-std::string MapExport::header() const {
+void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, const Item& item) const {
+  if (request_.format == CloudFormat::las) return append_las_point(out, p_frame, origin_m_, item.colour);
+  if (wide()) {
+    for (int axis = 0; axis < 3; ++axis) append(out, p_frame[axis]);
+  } else {
+    const Eigen::Vector3f p = (p_frame - origin_m_).cast<float>();
+    for (int axis = 0; axis < 3; ++axis) append(out, p[axis]);
+  }
+  const auto [red, green, blue] = item.colour;
+  if (request_.format == CloudFormat::pcd)
+    return append(out, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
+  for (const std::uint8_t channel : item.colour) append(out, channel);
+}
+
+/// Grid coordinates in PLY are doubles; the other formats count from an origin.
+bool MapExport::wide() const { return request_.format == CloudFormat::ply && request_.frame == OutputFrame::grid; }
+
+std::size_t MapExport::point_bytes() const {
+  if (request_.format == CloudFormat::las) return las_point_bytes;
+  if (request_.format == CloudFormat::pcd) return 3 * sizeof(float) + sizeof(std::uint32_t);
+  return 3 * (wide() ? sizeof(double) : sizeof(float)) + 3;
+}
+
+std::string MapExport::header() {
   std::size_t points = 0;
   for (const Item& item : items_) points += item.points;
-  if (request_.format == CloudFormat::las)
-    return las_header(static_cast<std::uint32_t>(points), points > 0 ? box_m_.min() : Eigen::Vector3d(0, 0, 0),
-                      points > 0 ? box_m_.max() : Eigen::Vector3d(0, 0, 0));
-  const bool ply = request_.format == CloudFormat::ply;
+  std::string out = request_.format == CloudFormat::las ? las(points) : text_header(points);
+  total_bytes_ = out.size() + points * point_bytes();
+  return out;
+}
+
+std::string MapExport::las(std::size_t points) const {
+  const Eigen::Vector3d nothing = origin_m_;
+  return las_header(static_cast<std::uint32_t>(points), points > 0 ? box_m_.min() : nothing,
+                    points > 0 ? box_m_.max() : nothing, origin_m_);
+}
+
+std::string MapExport::text_header(std::size_t points) const {
+  const bool ply = request_.format == CloudFormat::ply, grid = request_.frame == OutputFrame::grid;
   std::ostringstream out;
   out << (ply ? "ply\nformat binary_little_endian 1.0\n" : "# .PCD v0.7 - Point Cloud Data file format\n");
   const char* comment = ply ? "comment " : "# ";
-  out << comment << "headframe: component " << request_.component << " in its own frame, metres\n";
+  out << comment << "headframe: component " << request_.component << " in "
+      << (grid ? "the mine's grid" : "its own frame") << ", metres\n";
+  if (grid && !ply) {
+    out << std::fixed << std::setprecision(0) << "# offset " << origin_m_.x() << ' ' << origin_m_.y() << ' '
+        << origin_m_.z() << ": add it to every point\n";
+  }
   for (const std::string& line : legend_) out << comment << line << '\n';
   if (ply) {
     out << "element vertex " << points << '\n';
-    for (const char* axis : {"x", "y", "z"}) out << "property float " << axis << '\n';
+    for (const char* axis : {"x", "y", "z"}) out << "property " << (wide() ? "double " : "float ") << axis << '\n';
     for (const char* channel : {"red", "green", "blue"}) out << "property uchar " << channel << '\n';
     out << "end_header\n";
   } else {

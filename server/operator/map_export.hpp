@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/operator/body_source.hpp"
-#include "server/operator/station.hpp"
+#include "server/operator/placed_component.hpp"
 
 namespace headframe {
 
@@ -16,17 +16,20 @@ struct ExportRequest {
   SessionId component = 0;
   CloudFormat format = CloudFormat::ply;
   double voxel_m = 0.1;  // one point per cube, within each keyframe; 0: every point
+  OutputFrame frame = OutputFrame::component;
 };
 
-/// The stored clouds of one component as binary little-endian PLY or PCD, or as LAS, in the component's frame (m),
-/// coloured by robot. All formats say the number of points first, so the first pass counts and the second writes; one
-/// keyframe's cloud is in memory at a time. Clouds stored after the first pass are left out.
+/// The stored clouds of one component as binary little-endian PLY or PCD, or as LAS, in metres, coloured by robot. Grid
+/// coordinates are doubles in PLY, counted from an offset in LAS (in its header) and PCD (in a comment). All formats
+/// say the number of points first, so the first pass counts and the second writes; one keyframe's cloud is in memory at
+/// a time. Clouds stored after the first pass are left out.
 class MapExport : public BodySource {
  public:
   MapExport(const Station& station, ExportRequest request) : station_(station), request_(request) {}
 
   /// One keyframe for each call. not_found: no such component; internal: a cloud changed between the passes.
   Result<std::optional<std::string>> next() override;
+  std::optional<std::uint64_t> total_bytes() const override { return total_bytes_; }
 
  private:
   enum class Stage { start, count, write };
@@ -34,7 +37,7 @@ class MapExport : public BodySource {
   struct Item {
     SessionId session = 0;
     std::uint64_t sequence = 0;
-    Pose T_component_sensor = Pose::Identity();
+    Pose T_frame_sensor = Pose::Identity();
     Colour colour{};
     std::size_t points = 0;
   };
@@ -43,7 +46,12 @@ class MapExport : public BodySource {
   Result<void> count(Item& item);
   Result<std::string> written(const Item& item) const;
   Result<Points> thinned(const Item& item) const;
-  std::string header() const;
+  void append_point(std::string& out, const Eigen::Vector3d& p_frame, const Item& item) const;
+  bool wide() const;
+  std::size_t point_bytes() const;
+  std::string header();
+  std::string las(std::size_t points) const;
+  std::string text_header(std::size_t points) const;
 
   const Station& station_;
   ExportRequest request_;
@@ -52,9 +60,8 @@ class MapExport : public BodySource {
   std::vector<std::string> legend_;  // one line for each robot
   std::size_t at_ = 0;
   Eigen::AlignedBox3d box_m_;  // of all points, for LAS
+  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
+  std::optional<std::uint64_t> total_bytes_;  // since the header
 };
-
-/// "No component 7; there are 1, 4.", for every place that needs a component.
-Result<Component> find_component(const Atlas& atlas, SessionId id);
 
 }  // namespace headframe

@@ -4,6 +4,8 @@
 #include <map>
 #include <sstream>
 
+#include "server/operator/session_totals.hpp"
+
 namespace headframe {
 namespace {
 
@@ -51,13 +53,7 @@ void add_stages(Page& page, const Workload& work) {
 
 std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
                          const Workload& work, double uptime_s) {
-  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes = 0;
-  for (const SessionRow& row : sessions) {
-    connected += row.connected ? 1 : 0;
-    keyframes += row.keyframes;
-    clouds += row.clouds;
-    bytes += row.bytes_received;
-  }
+  const SessionTotals totals = totals_of(sessions);
   std::map<AlignmentState, std::size_t> states;
   for (const auto state : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::published,
                            AlignmentState::retracted, AlignmentState::rejected})
@@ -67,10 +63,10 @@ std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasVie
   Page page;
   page.one("uptime_seconds", "gauge", "Since the operator API began.", uptime_s);
   page.one("sessions", "gauge", "Sessions known.", sessions.size());
-  page.one("robots_connected", "gauge", "Robots connected now.", connected);
-  page.one("keyframes", "gauge", "Keyframes stored.", keyframes);
-  page.one("clouds", "gauge", "Clouds stored.", clouds);
-  page.one("robot_bytes_received_total", "counter", "Bytes from robots since the server began.", bytes);
+  page.one("robots_connected", "gauge", "Robots connected now.", totals.connected);
+  page.one("keyframes", "gauge", "Keyframes stored.", totals.keyframes);
+  page.one("clouds", "gauge", "Clouds stored.", totals.clouds);
+  page.one("robot_bytes_received_total", "counter", "Bytes from robots since the server began.", totals.bytes_received);
   page.one("revision", "counter", "Revision of the atlas.", view.atlas.revision);
   page.one("components", "gauge", "Components of the atlas.", view.atlas.components.size());
   page.family("alignments", "gauge", "Alignments by state.");

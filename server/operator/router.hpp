@@ -37,13 +37,19 @@ struct Stream {
 struct Upgrade {};
 using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 
+/// What a client asks for; the views live as long as the request.
+struct Request {
+  std::string_view method, target;
+  std::string_view body = {};
+};
+
 /// Whether a target is for everybody; all others want the operator's token.
 bool is_public(std::string_view target);
 
 /// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
 /// `robots`, which is null where none has to enrol.
-Reply route(std::string_view method, std::string_view target, Station& station, PointTiles& tiles,
-            const OperatorLimits& limits, double uptime_s, RobotAdmin* robots = nullptr);
+Reply route(const Request& request, Station& station, PointTiles& tiles, const OperatorLimits& limits, double uptime_s,
+            RobotAdmin* robots = nullptr);
 
 /// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
 struct RouteName {

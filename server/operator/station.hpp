@@ -11,6 +11,7 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/survey.hpp"
 #include "server/merge_config.hpp"
 #include "server/stage_times.hpp"
 
@@ -31,6 +32,7 @@ struct SessionRow {
   double link_age_s = -1;     // since anything was heard of a connected robot; -1: it is not connected
   double distance_m = 0;
   double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
+  std::string label = {};               // the operator's name for it; empty: none
 };
 
 struct AlignmentRow {
@@ -60,6 +62,9 @@ struct Workload {
   std::string disk_error;  // empty when the last write was well
   std::uint64_t attempts = 0;
   StageTimes stages;  // summed over the attempts
+  std::uint64_t commits = 0;
+  double commit_s = 0;             // spent in commits until they were durable
+  std::size_t waiting_orders = 0;  // of the operator, not yet taken up
 };
 
 /// The robots' connections, all together, since the server started.
@@ -91,6 +96,20 @@ class Station {
   /// The operator's decision. Calls back once, from any thread, when it is durable and the robots were told, or with
   /// why not: not_found, refused, unavailable.
   virtual void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) = 0;
+  /// The operator's name for a session. Calls back once, from any thread, when it is durable, or with why not:
+  /// not_found, invalid_argument, unavailable.
+  virtual void rename(SessionId session, const std::string& label,
+                      std::function<void(const Result<void>&)> callback) = 0;
+  /// The session's frame becomes its component's. Calls back as decide().
+  virtual void anchor(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
+  /// Asks the session's robot for the clouds that are not here; calls back once with how many, or with why not:
+  /// not_found, refused (the robot is away, or sends none), unavailable.
+  virtual void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) = 0;
+  /// Where sessions lie in the mine's grid, the one set last at the end.
+  virtual std::vector<Survey> surveys() const = 0;
+  /// Replaces the session's survey, or takes it away. Call back as rename().
+  virtual void set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) = 0;
+  virtual void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
   /// Keyframes in the order of their sequence: stamp and T_local_sensor are filled, the descriptor may be empty.
   virtual Result<std::vector<Keyframe>> trajectory(SessionId session) const = 0;
   /// The stored cloud, in the keyframe's sensor frame; not_found when there is none.

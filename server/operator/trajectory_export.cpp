@@ -7,15 +7,20 @@
 namespace headframe {
 namespace {
 
-struct Frame {
+struct PlacedSession {
   SessionId component = 0;
-  Pose T_component_session = Pose::Identity();
+  Pose T_frame_session = Pose::Identity();
 };
 
-Result<Frame> frame_of(const Atlas& atlas, SessionId session) {
+Result<PlacedSession> placed(const Station& station, SessionId session, OutputFrame frame) {
+  const Atlas atlas = station.atlas().atlas;
   for (const Component& component : atlas.components)
-    for (const Placement& placement : component.placements)
-      if (placement.session == session) return Frame{component.id, placement.T_component_session};
+    for (const Placement& placement : component.placements) {
+      if (placement.session != session) continue;
+      return frame_of(station, component, frame).map([&](const Pose& T_frame_component) {
+        return PlacedSession{component.id, T_frame_component * placement.T_component_session};
+      });
+    }
   return failure(ErrorCode::unavailable, "the session is not in the atlas yet; try again in a moment");
 }
 
@@ -44,16 +49,19 @@ Result<std::string> TrajectoryExport::text() const {
   if (row == sessions.end())
     return failure(ErrorCode::not_found,
                    "there is no session \"" + key_.robot + "/" + key_.session + "\"; GET /api/v1/sessions lists them");
-  const auto frame = frame_of(station_.atlas().atlas, row->id);
-  if (!frame) return tl::unexpected(frame.error());
+  const auto session = placed(station_, row->id, frame_);
+  if (!session) return tl::unexpected(session.error());
   const auto keyframes = station_.trajectory(row->id);
   if (!keyframes) return tl::unexpected(keyframes.error());
-  std::string out = format_ == TrajectoryFormat::csv
-                        ? "stamp_s,x_m,y_m,z_m,qx,qy,qz,qw\n"
-                        : "# headframe: frame of component " + std::to_string(frame->component) +
-                              "; stamp_s x_m y_m z_m qx qy qz qw\n";
+  std::string out =
+      format_ == TrajectoryFormat::csv
+          ? "stamp_s,x_m,y_m,z_m,qx,qy,qz,qw\n"
+          : "# headframe: " +
+                (frame_ == OutputFrame::grid ? std::string("the mine's grid")
+                                             : "frame of component " + std::to_string(session->component)) +
+                "; stamp_s x_m y_m z_m qx qy qz qw\n";
   for (const Keyframe& keyframe : *keyframes)
-    out += line_of(keyframe.stamp_s, frame->T_component_session * keyframe.T_local_sensor, format_);
+    out += line_of(keyframe.stamp_s, session->T_frame_session * keyframe.T_local_sensor, format_);
   return out;
 }
 

@@ -3,19 +3,20 @@
 #include <string>
 
 #include "server/operator/body_source.hpp"
-#include "server/operator/station.hpp"
+#include "server/operator/placed_component.hpp"
 
 namespace headframe {
 
 enum class TrajectoryFormat { tum, csv };
 
-/// A session's keyframes in its component's frame, in one piece: as TUM text ("stamp x y z qx qy qz qw", s and m) after
-/// a comment that names the frame, or as CSV with the same columns named in its first line. not_found: no such robot or
-/// session.
+/// A session's keyframes in its component's frame or the mine's grid, in one piece: as TUM text ("stamp x y z qx qy qz
+/// qw", s and m) after a comment that names the frame, or as CSV with the same columns named in its first line.
+/// not_found: no such robot or session, or no survey.
 class TrajectoryExport : public BodySource {
  public:
-  TrajectoryExport(const Station& station, SessionKey key, TrajectoryFormat format = TrajectoryFormat::tum)
-      : station_(station), key_(std::move(key)), format_(format) {}
+  TrajectoryExport(const Station& station, SessionKey key, TrajectoryFormat format = TrajectoryFormat::tum,
+                   OutputFrame frame = OutputFrame::component)
+      : station_(station), key_(std::move(key)), format_(format), frame_(frame) {}
   Result<std::optional<std::string>> next() override;
 
  private:
@@ -24,6 +25,7 @@ class TrajectoryExport : public BodySource {
   const Station& station_;
   SessionKey key_;
   TrajectoryFormat format_;
+  OutputFrame frame_;
   bool done_ = false;
 };
 

@@ -49,6 +49,16 @@ CREATE TABLE robots (
   enrolled_s REAL NOT NULL, revoked INTEGER NOT NULL) WITHOUT ROWID;
 ALTER TABLE sessions ADD COLUMN spool_run INTEGER NOT NULL DEFAULT 0;
 )sql",
+    R"sql(
+ALTER TABLE sessions ADD COLUMN label TEXT NOT NULL DEFAULT '';
+ALTER TABLE alignments ADD COLUMN T_a_b_runner_up BLOB NOT NULL DEFAULT x'';
+CREATE TABLE anchors (session INTEGER PRIMARY KEY, choice INTEGER NOT NULL UNIQUE);
+CREATE TABLE surveys (session INTEGER PRIMARY KEY, choice INTEGER NOT NULL UNIQUE, T_grid_session BLOB NOT NULL);
+CREATE TABLE survey_points (
+  session INTEGER NOT NULL, number INTEGER NOT NULL, name TEXT NOT NULL, x_session_m REAL NOT NULL,
+  y_session_m REAL NOT NULL, z_session_m REAL NOT NULL, x_grid_m REAL NOT NULL, y_grid_m REAL NOT NULL,
+  z_grid_m REAL NOT NULL, PRIMARY KEY (session, number)) WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

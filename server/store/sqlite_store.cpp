@@ -127,20 +127,53 @@ class SqliteStore : public Store {
     auto read = read_alignments(merge.alignments);
     if (read) read = read_atlas(merge.atlas);
     if (read) read = read_decisions(merge.decisions);
+    if (read)
+      read = reader_.each("SELECT session FROM anchors ORDER BY choice",
+                          [&](const Row& row) { merge.anchors.push_back(row.integer(0)); });
     if (!read) return tl::unexpected(read.error());
     return merge;
   }
 
+  Result<StoredNotes> notes() override {
+    StoredNotes notes;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each("SELECT id, label FROM sessions WHERE label<>''",
+                             [&](const Row& row) { notes.labels[row.integer(0)] = row.text(1); });
+    if (read) read = read_surveys(notes.surveys);
+    if (!read) return tl::unexpected(read.error());
+    return notes;
+  }
+
  private:
+  Result<void> read_surveys(std::vector<Survey>& surveys) {
+    auto read = reader_.each("SELECT session, T_grid_session FROM surveys ORDER BY choice", [&](const Row& row) {
+      surveys.push_back({row.integer(0), pose_from_blob(row.blob(1)), {}});
+    });
+    for (Survey& survey : surveys) {
+      if (!read) return read;
+      read = reader_.each(
+          "SELECT name, x_session_m, y_session_m, z_session_m, x_grid_m, y_grid_m, z_grid_m FROM survey_points"
+          " WHERE session=? ORDER BY number",
+          [&](const Row& row) {
+            survey.points.push_back(
+                {row.text(0), {row.real(1), row.real(2), row.real(3)}, {row.real(4), row.real(5), row.real(6)}});
+          },
+          survey.session);
+    }
+    return read;
+  }
+
   Result<void> read_alignments(std::vector<Alignment>& alignments) {
     std::map<std::pair<SessionId, SessionId>, std::size_t> index;
-    auto read = reader_.each("SELECT a, b, id, state, T_a_b, verdict FROM alignments ORDER BY id", [&](const Row& row) {
-      Alignment alignment{row.integer(2), row.integer(0), row.integer(1), {}, pose_from_blob(row.blob(4)), {}};
-      alignment.state = alignment_state_from(row.text(3)).value_or(AlignmentState::candidate);
-      alignment.verdict = alignment_state_from(row.text(5)).value_or(AlignmentState::candidate);
-      index[{alignment.a, alignment.b}] = alignments.size();
-      alignments.push_back(alignment);
-    });
+    auto read = reader_.each(
+        "SELECT a, b, id, state, T_a_b, verdict, T_a_b_runner_up FROM alignments ORDER BY id", [&](const Row& row) {
+          Alignment alignment{row.integer(2), row.integer(0), row.integer(1), {}, pose_from_blob(row.blob(4)), {}};
+          alignment.state = alignment_state_from(row.text(3)).value_or(AlignmentState::candidate);
+          alignment.verdict = alignment_state_from(row.text(5)).value_or(AlignmentState::candidate);
+          if (!row.blob(6).empty()) alignment.T_a_b_runner_up = pose_from_blob(row.blob(6));
+          index[{alignment.a, alignment.b}] = alignments.size();
+          alignments.push_back(alignment);
+        });
     if (!read) return read;
     return reader_.each("SELECT a, b, name, value FROM evidence", [&](const Row& row) {
       const auto at = index.find({row.integer(0), row.integer(1)});

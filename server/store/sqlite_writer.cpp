@@ -81,10 +81,17 @@ void SqliteWriter::commit(std::deque<Item> group) {
 }
 
 Result<void> SqliteWriter::try_commit(const std::deque<Item>& group, std::size_t count) {
+  const auto start = std::chrono::steady_clock::now();
   auto done = database_.execute("BEGIN IMMEDIATE");
   for (std::size_t i = 0; done && i < count; ++i) done = apply(database_, group[i].write);
   if (done) done = database_.execute("COMMIT");
-  if (!done) (void)database_.execute("ROLLBACK");
+  if (!done) {
+    (void)database_.execute("ROLLBACK");
+    return done;
+  }
+  const std::lock_guard lock(mutex_);
+  ++load_.commits;
+  load_.commit_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return done;
 }
 

@@ -68,11 +68,13 @@ Result<void> put(Database& db, const CompleteSession& write) {
 
 Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64_t revision) {
   const std::string T = pose_blob(alignment.T_a_b);
+  const std::string T_runner_up = alignment.T_a_b_runner_up ? pose_blob(*alignment.T_a_b_runner_up) : std::string();
   const std::string_view state = to_string(alignment.state);
   auto done = db.run(
-      "INSERT INTO alignments (a, b, id, state, T_a_b, verdict) VALUES (?,?,?,?,?,?) ON CONFLICT (a, b) DO UPDATE SET"
-      " id=excluded.id, state=excluded.state, T_a_b=excluded.T_a_b, verdict=excluded.verdict",
-      alignment.a, alignment.b, alignment.id, state, Blob{T}, to_string(alignment.verdict));
+      "INSERT INTO alignments (a, b, id, state, T_a_b, verdict, T_a_b_runner_up) VALUES (?,?,?,?,?,?,?)"
+      " ON CONFLICT (a, b) DO UPDATE SET id=excluded.id, state=excluded.state, T_a_b=excluded.T_a_b,"
+      " verdict=excluded.verdict, T_a_b_runner_up=excluded.T_a_b_runner_up",
+      alignment.a, alignment.b, alignment.id, state, Blob{T}, to_string(alignment.verdict), Blob{T_runner_up});
   for (const EvidenceField& field : evidence_fields()) {
     if (!done) return done;
     done = db.run("INSERT OR REPLACE INTO evidence (a, b, name, value) VALUES (?,?,?,?)", alignment.a, alignment.b,
@@ -123,8 +125,35 @@ Result<void> put(Database& db, const PutMerge& write) {
     if (!done) return done;
     done = put_decision(db, record);
   }
+  if (done && write.anchored != 0)
+    done = db.run("INSERT OR REPLACE INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors", write.anchored);
   if (!done || write.attempted == 0) return done;
   return db.run("UPDATE sessions SET attempted_keyframes=? WHERE id=?", write.attempted_keyframes, write.attempted);
+}
+
+Result<void> put(Database& db, const PutLabel& write) {
+  return db.run("UPDATE sessions SET label=? WHERE id=?", write.label, write.session);
+}
+
+Result<void> put(Database& db, const DropSurvey& write) {
+  auto done = db.run("DELETE FROM survey_points WHERE session=?", write.session);
+  if (done) done = db.run("DELETE FROM surveys WHERE session=?", write.session);
+  return done;
+}
+
+Result<void> put(Database& db, const PutSurvey& write) {
+  const Survey& survey = write.survey;
+  auto done = put(db, DropSurvey{survey.session});
+  const std::string T = pose_blob(survey.T_grid_session);
+  if (done)
+    done =
+        db.run("INSERT INTO surveys SELECT ?, coalesce(max(choice), 0) + 1, ? FROM surveys", survey.session, Blob{T});
+  for (std::size_t i = 0; done && i < survey.points.size(); ++i) {
+    const auto& [name, s, g] = survey.points[i];
+    done = db.run("INSERT INTO survey_points VALUES (?,?,?,?,?,?,?,?,?)", survey.session, i, name, s.x(), s.y(), s.z(),
+                  g.x(), g.y(), g.z());
+  }
+  return done;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -13,6 +14,7 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/survey.hpp"
 #include "server/place/descriptor_index.hpp"
 
 namespace headframe {
@@ -64,17 +66,33 @@ struct PutMerge {
   std::vector<Alignment> changed;
   std::optional<Atlas> atlas;           // a new revision
   std::vector<DecisionRecord> decided;  // new ones, and those that were undone
+  SessionId anchored = 0;               // chosen as its component's anchor; 0: none
+};
+/// The operator's name for a session; empty: none.
+struct PutLabel {
+  SessionId session = 0;
+  std::string label;
+};
+/// Replaces the session's survey, and counts as the one set last.
+struct PutSurvey {
+  Survey survey;
+};
+struct DropSurvey {
+  SessionId session = 0;
 };
 struct PutRobot {
   RobotRecord robot;
 };
-using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot>;
+using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot, PutLabel, PutSurvey,
+                           DropSurvey>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
   std::size_t queued_bytes = 0;
   std::uint64_t durable_writes = 0;
   std::uint64_t failed_writes = 0;
+  std::uint64_t commits = 0;
+  double commit_s = 0;          // spent in them, until they were durable
   std::size_t queue_bytes = 0;  // the most that may be queued
   std::string last_error;       // empty when the last write was well
   std::string waits_for;        // why the disk refuses the next write; empty: it does not. It is tried again
@@ -84,6 +102,12 @@ struct StoredMerge {
   std::vector<Alignment> alignments;      // ordered by id
   Atlas atlas;                            // the last revision
   std::vector<DecisionRecord> decisions;  // ordered by id
+  std::vector<SessionId> anchors;         // in the order they were chosen
+};
+
+struct StoredNotes {
+  std::map<SessionId, std::string> labels;
+  std::vector<Survey> surveys;  // in the order they were set
 };
 
 /// All calls are thread safe.
@@ -111,6 +135,7 @@ class Store {
   /// Encoded as the robot sent it; not_found when there is none.
   virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;
   virtual Result<StoredMerge> merge() = 0;
+  virtual Result<StoredNotes> notes() = 0;
   virtual Result<std::vector<RobotRecord>> robots() = 0;
 };
 

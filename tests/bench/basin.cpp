@@ -11,7 +11,7 @@
 #include "server/registration/parallel.hpp"
 #include "server/registration/vgicp.hpp"
 #include "tests/bench/measure.hpp"
-#include "tests/mine/picture/canvas.hpp"
+#include "server/picture/canvas.hpp"
 #include "tests/mine/scenario.hpp"
 
 namespace headframe::bench {

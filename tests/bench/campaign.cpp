@@ -5,7 +5,7 @@
 
 #include "tests/bench/merges.hpp"
 #include "tests/bench/pipeline_run.hpp"
-#include "tests/mine/picture/top_view.hpp"
+#include "server/picture/top_view.hpp"
 
 namespace headframe::bench {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // Recordings as layers of a picture.
 
-#include "tests/mine/picture/top_view.hpp"
+#include "server/picture/top_view.hpp"
 #include "tests/mine/scenario.hpp"
 
 namespace headframe::mine {

@@ -103,6 +103,33 @@ class FakeStation : public Station {
       callback(failure(ErrorCode::not_found, "there is no such alignment"));
     });
   }
+  void rename(SessionId session, const std::string& label, std::function<void(const Result<void>&)> callback) override {
+    change([&] { rows.at(static_cast<std::size_t>(session) - 1).label = label; });
+    callback({});
+  }
+  void anchor(SessionId session, std::function<void(const Result<void>&)> callback) override {
+    anchored.push_back(session);
+    callback({});
+  }
+  /// The robot of session 1 is away; of the others one cloud is missing.
+  void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) override {
+    if (session == 1) return callback(failure(ErrorCode::refused, "its robot is away"));
+    callback(1);
+  }
+  std::vector<Survey> surveys() const override {
+    const std::lock_guard lock(mutex_);
+    return surveyed;
+  }
+  void set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) override {
+    change([&] { surveyed.push_back(survey); });
+    callback({});
+  }
+  void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) override {
+    std::size_t gone = 0;
+    change([&] { gone = std::erase_if(surveyed, [&](const Survey& s) { return s.session == session; }); });
+    if (gone > 0) return callback({});
+    callback(failure(ErrorCode::not_found, "it has no survey"));
+  }
   void set_pending(Pending pending) {
     const std::lock_guard lock(mutex_);
     pending_ = pending;
@@ -127,6 +154,11 @@ class FakeStation : public Station {
     if (sequence == 3 || sequence == withheld) return failure(ErrorCode::not_found, "no cloud");
     if (cloud_that_breaks == clouds_read) return failure(ErrorCode::bad_input, "a damaged cloud");
     KeyframeCloud out{{Sweep{}, Sweep{}}};
+    if (floor) {
+      for (int x = -40; x <= 40; ++x)
+        for (int y = -40; y <= 40; ++y) out.sweeps[0].points.emplace_back(0.11F * x, 0.11F * y, 0.F);
+      return out;
+    }
     for (int i = 0; i < points; ++i)
       out.sweeps[static_cast<std::size_t>(i % 2)].points.emplace_back(static_cast<float>(i), 0.F,
                                                                       static_cast<float>(session));
@@ -140,10 +172,13 @@ class FakeStation : public Station {
   int points = 10;
   std::uint64_t withheld = 0;  // the keyframe whose cloud has not come
   bool broken_trajectory = false;
+  bool floor = false;         // clouds are a flat floor of 9 m around the sensor instead
   int cloud_that_breaks = 0;  // the n-th that is read
   bool merge_makes_work = false;
   std::atomic<int> merges = 0, waits = 0;
   std::vector<std::pair<AlignmentId, Decision>> decided;
+  std::vector<SessionId> anchored;
+  std::vector<Survey> surveyed;
   mutable std::atomic<int> clouds_read = 0;
   mutable std::mutex cloud_gate;  // held by a test: cloud() waits
 

@@ -40,6 +40,8 @@ TEST(Events, EachChangeIsToldOnce) {
   EXPECT_EQ(told("robot_left")["robot"], "beta");
   station.rows[1].keyframes = 17;
   EXPECT_EQ(told("keyframes")["keyframes"], 17);
+  station.rows[2].label = "north drift";
+  EXPECT_EQ(told("renamed")["label"], "north drift");
   station.view.alignments[1].alignment.state = AlignmentState::candidate;
   EXPECT_EQ(told("alignment")["alignment"]["state"], "candidate");
   station.view.alignments[0].alignment.T_a_b.translation().x() += 1;

@@ -52,6 +52,29 @@ TEST(MergeGraph, ComponentsFollowTheAlignments) {
   for (const auto state : result.states) EXPECT_EQ(state, AlignmentState::published);
 }
 
+TEST(MergeGraph, TheAnchorChosenLastIsTheComponentsFrame) {
+  const auto anchored = [](const std::vector<Alignment>& edges, const std::vector<SessionId>& anchors) {
+    return merge_sessions(sessions, edges, {}, anchors);
+  };
+  for (const SessionId chosen : {1, 3, 5}) {
+    const auto result = anchored(loop(), {4, chosen, 6});
+    ASSERT_EQ(result.components.size(), 2U);
+    EXPECT_EQ(result.components[0].id, chosen);
+    EXPECT_EQ(result.components[1].id, 6);
+    EXPECT_LT(worst_error_m(result), 1e-9) << "all others lie as before, seen from it";
+    for (const Placement& p : result.components[0].placements) {
+      if (p.session == chosen) EXPECT_EQ(p.T_component_session.matrix(), Pose::Identity().matrix());
+    }
+  }
+  // 1-2 and 4-5 apart, each with its choice; when they merge, the later choice stays.
+  const std::vector<Alignment> apart{edge(1, 2), edge(4, 5)}, joined{edge(1, 2), edge(4, 5), edge(2, 4)};
+  EXPECT_EQ(anchored(apart, {5, 2}).components[0].id, 2);
+  EXPECT_EQ(anchored(apart, {5, 2}).components.back().id, 6);
+  EXPECT_EQ(anchored(joined, {5, 2}).components[0].id, 2);
+  EXPECT_EQ(anchored(joined, {2, 5}).components[1].id, 5) << "sorted by id, after 3";
+  EXPECT_EQ(anchored(joined, {7}).components[0].id, 1) << "a choice elsewhere means nothing here";
+}
+
 TEST(MergeGraph, OrderOfArrivalDoesNotMatter) {
   auto edges = loop();
   edges[2].T_a_b.translation().x() += 0.3;

@@ -37,8 +37,10 @@ struct Script {
   std::function<Result<AttemptReport>(AlignmentId, Decision)> on_decision = [](AlignmentId, Decision) {
     return AttemptReport();
   };
+  std::function<Result<AttemptReport>(SessionId)> on_anchor = [](SessionId) { return AttemptReport(); };
   Atlas atlas;
   std::vector<Alignment> alignments;
+  std::vector<SessionId> anchors;
 
   std::size_t attempted() {
     const std::lock_guard lock(mutex);
@@ -59,10 +61,13 @@ class ScriptedPipeline : public Pipeline {
     script_.completed.insert(id);
   }
   Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return script_.on_decision(id, decision); }
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord>) override {
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord>,
+               std::vector<SessionId> anchors) override {
+    script_.anchors = std::move(anchors);
     script_.alignments = std::move(alignments);
     script_.restored_revision = revision;
   }
+  Result<AttemptReport> anchor(SessionId id) override { return script_.on_anchor(id); }
   AttemptReport attempt(SessionId id, CloudSource& clouds) override {
     auto report = script_.on_attempt(id, clouds);
     const std::lock_guard lock(script_.mutex);
@@ -322,6 +327,52 @@ TEST_F(Worker, ADecisionIsDurableAndToldBeforeItIsAnswered) {
   ASSERT_TRUE(decided(*worker, 7, Decision::undo));
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "an undo looks again";
+}
+
+TEST_F(Worker, AnAnchorIsDurableToldAndFoundAgain) {
+  const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+  script.atlas = {3, {{1, {{1, Pose::Identity()}, {2, T}}}}};
+  script.on_anchor = [&](SessionId id) -> Result<AttemptReport> {
+    if (id != 2) return failure(ErrorCode::not_found, "there is no session 9");
+    AttemptReport report;
+    report.anchored = id;
+    report.atlas_changed = true;
+    script.atlas = {4, {{2, {{1, T.inverse()}, {2, Pose::Identity()}}}}};
+    return report;
+  };
+  start();
+  const auto anchored = [&](SessionId id) {
+    std::promise<Result<void>> outcome;
+    worker->anchor(id, [&](const Result<void>& result) { outcome.set_value(result); });
+    return outcome.get_future().get();
+  };
+  ASSERT_TRUE(anchored(2));
+  ASSERT_EQ(robots.changed.size(), 1U);
+  EXPECT_EQ(robots.changed[0].id, 2);
+  EXPECT_EQ(worker->view()->atlas.revision, 4U);
+  EXPECT_EQ(anchored(9).error().code, ErrorCode::not_found);
+  worker.reset();
+  start();
+  EXPECT_EQ(script.anchors, std::vector<SessionId>{2});
+}
+
+TEST_F(Worker, AsksForTheCloudsThatAreMissingWhenTheRobotIsThere) {
+  keep(PutCloud{{1, 2}, "cloud"});
+  start();
+  const auto asked = [&](SessionId id) {
+    std::promise<Result<std::size_t>> outcome;
+    worker->request_clouds(id, [&](const Result<std::size_t>& result) { outcome.set_value(result); });
+    return outcome.get_future().get();
+  };
+  EXPECT_EQ(asked(1).error().code, ErrorCode::refused) << "the robot is away";
+  EXPECT_EQ(asked(9).error().code, ErrorCode::not_found);
+  worker->robot_came(1, false);
+  EXPECT_EQ(asked(1).error().code, ErrorCode::refused) << "it sends no clouds";
+  worker->robot_came(1, true);
+  EXPECT_EQ(asked(1), 4U);
+  EXPECT_EQ(robots.asked(), (std::vector<KeyframeRef>{{1, 1}, {1, 3}, {1, 4}, {1, 5}}));
+  worker->robot_left(1);
+  EXPECT_EQ(asked(1).error().code, ErrorCode::refused);
 }
 
 TEST_F(Worker, DecisionsThatFailSaySoAndTooManyAreTurnedAway) {

@@ -139,7 +139,7 @@ TEST(Mutation, RequestsGetAnAnswerAndOnlyTheirOwnChangesHappen) {
     const std::string target =
         mutator.below(5) == 0 ? whole : mutator.spoil(whole, targets[mutator.below(targets.size())]);
     const int merges = station.merges;
-    const Reply reply = route("GET", target, station, tiles, OperatorLimits{}, 1);
+    const Reply reply = route({"GET", target}, station, tiles, OperatorLimits{}, 1);
     EXPECT_EQ(station.merges, merges) << "a GET changes nothing: " << target;
     const auto* ready = std::get_if<Ready>(&reply);
     ++(ready != nullptr && ready->status >= 400 ? refused : answered);

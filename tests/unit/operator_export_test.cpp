@@ -111,6 +111,61 @@ TEST_F(OperatorExportTest, LasHasTheSamePointsToAMillimetre) {
   EXPECT_NEAR(value_at<double>(las, 187), least_x, 6e-4);
 }
 
+/// The grid is a million metres away: whatever the format, its points are the component's laid into it, to a
+/// millimetre.
+TEST_F(OperatorExportTest, TheGridIsKeptToAMillimetreInEveryFormat) {
+  const Pose T_grid_2 = pose_from_yaw(0.7, {1431250.256, 6212400.125, -312.5});
+  server.station.surveyed = {{2, T_grid_2, {}}};
+  const Pose T_grid_component =
+      T_grid_2 * server.station.view.atlas.components[0].placements[1].T_component_session.inverse();
+  const CloudFile own = read_ply(get("component=1"));
+  std::vector<Eigen::Vector3d> wanted;
+  for (const Vertex& v : own.vertices) wanted.push_back(T_grid_component * Eigen::Vector3d(v.x, v.y, v.z));
+  const auto expect_points = [&](const char* format, const auto& point) {
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      ASSERT_LT((point(i) - wanted[i]).norm(), 1.5e-3) << format << " point " << i;
+  };
+  const std::string ply = get("component=1&frame=grid");
+  const std::size_t body = ply.find("end_header\n") + 11;
+  ASSERT_NE(ply.find("property double x\nproperty double y"), std::string::npos);
+  ASSERT_EQ(ply.size(), body + 27 * wanted.size());
+  expect_points("ply", [&](std::size_t i) {
+    const std::size_t at = body + 27 * i;
+    return Eigen::Vector3d(value_at<double>(ply, at), value_at<double>(ply, at + 8), value_at<double>(ply, at + 16));
+  });
+  const std::string las = get("component=1&frame=grid&format=las");
+  ASSERT_EQ(las.size(), 227 + 26 * wanted.size());
+  const Eigen::Vector3d offset(value_at<double>(las, 155), value_at<double>(las, 163), value_at<double>(las, 171));
+  EXPECT_GT(offset.y(), 6e6);
+  expect_points("las", [&](std::size_t i) -> Eigen::Vector3d {
+    const std::size_t at = 227 + 26 * i;
+    return offset + 0.001 * Eigen::Vector3d(value_at<std::int32_t>(las, at), value_at<std::int32_t>(las, at + 4),
+                                            value_at<std::int32_t>(las, at + 8));
+  });
+  EXPECT_NEAR(value_at<double>(las, 195),
+              std::max_element(wanted.begin(), wanted.end(), [](auto& p, auto& q) { return p.y() < q.y(); })->y(), 1e-3)
+      << "greatest y of the header";
+  const std::string pcd = get("component=1&frame=grid&format=pcd");
+  Eigen::Vector3d pcd_offset;
+  std::istringstream(pcd.substr(pcd.find("# offset ") + 9)) >> pcd_offset.x() >> pcd_offset.y() >> pcd_offset.z();
+  const std::size_t data = pcd.find("DATA binary\n") + 12;
+  expect_points("pcd", [&](std::size_t i) -> Eigen::Vector3d {
+    const std::size_t at = data + 16 * i;
+    return pcd_offset +
+           Eigen::Vector3d(value_at<float>(pcd, at), value_at<float>(pcd, at + 4), value_at<float>(pcd, at + 8));
+  });
+}
+
+TEST_F(OperatorExportTest, TheGridNeedsASurvey) {
+  EXPECT_EQ(client.get("/api/v1/export?component=1&frame=grid")->status, 404);
+  EXPECT_EQ(client.get("/api/v1/export?component=1&frame=mars")->status, 400);
+  EXPECT_EQ(client.get("/api/v1/trajectory?robot=beta&session=run%2F1&frame=grid")->status, 404);
+  server.station.surveyed = {{1, pose_from_yaw(0, {1000000, 2000000, 3}), {}}};
+  const std::string tum = client.get("/api/v1/trajectory?robot=beta&session=run%2F1&frame=grid")->body;
+  EXPECT_NE(tum.find("# headframe: the mine's grid"), std::string::npos) << tum;
+  EXPECT_NE(tum.find("200.000000 1000010.000000 2000020.000000 33.000000 "), std::string::npos) << tum;
+}
+
 TEST_F(OperatorExportTest, VoxelThinsWithinAKeyframe) {
   EXPECT_EQ(read_ply(get("component=3&voxel=0.99")).declared, 20U) << "points are 1 m apart";
   EXPECT_EQ(read_ply(get("component=3&voxel=5")).declared, 4U) << "10 m in cubes of 5 m, two keyframes";

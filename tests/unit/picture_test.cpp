@@ -3,8 +3,8 @@
 
 #include <set>
 
-#include "tests/mine/picture/font.hpp"
-#include "tests/mine/picture/top_view.hpp"
+#include "server/picture/font.hpp"
+#include "server/picture/top_view.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace headframe::picture {

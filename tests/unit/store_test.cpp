@@ -152,17 +152,107 @@ TEST(Store, KeepsDecisionsAndThatTheyWereUndone) {
   EXPECT_EQ(decisions[1].decision, Decision::confirm);
 }
 
+/// What takes a database back to the schema before labels, anchors and surveys.
+constexpr const char* to_schema_3 =
+    "ALTER TABLE sessions DROP COLUMN label; ALTER TABLE alignments DROP COLUMN T_a_b_runner_up;"
+    "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; PRAGMA user_version=3;";
+
+Survey survey_of(SessionId session) {
+  return {session,
+          pose_from_yaw(0.5, {431250.123456789, 6212400.25, -3}),
+          {{"P1", {1, 2, 3}, {431251.1, 6212402.2, 0}}, {"P \"2\"", {0.1, 0.2, 0.3}, {4, 5, 6}}}};
+}
+
+TEST(Store, KeepsLabelsAnchorsAndSurveys) {
+  const TempDir dir;
+  const Survey first = survey_of(1), second{2, Pose::Identity(), {}};
+  {
+    const auto store = open(dir);
+    for (const SessionId id : {1, 2})
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
+    ASSERT_TRUE(write_and_wait(*store, PutLabel{1, "north drift"}));
+    ASSERT_TRUE(write_and_wait(*store, PutLabel{2, "gone"}));
+    ASSERT_TRUE(write_and_wait(*store, PutLabel{2, ""}));
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "robot1")})) << "the robot comes again";
+    for (const SessionId id : {2, 1, 7, 2}) ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, {}, {}, id}));
+    for (const Survey& survey : {first, second, survey_of(3), first})
+      ASSERT_TRUE(write_and_wait(*store, PutSurvey{survey}));
+    ASSERT_TRUE(write_and_wait(*store, DropSurvey{3}));
+  }
+  const auto store = open(dir);
+  const auto notes = store->notes();
+  ASSERT_TRUE(notes) << notes.error().message;
+  EXPECT_EQ(notes->labels, (std::map<SessionId, std::string>{{1, "north drift"}}));
+  EXPECT_EQ(store->merge()->anchors, (std::vector<SessionId>{1, 7, 2})) << "in the order of their last choice";
+  ASSERT_EQ(notes->surveys.size(), 2U);
+  EXPECT_EQ(notes->surveys[0].session, 2);
+  EXPECT_TRUE(notes->surveys[0].points.empty());
+  const Survey& last = notes->surveys[1];
+  EXPECT_EQ(last.session, 1);
+  EXPECT_EQ(last.T_grid_session.matrix(), first.T_grid_session.matrix());
+  ASSERT_EQ(last.points.size(), 2U);
+  EXPECT_EQ(last.points[1].name, "P \"2\"");
+  EXPECT_EQ(last.points[1].p_session_m, first.points[1].p_session_m);
+  EXPECT_EQ(last.points[0].p_grid_m, first.points[0].p_grid_m);
+}
+
+TEST(Store, KeepsTheRunnerUpsPlacement) {
+  const TempDir dir;
+  Alignment with{1, 1, 2, AlignmentState::candidate, Pose::Identity(), {}}, without = with;
+  with.T_a_b_runner_up = pose_from_yaw(0.5, {1, 2, 3});
+  without.id = 2, without.b = 3;
+  {
+    const auto store = open(dir);
+    for (const SessionId id : {1, 2, 3})
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {with, without}, {}, {}}));
+  }
+  const auto merge = open(dir)->merge();
+  ASSERT_EQ(merge->alignments.size(), 2U);
+  ASSERT_TRUE(merge->alignments[0].T_a_b_runner_up);
+  EXPECT_EQ(merge->alignments[0].T_a_b_runner_up->matrix(), with.T_a_b_runner_up->matrix());
+  EXPECT_FALSE(merge->alignments[1].T_a_b_runner_up);
+}
+
+TEST(Store, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
+  const TempDir dir;
+  {
+    const auto store = open(dir);
+    for (const SessionId id : {1, 2})
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
+    const Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
+    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {alignment}, {}, {}}));
+  }
+  {
+    auto database = Database::open((dir.path() / "headframe.db").string());
+    ASSERT_TRUE(database);
+    const auto back = database->execute(to_schema_3);
+    ASSERT_TRUE(back) << back.error().message;
+  }
+  const auto store = open(dir);
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(store->sessions()->size(), 2U);
+  const auto merge = store->merge();
+  ASSERT_EQ(merge->alignments.size(), 1U);
+  EXPECT_EQ(merge->alignments[0].state, AlignmentState::published);
+  EXPECT_FALSE(merge->alignments[0].T_a_b_runner_up);
+  EXPECT_TRUE(merge->anchors.empty());
+  EXPECT_TRUE(store->notes()->labels.empty());
+  ASSERT_TRUE(write_and_wait(*store, PutLabel{1, "north"})) << "and it is written to";
+  ASSERT_TRUE(write_and_wait(*store, PutSurvey{survey_of(1)}));
+}
+
 TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
   const TempDir dir;
   {
     auto database = Database::open((dir.path() / "headframe.db").string());
     ASSERT_TRUE(database && migrate(*database));
-    ASSERT_TRUE(
-        database->execute("DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"
-                          "DROP TABLE robots; ALTER TABLE sessions DROP COLUMN spool_run;"
-                          "PRAGMA foreign_keys=OFF; PRAGMA user_version=1;"
-                          "INSERT INTO alignments VALUES (1, 2, 1, 'published', x''),"
-                          "(1, 3, 2, 'rejected', x''), (2, 3, 3, 'retracted', x'')"));
+    ASSERT_TRUE(database->execute(std::string(to_schema_3) +
+                                  "DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"
+                                  "DROP TABLE robots; ALTER TABLE sessions DROP COLUMN spool_run;"
+                                  "PRAGMA foreign_keys=OFF; PRAGMA user_version=1;"
+                                  "INSERT INTO alignments VALUES (1, 2, 1, 'published', x''),"
+                                  "(1, 3, 2, 'rejected', x''), (2, 3, 3, 'retracted', x'')"));
   }
   const auto merge = open(dir)->merge();
   ASSERT_TRUE(merge);

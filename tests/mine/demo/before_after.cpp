@@ -1,7 +1,7 @@
 #include "tests/mine/demo/before_after.hpp"
 
 #include "common/dataset/session_folder.hpp"
-#include "tests/mine/picture/top_view.hpp"
+#include "server/picture/top_view.hpp"
 
 namespace headframe::demo {
 namespace {

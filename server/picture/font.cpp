@@ -1,4 +1,4 @@
-#include "tests/mine/picture/font.hpp"
+#include "server/picture/font.hpp"
 
 #include <array>
 

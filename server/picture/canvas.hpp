@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +33,8 @@ class Canvas {
   void text(int x, int y, std::string_view text, int scale, const Colour& colour);
   static int text_width(std::string_view text, int scale);
 
+  /// The bytes of a PNG file.
+  Result<std::string> png() const;
   /// Fails (unavailable) when the file cannot be written.
   Result<void> write_png(const std::filesystem::path& path) const;
 

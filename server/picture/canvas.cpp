@@ -1,12 +1,14 @@
-#include "tests/mine/picture/canvas.hpp"
+#include "server/picture/canvas.hpp"
 
 #include <png.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <system_error>
 
-#include "tests/mine/picture/font.hpp"
+#include "server/picture/font.hpp"
 
 namespace headframe::picture {
 namespace {
@@ -65,7 +67,7 @@ void Canvas::text(int x, int y, std::string_view text, int scale, const Colour& 
 
 int Canvas::text_width(std::string_view text, int scale) { return static_cast<int>(text.size()) * glyph_pitch * scale; }
 
-Result<void> Canvas::write_png(const std::filesystem::path& path) const {
+Result<std::string> Canvas::png() const {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(3 * pixels_.size());
   for (const Colour& pixel : pixels_)
@@ -76,9 +78,22 @@ Result<void> Canvas::write_png(const std::filesystem::path& path) const {
   image.width = static_cast<png_uint_32>(width_);
   image.height = static_cast<png_uint_32>(height_);
   image.format = PNG_FORMAT_RGB;
-  if (png_image_write_to_file(&image, path.c_str(), 0, bytes.data(), 0, nullptr) == 0)
-    return failure(ErrorCode::unavailable, "cannot write the picture " + path.string() + ": " + image.message);
-  return {};
+  std::string out(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
+  png_alloc_size_t size = out.size();
+  if (png_image_write_to_memory(&image, out.data(), &size, 0, bytes.data(), 0, nullptr) == 0)
+    return failure(ErrorCode::internal, std::string("cannot make the picture: ") + image.message);
+  out.resize(size);
+  return out;
+}
+
+Result<void> Canvas::write_png(const std::filesystem::path& path) const {
+  const auto bytes = png();
+  if (!bytes) return tl::unexpected(bytes.error());
+  std::ofstream file(path, std::ios::binary);
+  file << *bytes << std::flush;
+  if (file) return {};
+  return failure(ErrorCode::unavailable,
+                 "cannot write the picture " + path.string() + ": " + std::generic_category().message(errno));
 }
 
 }  // namespace headframe::picture

@@ -1,15 +1,17 @@
-#include "tests/mine/picture/top_view.hpp"
+#include "server/picture/top_view.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace headframe::picture {
-namespace {
 
 const Colour ground(0.055F, 0.067F, 0.086F), paper(0.085F, 0.100F, 0.125F), ink(0.93F, 0.94F, 0.95F),
     faint(0.55F, 0.59F, 0.65F);
-constexpr int margin = 28, header = 92, footer = 64, gap = 20, panel_header = 44;
+
+namespace {
+
+constexpr int margin = margin_px, header = 92, footer = footer_px, gap = 20, panel_header = 44;
 
 struct Box {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = Eigen::Vector2d::Constant(-1e9);
@@ -66,19 +68,12 @@ void draw_points(Canvas& canvas, const Layer& layer, const Frame& frame) {
     if (x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
     count[static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x)] += 1;
   }
-  std::vector<float> seen;
-  std::copy_if(count.begin(), count.end(), std::back_inserter(seen), [](float c) { return c > 0; });
-  if (seen.empty()) return;
-  const auto bright = seen.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(seen.size() - 1));
-  std::nth_element(seen.begin(), bright, seen.end());
-  const float full = std::max(*bright, 2.0F);
+  const float full = full_count(count);
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x) {
       const float c =
           count[static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x)];
-      if (c > 0)
-        canvas.blend(frame.x + x, frame.y + y, layer.colour,
-                     0.18F + 0.62F * std::min(1.0F, std::log1p(c) / std::log1p(full)));
+      if (c > 0) canvas.blend(frame.x + x, frame.y + y, layer.colour, brightness(c, full));
     }
 }
 
@@ -93,6 +88,28 @@ void draw_trajectory(Canvas& canvas, const Layer& layer, const Frame& frame) {
   canvas.disc(start, 9, ground);
   canvas.disc(start, 7, bright);
   canvas.disc(start, 4, layer.colour);
+}
+
+void draw_panel(Canvas& canvas, const Panel& panel, const Frame& frame) {
+  canvas.fill(frame.x, frame.y - panel_header, frame.width, frame.height + panel_header, paper);
+  for (const Layer& layer : panel.layers) draw_points(canvas, layer, frame);
+  for (const Layer& layer : panel.layers) draw_trajectory(canvas, layer, frame);
+  canvas.text(frame.x + 16, frame.y - panel_header + 14, panel.title, 2, ink);
+}
+
+}  // namespace
+
+float full_count(const std::vector<float>& counts) {
+  std::vector<float> seen;
+  std::copy_if(counts.begin(), counts.end(), std::back_inserter(seen), [](float c) { return c > 0; });
+  if (seen.empty()) return 1;
+  const auto bright = seen.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(seen.size() - 1));
+  std::nth_element(seen.begin(), bright, seen.end());
+  return std::max(*bright, 2.0F);
+}
+
+float brightness(float count, float full) {
+  return count > 0 ? 0.18F + 0.62F * std::min(1.0F, std::log1p(count) / std::log1p(full)) : 0.0F;
 }
 
 void draw_scale_bar(Canvas& canvas, double px_per_m) {
@@ -118,15 +135,6 @@ void draw_legend(Canvas& canvas, const std::vector<LegendEntry>& legend) {
     x += 28 + Canvas::text_width(entry.text, 2) + 36;
   }
 }
-
-void draw_panel(Canvas& canvas, const Panel& panel, const Frame& frame) {
-  canvas.fill(frame.x, frame.y - panel_header, frame.width, frame.height + panel_header, paper);
-  for (const Layer& layer : panel.layers) draw_points(canvas, layer, frame);
-  for (const Layer& layer : panel.layers) draw_trajectory(canvas, layer, frame);
-  canvas.text(frame.x + 16, frame.y - panel_header + 14, panel.title, 2, ink);
-}
-
-}  // namespace
 
 Colour colour_of(std::size_t index) {
   static const std::array<Colour, 6> colours{Colour(0.98F, 0.62F, 0.10F), Colour(0.25F, 0.65F, 1.00F),

@@ -1,0 +1,106 @@
+// Files of what the server knows.
+#include <unistd.h>
+
+#include <array>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "server/cli/commands.hpp"
+#include "server/cli/part_file.hpp"
+#include "server/cli/progress.hpp"
+#include "server/cli/table.hpp"
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double export_s = 3600;  // the server counts all points before it sends the first
+
+std::string extension_of(const std::string& file) {
+  const auto dot = file.rfind('.');
+  return dot == std::string::npos || file.find('/', dot) != std::string::npos ? "" : file.substr(dot + 1);
+}
+
+/// What was asked for with --format, or else the file's ending.
+Result<std::string> format_of(const std::string& file, const std::string& asked) {
+  constexpr std::array known{"ply", "pcd", "las", "png"};
+  const std::string format = asked.empty() ? extension_of(file) : asked;
+  for (const char* one : known)
+    if (format == one) return format;
+  return failure(ErrorCode::invalid_argument,
+                 file + " ends in none of .ply, .pcd, .las and .png; the ending, or --format, chooses the format");
+}
+
+std::string in_frame(const std::string& frame) { return frame.empty() ? "" : "&frame=" + percent_encoded(frame); }
+
+}  // namespace
+
+Result<std::size_t> Commands::download(const std::string& target, const std::string& file) {
+  auto part = PartFile::create(file);
+  if (!part) return tl::unexpected(part.error());
+  std::size_t received_bytes = 0;
+  std::string of_total;
+  Progress line(isatty(STDERR_FILENO) != 0);
+  HttpWatch watch;
+  watch.waiting = [&](double waited_s) {
+    if (received_bytes == 0) line.show("the server prepares the file: " + fixed(waited_s, 0) + " s");
+  };
+  watch.length = [&](std::uint64_t bytes) { of_total = " of " + bytes_text(static_cast<double>(bytes)); };
+  const auto response = HttpClient(endpoint_, {5, export_s})
+                            .get(
+                                target,
+                                [&](std::string_view piece) {
+                                  received_bytes += piece.size();
+                                  line.show(bytes_text(static_cast<double>(received_bytes)) + of_total);
+                                  return part->write(piece);
+                                },
+                                watch);
+  if (!response) return tl::unexpected(response.error());
+  if (response->status != 200) return tl::unexpected(error_of(*response));
+  if (auto whole = part->commit(); !whole) return tl::unexpected(whole.error());
+  return received_bytes;
+}
+
+Result<int> Commands::export_map(const MapRequest& request) {
+  const auto format = format_of(request.file, request.format);
+  if (!format) return tl::unexpected(format.error());
+  const std::string component = percent_encoded(request.component);
+  std::string target;
+  if (*format == "png")
+    target = "/api/v1/plan?component=" + component;
+  else
+    target = "/api/v1/export?component=" + component + "&format=" + *format;
+  if (request.voxel_m && *format != "png") target += "&voxel=" + fixed(*request.voxel_m, 4);
+  const auto received_bytes = download(target + in_frame(request.frame), request.file);
+  if (!received_bytes) return tl::unexpected(received_bytes.error());
+  if (json_) {
+    std::cout << Json{{"file", request.file}, {"component", request.component}, {"bytes", *received_bytes}}.dump()
+              << '\n';
+  } else {
+    std::cout << request.file << ": component " << request.component << ", "
+              << bytes_text(static_cast<double>(*received_bytes)) << '\n';
+  }
+  return exit_ok;
+}
+
+Result<int> Commands::trajectory(const std::string& session, const std::string& file, const std::string& frame) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto robot = row->at("robot").get<std::string>();
+  const auto name = row->at("session").get<std::string>();
+  const auto received_bytes =
+      download("/api/v1/trajectory?robot=" + percent_encoded(robot) + "&session=" + percent_encoded(name) +
+                   (extension_of(file) == "csv" ? "&format=csv" : "") + in_frame(frame),
+               file);
+  if (!received_bytes) return tl::unexpected(received_bytes.error());
+  if (json_) {
+    std::cout << Json{{"file", file}, {"robot", robot}, {"session", name}, {"bytes", *received_bytes}}.dump() << '\n';
+  } else {
+    std::cout << file << ": " << printable(robot + "/" + name) << ", "
+              << bytes_text(static_cast<double>(*received_bytes)) << '\n';
+  }
+  return exit_ok;
+}
+
+}  // namespace headframe

@@ -1,0 +1,131 @@
+// What the operator does with one session.
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "server/cli/commands.hpp"
+#include "server/cli/table.hpp"
+#include "server/cli/views.hpp"
+
+namespace headframe {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string target_of(const Json& session, const char* action) {
+  return "/api/v1/sessions/" + session.at("id").dump() + "/" + action;
+}
+
+std::string full_name(const Json& session) {
+  return printable(session.at("robot").get<std::string>() + "/" + session.at("session").get<std::string>());
+}
+
+/// Seven cells a line: a name, then x, y, z in the session and in the grid. Lines that begin with # are comments, and
+/// so is a first line of titles.
+Result<Json> points_from_csv(std::istream& file, const std::string& path) {
+  Json points = Json::array();
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (line.empty() || line[0] == '#' || (number == 1 && line.rfind("name,", 0) == 0)) continue;
+    std::istringstream cells(line);
+    std::string name;
+    std::getline(cells, name, ',');
+    std::array<double, 6> values{};
+    bool good = true;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (i > 0) good = good && cells.get() == ',';
+      good = good && static_cast<bool>(cells >> values.at(i));
+    }
+    if (!good || (cells >> std::ws && !cells.eof()))
+      return failure(ErrorCode::bad_input, path + ", line " + std::to_string(number) +
+                                               ": give name,x_session,y_session,z_session,x_grid,y_grid,z_grid");
+    points.push_back({{"name", name},
+                      {"p_session", {values[0], values[1], values[2]}},
+                      {"p_grid", {values[3], values[4], values[5]}}});
+  }
+  return Json{{"points", std::move(points)}};
+}
+
+/// What to post: the points of a .csv, or the JSON that the file holds.
+Result<std::string> survey_body(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return failure(ErrorCode::not_found, "there is no file " + path + ", or it can not be read");
+  if (path.size() > 4 && path.substr(path.size() - 4) == ".csv")
+    return points_from_csv(file, path).map([](const Json& points) { return points.dump(); });
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+}  // namespace
+
+Result<int> Commands::rename(const std::string& session, const std::string& label) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = posted(target_of(*row, "rename?name=") + percent_encoded(label), 200);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body
+                      : full_name(*row) + (label.empty() ? " has no label now\n" : ": " + printable(label) + "\n"));
+  return exit_ok;
+}
+
+Result<int> Commands::anchor(const std::string& session) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = posted(target_of(*row, "anchor"), 200);
+  if (!body) return tl::unexpected(body.error());
+  const Json json = Json::parse(*body);
+  std::cout << (json_ ? *body
+                      : "component " + json.at("component").dump() + " is in the frame of " + full_name(*row) +
+                            "; revision " + json.at("revision").dump() + "\n");
+  return exit_ok;
+}
+
+Result<int> Commands::request_clouds(const std::string& session) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = posted(target_of(*row, "request-clouds"), 202);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body
+                      : full_name(*row) + ": " + Json::parse(*body).at("requested").dump() +
+                            " clouds asked for; sessions shows how many have come\n");
+  return exit_ok;
+}
+
+Result<int> Commands::list_surveys() {
+  const auto body = fetched("/api/v1/survey");
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : surveys_view(Json::parse(*body), terminal_width()));
+  return exit_ok;
+}
+
+Result<int> Commands::set_survey(const std::string& session, const std::string& file) {
+  const auto content = survey_body(file);
+  if (!content) return tl::unexpected(content.error());
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = posted("/api/v1/survey?session=" + row->at("id").dump(), 200, *content);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : survey_view(Json::parse(*body), terminal_width()));
+  return exit_ok;
+}
+
+Result<int> Commands::drop_survey(const std::string& session) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto dropped = HttpClient(endpoint_).remove("/api/v1/survey?session=" + row->at("id").dump());
+  if (!dropped) return tl::unexpected(dropped.error());
+  if (dropped->status != 200) return tl::unexpected(error_of(*dropped));
+  std::cout << (json_ ? dropped->body : full_name(*row) + " has no survey now\n");
+  return exit_ok;
+}
+
+Result<int> Commands::overlay(const std::string& alignment, int most) {
+  const auto body =
+      fetched("/api/v1/alignments/" + percent_encoded(alignment) + "/overlay?most=" + std::to_string(most), 60);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : overlay_view(Json::parse(*body)));
+  return exit_ok;
+}
+
+}  // namespace headframe

@@ -1,0 +1,28 @@
+#pragma once
+// An alignment's evidence as a picture: both sessions' points around the overlap, laid on each other.
+
+#include "server/operator/body_source.hpp"
+#include "server/operator/station.hpp"
+
+namespace headframe {
+
+/// JSON, in a's frame at the alignment's T_a_b: points "a" and "b" [[x, y, z], ...]; "residuals_m": how many of b's
+/// points lie 0 to 1, 1 to 2, ... times "bin_m" from a's surface (along its normal), and "unmatched": how many have no
+/// surface of a within half a metre; "runner_up": the best different placement with its probability, or null.
+class OverlayJson : public BodySource {
+ public:
+  /// most: of each of both sessions' points.
+  OverlayJson(const Station& station, Alignment alignment, std::size_t most)
+      : station_(station), alignment_(std::move(alignment)), most_(most) {}
+
+  /// not_found: no cloud around the overlap is stored.
+  Result<std::optional<std::string>> next() override;
+
+ private:
+  const Station& station_;
+  const Alignment alignment_;
+  const std::size_t most_;
+  bool done_ = false;
+};
+
+}  // namespace headframe

@@ -1,0 +1,78 @@
+#pragma once
+// What the routes do, by concern; router.cpp finds which one. Included by the .cpp files of this room only.
+
+#include <map>
+
+#include "server/operator/embedded_files.hpp"
+#include "server/operator/router.hpp"
+
+namespace headframe::routes {
+
+/// Parameters of the query and pieces of the path, by name.
+using Query = std::map<std::string, std::string>;
+
+struct Context {
+  Station& station;
+  PointTiles& tiles;
+  const OperatorLimits& limits;
+  double uptime_s;
+  RobotAdmin* robots;
+  std::string_view body;  // of the request
+};
+
+// routes.cpp: what several of them need.
+Ready json(std::string body, int status = 200);
+Ready file_reply(const EmbeddedFile& file);
+/// invalid_argument when it is missing or empty.
+Result<std::string> required(const Query& query, const std::string& name);
+/// A whole number, such as an id.
+std::optional<std::int64_t> whole(const std::string& text);
+Result<std::size_t> whole_number(const Query& query, const char* name, double otherwise, double most);
+/// The session with this id.
+Result<SessionRow> session_with(const std::string& id, const Context& context);
+/// The session whose id is in the path.
+Result<SessionRow> session_in_path(const Query& query, const Context& context);
+/// The id of the alignment in the path; whether there is one, the station knows.
+Result<AlignmentId> alignment_in_path(const Query& query);
+
+// service_routes.cpp
+Result<Reply> page(const Query&, const Context&);
+Result<Reply> openapi(const Query&, const Context&);
+Result<Reply> healthz(const Query&, const Context&);
+Result<Reply> readyz(const Query&, const Context&);
+Result<Reply> metrics(const Query&, const Context&);
+Result<Reply> events(const Query&, const Context&);
+
+// view_routes.cpp
+Result<Reply> status(const Query&, const Context&);
+Result<Reply> sessions(const Query&, const Context&);
+Result<Reply> atlas(const Query&, const Context&);
+Result<Reply> alignments(const Query&, const Context&);
+Result<Reply> explain_pair(const Query&, const Context&);
+Result<Reply> points(const Query&, const Context&);
+Result<Reply> path(const Query&, const Context&);
+Result<Reply> overlay(const Query&, const Context&);
+
+// action_routes.cpp
+Result<Reply> decide(const Query&, const Context&);
+Result<Reply> merge(const Query&, const Context&);
+Result<Reply> rename(const Query&, const Context&);
+Result<Reply> anchor(const Query&, const Context&);
+Result<Reply> request_clouds(const Query&, const Context&);
+
+// survey_routes.cpp
+Result<Reply> surveys(const Query&, const Context&);
+Result<Reply> set_survey(const Query&, const Context&);
+Result<Reply> drop_survey(const Query&, const Context&);
+
+// export_routes.cpp
+Result<Reply> map(const Query&, const Context&);
+Result<Reply> plan(const Query&, const Context&);
+Result<Reply> trajectory(const Query&, const Context&);
+
+// robot_routes.cpp
+Result<Reply> robots(const Query&, const Context&);
+Result<Reply> add_robot(const Query&, const Context&);
+Result<Reply> revoke_robot(const Query&, const Context&);
+
+}  // namespace headframe::routes

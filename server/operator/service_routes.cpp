@@ -1,0 +1,40 @@
+#include "server/operator/routes.hpp"
+
+#include "server/operator/metrics.hpp"
+
+namespace headframe::routes {
+
+/// Also whether requests must show a token: a page asks for it before it sends a request in vain.
+Result<Reply> healthz(const Query&, const Context& context) {
+  return json(context.robots == nullptr ? "{\"status\":\"ok\",\"token\":false}\n"
+                                        : "{\"status\":\"ok\",\"token\":true}\n");
+}
+
+Result<Reply> readyz(const Query&, const Context& context) {
+  const std::string error = context.station.workload().disk_error;
+  if (error.empty()) return json("{\"status\":\"ready\"}\n");
+  return failure(ErrorCode::unavailable, "the disk refuses writes: " + error);
+}
+
+Result<Reply> metrics(const Query&, const Context& context) {
+  const Station& station = context.station;
+  return Ready{
+      200,
+      "text/plain; version=0.0.4; charset=utf-8",
+      metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(), context.uptime_s),
+      {}};
+}
+
+Result<Reply> page(const Query&, const Context&) {
+  if (const auto file = embedded_file("/")) return file_reply(*file);
+  return Ready{200,
+               "text/plain; charset=utf-8",
+               "This headframe-server was built without its page; the API is under /api/v1/\n",
+               {}};
+}
+
+Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedded_file("/api/v1/openapi.json")); }
+
+Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }
+
+}  // namespace headframe::routes

@@ -1,0 +1,85 @@
+#include "server/operator/routes.hpp"
+
+#include "server/operator/api_json.hpp"
+#include "server/operator/explain_request.hpp"
+#include "server/operator/overlay.hpp"
+#include "server/operator/point_tiles.hpp"
+#include "server/operator/request_target.hpp"
+#include "server/operator/trajectory_export.hpp"
+
+namespace headframe::routes {
+
+Result<Reply> status(const Query&, const Context& context) {
+  const Station& station = context.station;
+  return json(
+      status_json(station.sessions(), station.atlas(), station.pending(), station.link_health(), context.uptime_s));
+}
+
+Result<Reply> sessions(const Query&, const Context& context) {
+  return json(sessions_json(context.station.sessions(), context.station.atlas().atlas));
+}
+
+Result<Reply> atlas(const Query& query, const Context& context) {
+  const auto wait = query.find("wait");
+  if (wait == query.end()) {
+    const AtlasView view = context.station.atlas();  // before the names, which only grow
+    return json(atlas_json(view, context.station.sessions(), nullptr));
+  }
+  const auto timeout_s = parse_number("wait", wait->second, 0, context.limits.wait_s);
+  if (!timeout_s) return tl::unexpected(timeout_s.error());
+  return Later{[&station = context.station, seconds = *timeout_s](auto answer) {
+    station.when_idle(seconds, [&station, answer = std::move(answer)](const Pending& left) {
+      const WaitOutcome outcome{left, !left.idle()};
+      const AtlasView view = station.atlas();
+      answer(json(atlas_json(view, station.sessions(), &outcome)));
+    });
+  }};
+}
+
+Result<Reply> alignments(const Query&, const Context& context) {
+  return json(alignments_json(context.station.atlas()));
+}
+
+Result<Reply> explain_pair(const Query& query, const Context& context) {
+  const auto a = required(query, "a"), b = required(query, "b");
+  if (!a) return tl::unexpected(a.error());
+  if (!b) return tl::unexpected(b.error());
+  return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
+}
+
+Result<Reply> points(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  const auto level = whole_number(query, "level", 2, static_cast<double>(level_cube_m.size() - 1));
+  const auto first = whole_number(query, "from", 0, 1e9), most = whole_number(query, "most", 1e6, 1e7);
+  for (const auto* number : {&level, &first, &most})
+    if (!*number) return tl::unexpected(number->error());
+  return Stream{"application/octet-stream",
+                std::make_unique<PointStream>(context.tiles.tile(row->id, *level), *first, *most)};
+}
+
+Result<Reply> path(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  const auto first = whole_number(query, "from", 1, 1e15);
+  if (!first) return tl::unexpected(first.error());
+  return Stream{"application/json", std::make_unique<PathJson>(context.station, row->id, *first)};
+}
+
+Result<Reply> overlay(const Query& query, const Context& context) {
+  const auto id = alignment_in_path(query);
+  if (!id) return tl::unexpected(id.error());
+  const auto most = whole_number(query, "most", 10000, 1e5);
+  if (!most) return tl::unexpected(most.error());
+  for (AlignmentRow& row : context.station.atlas().alignments) {
+    if (row.alignment.id != *id) continue;
+    if (!has_placement(row.alignment))
+      return failure(ErrorCode::not_found, "nothing fitted in alignment " + std::to_string(*id) +
+                                               ": there is no placement to show; explain says why");
+    return Stream{"application/json", std::make_unique<OverlayJson>(context.station, row.alignment, *most)};
+  }
+  return failure(ErrorCode::not_found,
+                 "there is no alignment " + std::to_string(*id) + "; GET /api/v1/alignments lists them");
+}
+
+}  // namespace headframe::routes

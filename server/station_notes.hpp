@@ -1,0 +1,40 @@
+#pragma once
+// What the operator noted of sessions: labels and surveys. On disk before it counts.
+
+#include <functional>
+#include <map>
+#include <mutex>
+
+#include "server/store/store.hpp"
+
+namespace headframe {
+
+/// Thread safe. Callbacks run once, on the store's thread, when the note is durable and seen here, or with why not.
+class StationNotes {
+ public:
+  using Done = std::function<void(const Result<void>&)>;
+
+  explicit StationNotes(Store& store) : store_(store) {}
+
+  Result<void> restore();
+
+  std::map<SessionId, std::string> labels() const;
+  /// In the order they were set.
+  std::vector<Survey> surveys() const;
+
+  /// An empty label takes it away. invalid_argument: longer than 128 bytes, or with control characters.
+  void rename(SessionId session, const std::string& label, Done done);
+  void set_survey(const Survey& survey, Done done);
+  /// not_found: it has none.
+  void drop_survey(SessionId session, Done done);
+
+ private:
+  void write(Write write, std::function<void()> apply, Done done);
+
+  Store& store_;
+  mutable std::mutex mutex_;
+  std::map<SessionId, std::string> labels_;
+  std::vector<Survey> surveys_;
+};
+
+}  // namespace headframe
