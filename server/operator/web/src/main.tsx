@@ -47,6 +47,6 @@ ui.onChange(() => {
   draw();
 });
 
+station.start(); // first: its answers come while the view is being set up
 draw();
 listenForKeys(desk);
-station.start();

@@ -90,12 +90,10 @@ export class Station {
   }
 }
 
-export function launch() {
-  return chromium.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  });
-}
+export const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
+export const browserArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
+export const launch = () => chromium.launch({ executablePath: browserPath, args: browserArguments });
 
 /** A page whose faults are kept: whatever the console calls an error, but what matches `allowed`. */
 export async function open(browser, url, { allowed, ...options } = {}) {

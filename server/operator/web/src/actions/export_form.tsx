@@ -21,14 +21,15 @@ const clouds = ['ply', 'pcd', 'las', 'laz', 'e57'];
 function available(station: Station): string[] {
   return Object.keys(formats).filter((format) => {
     if (format === 'png') return station.can('GET /api/v1/plan');
-    return !['laz', 'e57'].includes(format);
+    return !clouds.includes(format) || station.can(`GET /api/v1/export?format=${format}`);
   });
 }
 
 export function ExportForm({ station, component }: { station: Station; component?: number }) {
   const [format, setFormat] = useState('ply');
+  const largestFirst = [...station.components].sort((x, y) => y.sessions.length - x.sessions.length);
   const trajectory = format === 'tum' || format === 'csv';
-  const framed = station.can(`GET /api/v1/export?frame`) && format !== 'atlas';
+  const framed = station.can('GET /api/v1/export?frame') && format !== 'atlas';
   return (
     <div class="form">
       <label class="field">
@@ -56,8 +57,8 @@ export function ExportForm({ station, component }: { station: Station; component
       {!trajectory && format !== 'atlas' && (
         <label class="field">
           Map
-          <select name="component" value={String(component ?? station.components[0]?.id ?? '')}>
-            {station.components.map(({ id, sessions }) => (
+          <select name="component" value={String(component ?? largestFirst[0]?.id ?? '')}>
+            {largestFirst.map(({ id, sessions }) => (
               <option key={id} value={id}>
                 {sessions.map((session) => station.titleOfName(session)).join(', ')}
               </option>

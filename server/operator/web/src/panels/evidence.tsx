@@ -35,6 +35,13 @@ function useAnswer<T>(path: string | null, basis: string): { answer: T | null; f
   return state;
 }
 
+/** The server names sessions in full; here they are called as everywhere on the page. */
+function named(text: string, desk: Desk): string {
+  let out = text;
+  for (const session of desk.station.sessions.values()) out = out.replaceAll(nameOf(session), desk.station.titleOf(session));
+  return out;
+}
+
 function Findings({ explanation }: { explanation: Explanation }) {
   return (
     <ul class="findings">
@@ -89,7 +96,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
         {fitting(alignment).map((decision) => (
           <button
             key={decision}
-            class={`button ${decision === 'confirm' ? 'button-main' : 'button-danger'}`}
+            class={`button ${decision !== 'confirm' ? 'button-danger' : alignment.state === 'published' ? '' : 'button-main'}`}
             onClick={() => void desk.actions.decide(alignment, decision)}
           >
             {words[decision]}
@@ -104,14 +111,14 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
       {fault && <p class="fault">{fault}</p>}
       {explanation && (
         <>
-          <p class="outcome">{explanation.outcome}</p>
+          <p class="outcome">{named(explanation.outcome, desk)}.</p>
           {explanation.decision && <p class="by-hand">{explanation.decision}</p>}
           {explanation.missing.length > 0 && (
             <>
               <h4>What keeps them apart</h4>
               <ul class="missing">
                 {explanation.missing.map((line) => (
-                  <li key={line}>{line}</li>
+                  <li key={line}>{named(line, desk)}</li>
                 ))}
               </ul>
             </>

@@ -29,4 +29,9 @@ export function metres(value: number): string {
 
 export const clock = (at: Date) => at.toLocaleTimeString('en-GB');
 
-export const percent = (share: number) => `${Math.round(100 * share)}\u202f%`;
+/** Never 0 % or 100 % of what is not. */
+export function percent(share: number): string {
+  if (share > 0 && share < 0.01) return '<\u202f1\u202f%';
+  if (share < 1 && share > 0.99) return '>\u202f99\u202f%';
+  return `${Math.round(100 * share)}\u202f%`;
+}

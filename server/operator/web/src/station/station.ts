@@ -77,7 +77,7 @@ export class Station {
     return session ? this.titleOf(session) : nameOf(name);
   }
 
-  /** Whether the server has this route; "POST /api/v1/merge" as its description spells it. */
+  /** Whether the server has this route, as its description spells it: "POST /api/v1/merge", "GET /api/v1/export?format=las". */
   can(route: string): boolean {
     return this.routes.has(route);
   }
@@ -110,11 +110,14 @@ export class Station {
   }
 
   private async readRoutes(): Promise<void> {
-    const description = await askJson<{ paths: Record<string, Record<string, { parameters?: { name: string }[] }>> }>('/api/v1/openapi.json');
+    const description = await askJson<{ paths: Record<string, Record<string, { parameters?: { name: string; schema?: { enum?: string[] } }[] }>> }>('/api/v1/openapi.json');
     for (const [path, methods] of Object.entries(description.paths))
       for (const [method, { parameters = [] }] of Object.entries(methods)) {
         this.routes.add(`${method.toUpperCase()} ${path}`);
-        for (const { name } of parameters) this.routes.add(`${method.toUpperCase()} ${path}?${name}`);
+        for (const { name, schema } of parameters) {
+          this.routes.add(`${method.toUpperCase()} ${path}?${name}`);
+          for (const value of schema?.enum ?? []) this.routes.add(`${method.toUpperCase()} ${path}?${name}=${value}`);
+        }
       }
     this.changed();
   }

@@ -9,7 +9,7 @@ export interface SessionName {
 
 export interface Session extends SessionName {
   id: number;
-  label?: string;
+  label?: string | null;
   family: { name: string; version: number };
   sensor: { model: string; beams: number; fov_up_deg: number; fov_down_deg: number; max_range_m: number };
   connected: boolean;

@@ -9,6 +9,7 @@ import { levelCube_m, SessionCloud } from './session_cloud';
 import type { Stage } from './stage';
 
 const pointsAtOnce = 60_000;
+const firstPoints = 5_000; // so that something is to be seen soon
 const growth = 4; // points of a level against the coarser one, about
 const growingLevel = 2; // while a session still grows: finer ones cost the server more than they show
 const settled_ms = 6000;
@@ -151,7 +152,7 @@ export class Clouds {
 
   private fetch(cloud: SessionCloud, level: number, clouds: number): void {
     this.fetchedAt.set(cloud.id, performance.now());
-    const atOnce = Math.min(pointsAtOnce, this.budget.loaded / 8);
+    const atOnce = cloud.level < 0 ? firstPoints : Math.min(pointsAtOnce, this.budget.loaded / 8);
     void cloud.fetch(level, clouds, this.station.epoch, Math.ceil(atOnce), () => this.loadedPoints + atOnce <= this.budget.loaded);
   }
 }

@@ -48,7 +48,8 @@ export class Labels {
     const rows = [...this.shown.values()].sort((x, y) => x.label.rank - y.label.rank);
     for (const { element, label, width, height } of rows) {
       const { x, y, z } = this.stage.toPage(label.place);
-      const left = Math.round(label.kind === 'frame' ? x : x - width / 2);
+      const wanted = label.kind === 'frame' ? Math.min(x, this.stage.size.x - width - 4) : x - width / 2;
+      const left = Math.round(x < this.stage.size.x ? wanted : x);
       const top = Math.round(y - over[label.kind] - (label.kind === 'frame' ? height : height / 2));
       const outside = z > 1 || left + width < 0 || top + height < 0 || left > this.stage.size.x || top > this.stage.size.y;
       const hidden = outside || taken.some(([l, t, r, b]) => left < r && left + width > l && top < b && top + height > t);

@@ -3,9 +3,9 @@
 import { Box2, Matrix4, Vector2, Vector3 } from 'three';
 import type { Transform } from '../station/types';
 
-const margin_m = 10;
+const margin_m = 14;
 const step_m = 10; // boxes grow in steps, or all would move with every keyframe
-const gap_m = 14;
+const gap_m = 20;
 
 export const matrixOf = (T: Transform) => new Matrix4().set(...(T as Parameters<Matrix4['set']>));
 

@@ -254,9 +254,9 @@ export class MineView {
   }
 }
 
-/** ?points=N says how many are kept. Software rendering shows itself by its name; it gets fewer. */
+/** #points=N says how many are kept. Software rendering shows itself by its name; it gets fewer. */
 function budget(gl: WebGLRenderingContext | WebGL2RenderingContext): Budget {
-  const asked = Number(new URLSearchParams(location.search).get('points'));
+  const asked = Number(new URLSearchParams(location.hash.slice(1)).get('points'));
   if (asked > 0) return { loaded: asked, drawn: asked, leastDrawn: Math.min(asked, 100_000) };
   const details = gl.getExtension('WEBGL_debug_renderer_info');
   const renderer = details ? String(gl.getParameter(details.UNMASKED_RENDERER_WEBGL)) : '';
