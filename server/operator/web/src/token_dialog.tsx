@@ -3,17 +3,17 @@
 import { ask } from './parts/dialog';
 import { token } from './station/api';
 
-/** Settles once there is a token to try. */
-export async function askForToken(tried: boolean): Promise<void> {
+/** fault: what was wrong with the last one; empty for the first. Settles once there is a token to try. */
+export async function askForToken(fault: string): Promise<void> {
   await ask({
     title: 'Operator’s token',
     action: 'Open',
     insist: true,
     body: (
       <>
-        {tried && (
+        {fault && (
           <p class="dialog-fault" role="alert">
-            This is not the operator's token.
+            {fault}
           </p>
         )}
         <label class="field">

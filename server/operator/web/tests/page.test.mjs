@@ -68,6 +68,12 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   await page.locator('.pair').first().click();
   await page.getByText('are merged', { exact: false }).first().waitFor();
   await page.getByText('What was measured').waitFor();
+  await page.locator('.histogram rect').first().waitFor();
+  const inks = await page.locator('.picture canvas').evaluate((canvas) => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(Array.from({ length: data.length / 4 }, (_, at) => data.slice(4 * at, 4 * at + 3).join())).size;
+  });
+  assert.ok(inks > 3, 'the overlay shows one map, the other, and where they meet');
   await picture(page, 'evidence');
 
   await press('Take apart…');
@@ -76,15 +82,15 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   assert.equal((await alignment()).state, 'published', 'nothing happens before the dialog is agreed to');
   await press('Take apart…');
   await agree('Take apart');
-  await stateIs('retracted');
-  await page.getByText('own frame, not merged').first().waitFor();
-  await picture(page, 'apart');
   await page.locator('.toast-offer').click();
+  await page.getByText('your decision was undone', { exact: false }).waitFor();
   await stateIs('published');
 
   await press('Take apart…');
   await agree('Take apart');
   await stateIs('retracted');
+  await page.getByText('own frame, not merged').first().waitFor();
+  await picture(page, 'apart');
   await press('Undo your decision');
   await stateIs('published');
 
@@ -125,6 +131,55 @@ test('an export opens and has as many points as it says', async () => {
   const component = (await station.json('api/v1/atlas')).components[0].id;
   const whole = await (await fetch(`${station.url}api/v1/export?component=${component}&format=ply&voxel=0.1`, { headers })).arrayBuffer();
   assert.equal(Buffer.compare(Buffer.from(whole), bytes), 0, 'the file is what the server sent');
+  clean(page);
+});
+
+test('a plan from above is a picture', async () => {
+  await press('Export');
+  await page.getByLabel('Format').selectOption('png');
+  const download = page.waitForEvent('download');
+  await agree('Export');
+  const file = join(scratch, 'plan.png');
+  await (await download).saveAs(file);
+  assert.equal(readFileSync(file).subarray(1, 4).toString(), 'PNG');
+  clean(page);
+});
+
+test('a session gets a name and its map another anchor; both are taken back with one click', async () => {
+  const undo = () => page.locator('.toast-offer').last().click();
+  const label = async () => (await station.json('api/v1/sessions')).sessions.find(({ robot }) => robot === 'b').label;
+  await page.locator('.robot-head:has(.robot-name:text-is("b"))').click();
+  await press('Rename…');
+  await page.locator('input[name=name]').fill('Drift 7, east');
+  await agree('Rename');
+  await page.locator('.robot-name', { hasText: 'Drift 7, east' }).waitFor();
+  assert.equal(await label(), 'Drift 7, east');
+  await undo();
+  await until('no name', async () => (await label()) === null);
+
+  const anchor = async () => (await station.json('api/v1/atlas')).components[0].anchor.robot;
+  assert.equal(await anchor(), 'a');
+  await press('Anchor here…');
+  await agree('Anchor');
+  await until('the other anchor', async () => (await anchor()) === 'b');
+  await undo();
+  await until('the first anchor', async () => (await anchor()) === 'a');
+  clean(page);
+});
+
+test('control points place a session in the mine grid; too few are refused where they were typed', async () => {
+  const points = ['S1 0 0 0  1000 2000 -400', 'S2 10 0 0  1000 2010 -400', 'S3 0 10 0  990 2000 -400'];
+  await press('Survey…');
+  await page.locator('textarea').fill(points.slice(0, 2).join('\n'));
+  await agree('Place in the mine grid');
+  await page.getByText('Three control points are needed; there are 2.').waitFor();
+  await page.locator('textarea').fill(points.join('\n'));
+  await agree('Place in the mine grid');
+  await page.getByText('They fit within 0.0 cm (rms).', { exact: false }).first().waitFor();
+  const [survey] = (await station.json('api/v1/survey')).surveys;
+  assert.deepEqual([survey.T_grid_session[3], survey.T_grid_session[7], survey.T_grid_session[11]].map(Math.round), [1000, 2000, -400]);
+  await page.locator('.toast-offer').last().click();
+  await until('no survey', async () => (await station.json('api/v1/survey')).surveys.length === 0);
   clean(page);
 });
 
@@ -198,7 +253,7 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
   await locked.getByRole('dialog').getByRole('textbox').or(locked.locator('input[name=token]')).first().fill('not-the-token');
   clean(locked);
   await locked.getByRole('button', { name: 'Open' }).click();
-  await locked.getByText("This is not the operator's token.").waitFor();
+  await locked.getByText("The server says: this is not the operator's token", { exact: false }).waitFor();
   await picture(locked, 'wrong_token');
   await locked.locator('input[name=token]').fill(guarded.token);
   await locked.getByRole('button', { name: 'Open' }).click();
@@ -216,6 +271,24 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
 });
 
 const agreeOn = (opened, name) => opened.getByRole('dialog').getByRole('button', { name, exact: true }).click();
+
+test('a robot that keeps its clouds back is asked for them', async () => {
+  const thin = await Station.start(join(scratch, 'thin'));
+  const asking = await open(browser, thin.url);
+  const careful = thin.replay('careful', join(drives, 'short_0'), ['--fast', '--clouds', 'on_request', '--linger', '120']);
+  await asking.locator('.robot-head', { hasText: 'careful' }).click();
+  await asking.getByRole('button', { name: 'Request clouds…' }).click();
+  await agreeOn(asking, 'Request clouds');
+  await asking.getByText('careful was asked for its clouds.', { exact: true }).waitFor();
+  await until('the clouds', async () => {
+    const [row] = (await thin.json('api/v1/sessions')).sessions;
+    return row.clouds > 0 && row.clouds === row.keyframes;
+  });
+  clean(asking);
+  careful.kill();
+  await asking.context().close();
+  await thin.kill();
+});
 
 test('fifty robots fit on the page', async () => {
   const config = join(scratch, 'many.toml');

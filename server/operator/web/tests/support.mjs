@@ -13,7 +13,7 @@ if (!bin || !outputs) throw new Error('HEADFRAME_BIN and HEADFRAME_OUT say where
 
 process.setMaxListeners(0);
 const between_ms = 50; // of two looks: what is waited for needs the processor itself
-export const patience_ms = 60_000;
+export const patience_ms = 150_000; // for machines that are busy; nothing waits longer than it has to
 
 /** A folder that goes with the process. */
 export function scratchFolder() {

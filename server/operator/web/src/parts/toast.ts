@@ -1,6 +1,6 @@
 // A line at the lower edge that says what was done, with a button that takes it back. Read out by screen readers.
 
-const stays_ms = 8000;
+const stays_ms = 12_000;
 
 const host = document.createElement('div');
 host.className = 'toasts';

@@ -1,6 +1,6 @@
 // What the page knows of the server: kept by its events, and by a look now and then at what no event tells.
 
-import { ask, askJson, inTurn, token, trajectory } from './api';
+import { ApiError, ask, askJson, inTurn, token, trajectory } from './api';
 import { Feed, type LinkState } from './feed';
 import { Log } from './log';
 import type { Alignment, Atlas, Component, Keyframe, Pending, Session, SessionName, StationEvent, Status, Transform } from './types';
@@ -35,8 +35,8 @@ export class Station {
   private readonly ids = new Map<string, number>();
   private readonly following = new Set<number>();
 
-  /** wrongToken asks the operator, and settles when there is another token to try. */
-  constructor(private readonly wrongToken: (tried: boolean) => Promise<void>) {
+  /** askForToken gets what was wrong with the last one, if there was one, and settles when there is another to try. */
+  constructor(private readonly askForToken: (fault: string) => Promise<void>) {
     this.feed = new Feed({
       admit: () => this.admit(),
       event: (event) => this.on(event),
@@ -94,16 +94,14 @@ export class Station {
 
   private async admit(): Promise<void> {
     for (;;) {
-      if (!token.get() && (await askJson<{ token: boolean }>('/healthz')).token) await this.wrongToken(false);
+      if (!token.get() && (await askJson<{ token: boolean }>('/healthz')).token) await this.askForToken('');
       try {
         this.status = await askJson<Status>('/api/v1/status');
         break;
       } catch (error) {
-        const status = (error as { status?: number }).status;
-        if (status !== 401 && status !== 429) throw error;
-        const tried = token.get() !== '';
+        if (!(error instanceof ApiError) || (error.status !== 401 && error.status !== 429)) throw error;
         token.clear();
-        await this.wrongToken(tried);
+        await this.askForToken(`The server says: ${error.message}.`);
       }
     }
     void this.readRoutes().catch(() => {}); // with the next connection, then
@@ -182,6 +180,7 @@ export class Station {
   private takeSessions(rows: Session[]): void {
     this.sessions = new Map(rows.map((row) => [row.id, { ...this.sessions.get(row.id), ...row }]));
     for (const row of rows) {
+      if (this.ids.get(nameOf(row)) !== row.id) this.paths.delete(row.id); // another server's, with ids of its own
       this.ids.set(nameOf(row), row.id);
       void this.followPath(row.id);
     }

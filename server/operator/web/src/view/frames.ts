@@ -2,7 +2,8 @@
 
 import { Box3, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Station } from '../station/station';
-import { type Extent, extentOf, layOut, matrixOf, type Plot } from './layout';
+import type { Keyframe, Transform } from '../station/types';
+import { extentOf, layOut, matrixOf, type Plot } from './layout';
 
 const glide_ms = 900;
 
@@ -13,6 +14,14 @@ interface Drawn {
   since: number;
 }
 
+interface Member {
+  id: number;
+  path: Keyframe[] | undefined;
+  placed: Transform | undefined;
+  T: Matrix4; // T_component_session
+  box: Box3; // of the path, in the component's frame
+}
+
 const still = matchMedia('(prefers-reduced-motion: reduce)');
 
 export class Frames {
@@ -20,6 +29,7 @@ export class Frames {
   /** Counts what changes a plot or a transform. */
   version = 0;
   private readonly drawn = new Map<number, Drawn>();
+  private readonly members = new Map<number, Member>();
 
   constructor(private readonly station: Station) {}
 
@@ -29,23 +39,29 @@ export class Frames {
 
   /** Takes over what the station says now. */
   sync(): void {
-    const members = new Map<number, { id: number; T: Matrix4; path: [number, number, number][] }[]>();
+    const members = new Map<number, Member[]>();
     for (const id of this.station.sessions.keys()) {
-      const placed = this.station.placed.get(id);
-      const component = placed?.component ?? -id;
-      const T = placed ? matrixOf(placed.T_component_session) : new Matrix4();
-      const path = (this.station.paths.get(id) ?? []).map(({ position }) => position);
-      members.set(component, [...(members.get(component) ?? []), { id, T, path }]);
+      const component = this.station.placed.get(id)?.component ?? -id;
+      members.set(component, [...(members.get(component) ?? []), this.member(id)]);
     }
-    const extents: Extent[] = [...members].map(([component, list]) => extentOf(component, list));
-    this.plots = layOut(extents);
+    this.plots = layOut([...members].map(([component, list]) => extentOf(component, list.map(({ box }) => box))));
     for (const [component, list] of members)
       for (const { id, T } of list) {
         const { x, y } = this.plots.get(component)!.offset;
         this.move(id, new Matrix4().makeTranslation(x, y, 0).multiply(T));
       }
-    for (const id of this.drawn.keys()) if (!this.station.sessions.has(id)) this.drawn.delete(id);
+    for (const id of this.drawn.keys())
+      if (!this.station.sessions.has(id)) {
+        this.drawn.delete(id);
+        this.members.delete(id);
+      }
     this.version++;
+  }
+
+  /** Lowest and highest point of the paths. */
+  heights(): [number, number] {
+    const box = [...this.members.values()].reduce((sum, member) => sum.union(member.box), new Box3());
+    return box.isEmpty() ? [0, 1] : [box.min.z, box.max.z];
   }
 
   /** A step of what moves; whether anything does. */
@@ -70,6 +86,20 @@ export class Frames {
         box.expandByPoint(new Vector3(plot.max.x, plot.max.y, 0));
       }
     return box;
+  }
+
+  /** As it was, unless its path or its place is another. */
+  private member(id: number): Member {
+    const path = this.station.paths.get(id);
+    const placed = this.station.placed.get(id)?.T_component_session;
+    const known = this.members.get(id);
+    if (known && known.path === path && known.placed === placed) return known;
+    const T = placed ? matrixOf(placed) : new Matrix4();
+    const box = new Box3();
+    for (const { position } of path ?? []) box.expandByPoint(new Vector3(...position).applyMatrix4(T));
+    const member = { id, path, placed, T, box };
+    this.members.set(id, member);
+    return member;
   }
 
   private move(session: number, to: Matrix4): void {

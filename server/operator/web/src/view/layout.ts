@@ -1,6 +1,6 @@
 // Where components are drawn: the largest at its own coordinates, the others beside it, each in its own frame. Pure.
 
-import { Box2, Matrix4, Vector2, Vector3 } from 'three';
+import { Box2, Box3, Matrix4, Vector2 } from 'three';
 import type { Transform } from '../station/types';
 
 const margin_m = 14;
@@ -20,14 +20,10 @@ export interface Plot {
   box: Box2; // as drawn
 }
 
-export function extentOf(component: number, members: { T: Matrix4; path: [number, number, number][] }[]): Extent {
-  const box = new Box2();
-  const place = new Vector3();
-  for (const { T, path } of members)
-    for (const position of path) {
-      place.fromArray(position).applyMatrix4(T);
-      box.expandByPoint(new Vector2(place.x, place.y));
-    }
+/** Of the paths' boxes in the component's frame. */
+export function extentOf(component: number, members: Box3[]): Extent {
+  const all = members.reduce((sum, box) => sum.union(box), new Box3());
+  const box = new Box2(new Vector2(all.min.x, all.min.y), new Vector2(all.max.x, all.max.y));
   if (box.isEmpty()) box.set(new Vector2(-5, -5), new Vector2(5, 5));
   box.min.subScalar(margin_m).divideScalar(step_m).floor().multiplyScalar(step_m);
   box.max.addScalar(margin_m).divideScalar(step_m).ceil().multiplyScalar(step_m);

@@ -102,17 +102,8 @@ export class MineView {
 
   /** Between which there may be points, for the slice. */
   heights(): [number, number] {
-    const [low, high] = this.pathHeights();
+    const [low, high] = this.frames.heights();
     return [low - 3, high + 4];
-  }
-
-  private pathHeights(): [number, number] {
-    const box = new Box3();
-    for (const [id, path] of this.station.paths) {
-      const T = this.frames.of(id);
-      if (T) for (const { position } of path) box.expandByPoint(new Vector3(...position).applyMatrix4(T));
-    }
-    return box.isEmpty() ? [0, 1] : [box.min.z, box.max.z];
   }
 
   private onClick(x: number, y: number): void {
@@ -155,7 +146,7 @@ export class MineView {
     shared.roof.value = now.roof_m ?? 1e6;
     shared.slice.value.set(...(now.slice_m ?? [-1e6, 1e6]));
     this.frames.sync();
-    const [low, high] = this.pathHeights();
+    const [low, high] = this.frames.heights();
     shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
     this.clouds.sync();
     this.clouds.paint((id) => ({ colour: this.colourOf(this.station.sessions.get(id)!), faded: this.fadedOf(id) }));
