@@ -2,7 +2,7 @@
 
 import type { Desk } from '../context';
 import { routes } from '../actions/actions';
-import { bytes, duration } from '../parts/format';
+import { compact, duration } from '../parts/format';
 import { Icon, Logo } from '../parts/icons';
 import type { Theme } from '../ui';
 
@@ -67,8 +67,8 @@ export function Header({ desk }: { desk: Desk }) {
           </dd>
         </div>
         <div>
-          <dt>received</dt>
-          <dd>{bytes(sessions.reduce((sum, session) => sum + session.bytes_received, 0))}</dd>
+          <dt>keyframes</dt>
+          <dd>{compact(sessions.reduce((sum, session) => sum + session.keyframes, 0))}</dd>
         </div>
         <div>
           <dt>revision</dt>

@@ -2,7 +2,7 @@
 
 import type { Desk } from '../context';
 import { routes } from '../actions/actions';
-import { bytes, compact, duration } from '../parts/format';
+import { bytes, compact, duration, metres } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { Session } from '../station/types';
 
@@ -49,7 +49,7 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
         <span class="robot-figures">
           <span>{compact(session.keyframes)} keyframes</span>
           {session.backlog > 0 ? <span class="behind">{compact(session.backlog)} behind</span> : <span>{session.complete ? 'finished' : session.connected ? 'up to date' : 'away'}</span>}
-          <span class="end">{session.connected ? `${bytes(session.bytes_per_s ?? 0)}/s` : bytes(session.bytes_received)}</span>
+          <span class="end">{session.connected ? `${bytes(session.bytes_per_s ?? 0)}/s` : metres(session.distance_m ?? 0)}</span>
         </span>
       </button>
       {open && (
