@@ -150,8 +150,11 @@ async function memoryOfPages(opener) {
   return grown;
 }
 
+const say = (text) => process.stderr.write(`page bench: ${text}\n`);
+
 const figures = { robots, without_page_p99_ms: [], with_page_p99_ms: [] };
 for (let round = 0; round < rounds; round++) {
+  say(`round ${round + 1} of ${rounds}: ${robots} robots without a page, then with one`);
   figures.without_page_p99_ms.push((await underLoad(seconds, () => {})).ack_p99_ms);
   const aside = await launchAside();
   const load = await underLoad(seconds, async (server) => void (await firstPicture(await openPage(aside, server))));
@@ -161,6 +164,7 @@ for (let round = 0; round < rounds; round++) {
 const middle = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
 figures.ingest_cost_share = middle(figures.with_page_p99_ms) / middle(figures.without_page_p99_ms) - 1;
 
+say('live update lag, then first pictures');
 const browser = await launch();
 await underLoad(null, async (server) => {
   const files = ['', 'page.js', 'page.css', 'page.woff2'];
@@ -177,6 +181,7 @@ await underLoad(null, async (server) => {
   Object.assign(figures, { first_picture_p50_ms: quantile(times, 0.5), first_picture_p95_ms: quantile(times, 0.95) });
   await page.context().close();
 });
+say(`memory of the server with ${pages} pages`);
 figures.memory_ten_pages_mb = await memoryOfPages(browser);
 await browser.close();
 
