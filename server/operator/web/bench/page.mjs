@@ -152,6 +152,12 @@ async function memoryOfPages(opener) {
 
 const say = (text) => process.stderr.write(`page bench: ${text}\n`);
 
+/** After each part, so that one that fails does not take the others along. */
+function save() {
+  mkdirSync(outputs, { recursive: true });
+  writeFileSync(join(outputs, 'page.json'), `${JSON.stringify({ page: figures }, null, 1)}\n`);
+}
+
 const figures = { robots, without_page_p99_ms: [], with_page_p99_ms: [] };
 for (let round = 0; round < rounds; round++) {
   say(`round ${round + 1} of ${rounds}: ${robots} robots without a page, then with one`);
@@ -165,6 +171,7 @@ const middle = (values) => values.reduce((sum, value) => sum + value, 0) / value
 figures.ingest_cost_share = middle(figures.with_page_p99_ms) / middle(figures.without_page_p99_ms) - 1;
 
 say('live update lag, then first pictures');
+save();
 const browser = await launch();
 await underLoad(null, async (server) => {
   const files = ['', 'page.js', 'page.css', 'page.woff2'];
@@ -181,12 +188,12 @@ await underLoad(null, async (server) => {
   Object.assign(figures, { first_picture_p50_ms: quantile(times, 0.5), first_picture_p95_ms: quantile(times, 0.95) });
   await page.context().close();
 });
+save();
 say(`memory of the server with ${pages} pages`);
 figures.memory_ten_pages_mb = await memoryOfPages(browser);
+save();
 await browser.close();
 
-mkdirSync(outputs, { recursive: true });
-writeFileSync(join(outputs, 'page.json'), `${JSON.stringify({ page: figures }, null, 1)}\n`);
 console.log(`page (${robots} robots, a keyframe and a cloud a second each; software rendering on the same machine)`);
 for (const [name, bar] of Object.entries(bars)) console.log(`  ${name.padEnd(24)} ${figures[name]?.toFixed(2).padStart(9) ?? 'not measured'}  bar ${bar}`);
 process.exit(0);
