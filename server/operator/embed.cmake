@@ -1,12 +1,12 @@
-# headframe_embed(out dir): writes the .cpp of embedded_files.hpp for openapi.json and what lies under web/dist, if anything.
+# headframe_embed(out PAGE_FILES): writes the .cpp of embedded_files.hpp for openapi.json and the files of the page, if any.
 # Bytes are taken in by the assembler (.incbin), so that a large page costs no compile time.
 function(headframe_embed out)
-  set(here ${CMAKE_CURRENT_SOURCE_DIR}/operator)
-  file(GLOB_RECURSE page CONFIGURE_DEPENDS RELATIVE ${here}/web/dist ${here}/web/dist/*)
-  set(files ${page})
-  list(TRANSFORM files PREPEND ${here}/web/dist/)
-  list(TRANSFORM page PREPEND /)
-  list(APPEND files ${here}/openapi.json)
+  set(files ${ARGN} ${CMAKE_CURRENT_SOURCE_DIR}/operator/openapi.json)
+  set(page "")
+  foreach(file IN LISTS ARGN)
+    get_filename_component(name ${file} NAME)
+    list(APPEND page /${name})
+  endforeach()
   list(APPEND page /api/v1/openapi.json)
   set(data "")
   set(table "")

@@ -4,7 +4,11 @@
 
 namespace headframe::routes {
 
-Result<Reply> healthz(const Query&, const Context&) { return json("{\"status\":\"ok\"}\n"); }
+/// Also whether requests must show a token: a page asks for it before it sends a request in vain.
+Result<Reply> healthz(const Query&, const Context& context) {
+  return json(context.robots == nullptr ? "{\"status\":\"ok\",\"token\":false}\n"
+                                        : "{\"status\":\"ok\",\"token\":true}\n");
+}
 
 Result<Reply> readyz(const Query&, const Context& context) {
   const std::string error = context.station.workload().disk_error;

@@ -1,0 +1,199 @@
+// ./run bench page: what the page is worth and what it costs, with 20 robots that stream a keyframe and a cloud a second each.
+
+import { mkdirSync, readdirSync, readFileSync, writeFileSync, chmodSync } from 'node:fs';
+import { get } from 'node:http';
+import { dirname, join } from 'node:path';
+import { chromium } from 'playwright-core';
+import { browserArguments, browserPath, finished, open, outputs, scratchFolder, start, Station, until } from '../tests/support.mjs';
+
+const robots = 20;
+const seconds = 30;
+const long_s = 1800; // a load that is ended by hand
+const rounds = 2; // with and without a page, in turn: the machine is not the same from minute to minute
+const firstPictures = 20;
+const pages = 10;
+const poll_ms = 20;
+const bars = { first_picture_p95_ms: 1000, live_lag_p95_ms: 500, ingest_cost_share: 0.1, bundle_kb: 400, memory_ten_pages_mb: 50 };
+
+const scratch = scratchFolder();
+
+const quantile = (values, share) => [...values].sort((x, y) => x - y)[Math.min(values.length - 1, Math.floor(share * values.length))];
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** The server that a load started, found among the processes: its port and token are in files beside its data. */
+function serverOf(load) {
+  for (const pid of readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
+    let args;
+    try {
+      const parent = / (\d+)/.exec(readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1])[1];
+      if (Number(parent) !== load.pid) continue;
+      args = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
+    } catch {
+      continue; // it ended meanwhile
+    }
+    const data = args[args.indexOf('--data') + 1];
+    if (!args[0].endsWith('headframe-server') || !data) continue;
+    let log = '';
+    try {
+      log = readFileSync(join(dirname(data), 'server.log'), 'utf8');
+    } catch {
+      return null;
+    }
+    const match = /ready: .*http on ([^\s,]+)/.exec(log);
+    if (!match) return null;
+    const token = args.includes('--insecure') ? '' : readFileSync(join(data, 'operator.token'), 'utf8').trim();
+    return { pid: Number(pid), url: `http://${match[1]}/`, token };
+  }
+  return null;
+}
+
+/** Twenty robots on a server of their own, for as long as the load takes, and its figures; without load_s until `meanwhile` is done. */
+async function underLoad(load_s, meanwhile) {
+  const folder = join(scratch, `load-${Math.random().toString(36).slice(2)}`);
+  mkdirSync(folder);
+  const load = start('headframe-link-bench', ['load', '--robots', String(robots), '--seconds', String(load_s ?? long_s)], { cwd: folder });
+  const server = await until('a server under load', () => serverOf(load));
+  const headers = server.token ? { Authorization: `Bearer ${server.token}` } : {};
+  server.sessions = async () => (await (await fetch(`${server.url}api/v1/sessions`, { headers })).json()).sessions;
+  await until('all robots', async () => (await server.sessions()).filter(({ keyframes }) => keyframes > 3).length === robots);
+  await meanwhile(server);
+  if (load_s === null) {
+    load.kill();
+    process.kill(server.pid);
+    return null;
+  }
+  await finished(load);
+  return JSON.parse(readFileSync(join(folder, 'build/bench/link.json'), 'utf8')).link;
+}
+
+const launch = (executablePath = browserPath) => chromium.launch({ executablePath, args: browserArguments });
+
+/** The browser is another computer: here it gets what the server and the robots leave. */
+function launchAside() {
+  const wrapper = join(scratch, 'aside');
+  writeFileSync(wrapper, `#!/bin/sh\nexec nice -n 10 ${browserPath} "$@"\n`);
+  chmodSync(wrapper, 0o755);
+  return launch(wrapper);
+}
+
+async function openPage(browser, server) {
+  const page = await open(browser, 'about:blank', { reducedMotion: 'no-preference' });
+  await page.addInitScript((token) => token && sessionStorage.setItem('headframe.token', token), server.token);
+  await page.goto(server.url);
+  return page;
+}
+
+const firstPicture = (page) => until('a picture', () => page.evaluate(() => window.headframe?.shown.firstPicture_ms));
+
+/** From the last look at which the server did not have a keyframe to the frame after the one that shows it. */
+async function liveLag(page, server, lag_s) {
+  await page.evaluate(() => {
+    window.seen = [];
+    const last = new Map();
+    const look = () => {
+      for (const [id, count] of window.headframe.shown.keyframes)
+        if (last.get(id) !== count) {
+          for (let number = (last.get(id) ?? count - 1) + 1; number <= count; number++) window.seen.push([id, number, Date.now()]);
+          last.set(id, count);
+        }
+      requestAnimationFrame(look);
+    };
+    look();
+  });
+  const came = new Map();
+  const counts = new Map();
+  let before = Date.now();
+  for (const end = Date.now() + 1000 * lag_s; Date.now() < end; ) {
+    const asked = Date.now();
+    for (const { id, keyframes } of await server.sessions()) {
+      if (counts.has(id)) for (let number = counts.get(id) + 1; number <= keyframes; number++) came.set(`${id} ${number}`, before);
+      counts.set(id, keyframes);
+    }
+    before = asked;
+    await pause(Math.max(0, asked + poll_ms - Date.now()));
+  }
+  const seen = await page.evaluate(() => window.seen);
+  return seen.filter(([id, number]) => came.has(`${id} ${number}`)).map(([id, number, at]) => Math.max(0, at - came.get(`${id} ${number}`)));
+}
+
+const residentMb = (pid) => (Number(readFileSync(`/proc/${pid}/statm`, 'utf8').split(' ')[1]) * 4096) / 1e6;
+
+function transferred(url) {
+  return new Promise((resolve, reject) =>
+    get(url, (response) => {
+      let bytes = 0;
+      response.on('data', (data) => (bytes += data.length));
+      response.on('end', () => resolve(bytes));
+    }).on('error', reject),
+  );
+}
+
+/** Robots that have all been there: what a server grows by is then the pages' alone. */
+async function memoryOfPages(opener) {
+  const drives = join(scratch, 'drives');
+  await finished(start('headframe-drawn-sessions', [drives]));
+  const station = await Station.start(join(scratch, 'still'));
+  const folders = ['a', 'b', 'c'];
+  for (let at = 0; at < robots; at++) await finished(station.replay(`r${at}`, join(drives, folders[at % folders.length])));
+  await station.json('api/v1/atlas?wait=300');
+  const before = residentMb(station.process.pid);
+  const server = { url: station.url, token: '' };
+  const opened = [];
+  for (let at = 0; at < pages; at++) {
+    opened.push(await openPage(opener, server));
+    await firstPicture(opened[at]);
+  }
+  await pause(5000); // finer levels of detail come meanwhile
+  const grown = residentMb(station.process.pid) - before;
+  await Promise.all(opened.map((page) => page.context().close()));
+  await station.kill();
+  return grown;
+}
+
+const say = (text) => process.stderr.write(`page bench: ${text}\n`);
+
+/** After each part, so that one that fails does not take the others along. */
+function save() {
+  mkdirSync(outputs, { recursive: true });
+  writeFileSync(join(outputs, 'page.json'), `${JSON.stringify({ page: figures }, null, 1)}\n`);
+}
+
+const figures = { robots, without_page_p99_ms: [], with_page_p99_ms: [] };
+for (let round = 0; round < rounds; round++) {
+  say(`round ${round + 1} of ${rounds}: ${robots} robots without a page, then with one`);
+  figures.without_page_p99_ms.push((await underLoad(seconds, () => {})).ack_p99_ms);
+  const aside = await launchAside();
+  const load = await underLoad(seconds, async (server) => void (await firstPicture(await openPage(aside, server))));
+  figures.with_page_p99_ms.push(load.ack_p99_ms);
+  await aside.close();
+}
+const middle = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+figures.ingest_cost_share = middle(figures.with_page_p99_ms) / middle(figures.without_page_p99_ms) - 1;
+
+say('live update lag, then first pictures');
+save();
+const browser = await launch();
+await underLoad(null, async (server) => {
+  const files = ['', 'page.js', 'page.css', 'page.woff2'];
+  figures.bundle_kb = (await Promise.all(files.map((name) => transferred(server.url + name)))).reduce((sum, bytes) => sum + bytes, 0) / 1000;
+  const page = await openPage(browser, server);
+  await firstPicture(page);
+  const lag = await liveLag(page, server, seconds / 2);
+  Object.assign(figures, { live_lag_keyframes: lag.length, live_lag_p50_ms: quantile(lag, 0.5), live_lag_p95_ms: quantile(lag, 0.95) });
+  const times = [];
+  for (let at = 0; at < firstPictures; at++) {
+    await page.reload();
+    times.push(await firstPicture(page));
+  }
+  Object.assign(figures, { first_picture_p50_ms: quantile(times, 0.5), first_picture_p95_ms: quantile(times, 0.95) });
+  await page.context().close();
+});
+save();
+say(`memory of the server with ${pages} pages`);
+figures.memory_ten_pages_mb = await memoryOfPages(browser);
+save();
+await browser.close();
+
+console.log(`page (${robots} robots, a keyframe and a cloud a second each; software rendering on the same machine)`);
+for (const [name, bar] of Object.entries(bars)) console.log(`  ${name.padEnd(24)} ${figures[name]?.toFixed(2).padStart(9) ?? 'not measured'}  bar ${bar}`);
+process.exit(0);

@@ -1,0 +1,238 @@
+// What the operator may do. Everything is asked once more in a dialog; what can be taken back is, with one click.
+
+import { ask as confirmed } from '../parts/dialog';
+import { bytes } from '../parts/format';
+import { toast, told } from '../parts/toast';
+import { ask, askJson } from '../station/api';
+import type { Station } from '../station/station';
+import type { Alignment, Session } from '../station/types';
+import { ExportForm, exportPath } from './export_form';
+import { Enrolment } from './enrolment';
+import { SurveyForm, surveyBody, surveyText } from './survey_form';
+import { download } from './download';
+
+export type Decision = 'confirm' | 'refuse' | 'retract';
+
+export const routes = {
+  decide: 'POST /api/v1/alignments/{id}/{decision}',
+  merge: 'POST /api/v1/merge',
+  export: 'GET /api/v1/export',
+  anchor: 'POST /api/v1/sessions/{id}/anchor',
+  rename: 'POST /api/v1/sessions/{id}/rename',
+  requestClouds: 'POST /api/v1/sessions/{id}/request-clouds',
+  survey: 'POST /api/v1/survey',
+  plan: 'GET /api/v1/plan',
+  overlay: 'GET /api/v1/alignments/{id}/overlay',
+  invite: 'POST /api/v1/robots/add',
+};
+
+/** Which decisions the server will take, by its own rules. */
+export function fitting(alignment: Alignment): Decision[] {
+  if (!((alignment.evidence.inlier_fraction ?? 0) > 0)) return [];
+  const inForce = alignment.state === 'published' || alignment.decision === 'confirmed';
+  const decisions: Decision[] = [];
+  if (alignment.decision !== 'confirmed') decisions.push('confirm');
+  if (!inForce && alignment.decision !== 'refused') decisions.push('refuse');
+  if (inForce) decisions.push('retract');
+  return decisions;
+}
+
+const decisions: Record<Decision, { title: string; action: string; what: string; done: string; tone?: 'danger' }> = {
+  confirm: {
+    title: 'Confirm this alignment?',
+    action: 'Confirm',
+    what: 'They are merged at this placement, whatever the evidence says, and the robots get their new transforms at once.',
+    done: 'confirmed',
+  },
+  refuse: {
+    title: 'Refuse this alignment?',
+    action: 'Refuse',
+    what: 'They are not merged at this placement. It comes up again only with much more evidence.',
+    done: 'refused',
+    tone: 'danger',
+  },
+  retract: {
+    title: 'Take this merge apart?',
+    action: 'Take apart',
+    what: 'The merge is taken back, and the robots are told at once. Maps that hang together through it alone come apart.',
+    done: 'taken apart',
+    tone: 'danger',
+  },
+};
+
+export class Actions {
+  constructor(private readonly station: Station) {}
+
+  async decide(alignment: Alignment, decision: Decision): Promise<void> {
+    const { title, action, what, done, tone } = decisions[decision];
+    const pair = this.pairOf(alignment);
+    const acted = await confirmed({
+      title,
+      action,
+      tone,
+      body: (
+        <>
+          <p class="dialog-pair">{pair}</p>
+          <p>{what}</p>
+        </>
+      ),
+      run: async () => {
+        await ask(`/api/v1/alignments/${alignment.id}/${decision}`, { method: 'POST' });
+        await this.station.refreshAtlas();
+      },
+    });
+    if (!acted) return;
+    this.note(`You: ${pair} ${done}.`, { alignment: alignment.id });
+    toast(`${pair}: ${done}.`, { offer: { word: 'Undo', run: () => void this.undo(alignment) } });
+  }
+
+  /** One click: what is undone can be decided again. */
+  async undo(alignment: Alignment): Promise<void> {
+    await told(async () => {
+      await ask(`/api/v1/alignments/${alignment.id}/undo`, { method: 'POST' });
+      await this.station.refreshAtlas();
+      this.note(`You: the decision on ${this.pairOf(alignment)} was undone.`, { alignment: alignment.id });
+      toast(`${this.pairOf(alignment)}: your decision was undone.`);
+    });
+  }
+
+  async mergeNow(): Promise<void> {
+    const acted = await confirmed({
+      title: 'Look for merges now?',
+      action: 'Merge now',
+      body: <p>Every session is compared with all others again. Nothing is merged without evidence; it may take some seconds.</p>,
+      run: async () => void (await ask('/api/v1/merge', { method: 'POST' })),
+    });
+    if (!acted) return;
+    this.note('You: look for merges now.');
+    toast('The server looks for merges. What it finds appears here.');
+  }
+
+  async anchor(session: Session): Promise<void> {
+    const title = this.station.titleOf(session);
+    const component = this.station.placed.get(session.id)?.component;
+    const before = this.station.components.find(({ id }) => id === component)?.anchor;
+    const acted = await confirmed({
+      title: `Anchor the map to ${title}?`,
+      action: 'Anchor',
+      body: <p>The frame of {title} becomes the frame of its map. All robots of the map get new transforms at once.</p>,
+      run: () => this.setAnchor(session.id),
+    });
+    if (!acted) return;
+    this.note(`You: the map is anchored to ${title}.`, { session: session.id });
+    const old = before && this.station.sessionOf(before);
+    const undo = old && old.id !== session.id ? { word: 'Undo', run: () => void told(() => this.setAnchor(old.id)) } : undefined;
+    toast(`The map is anchored to ${title}.`, { offer: undo });
+  }
+
+  async rename(session: Session): Promise<void> {
+    const old = session.label ?? '';
+    let name = '';
+    const acted = await confirmed({
+      title: `Rename ${session.robot}/${session.session}`,
+      action: 'Rename',
+      body: (
+        <label class="field">
+          Name, as it is shown to operators; empty for the robot's own
+          <input name="name" value={old} maxLength={60} autocomplete="off" data-first />
+        </label>
+      ),
+      run: async (form) => this.setName(session.id, (name = String(form.get('name')).trim())),
+    });
+    if (!acted) return;
+    this.note(`You: ${session.robot}/${session.session} is called “${name || session.robot}”.`, { session: session.id });
+    toast('Renamed.', { offer: { word: 'Undo', run: () => void told(() => this.setName(session.id, old)) } });
+  }
+
+  async requestClouds(session: Session): Promise<void> {
+    const title = this.station.titleOf(session);
+    const missing = session.keyframes - session.clouds;
+    const acted = await confirmed({
+      title: `Ask ${title} for its clouds?`,
+      action: 'Request clouds',
+      body: <p>{missing} of {session.keyframes} keyframes have no cloud here. The robot sends them as its link allows, after its keyframes.</p>,
+      run: async () => void (await ask(`/api/v1/sessions/${session.id}/request-clouds`, { method: 'POST' })),
+    });
+    if (!acted) return;
+    this.note(`You: asked ${title} for its clouds.`, { session: session.id });
+    toast(`${title} was asked for its clouds.`);
+  }
+
+  async export(component?: number): Promise<void> {
+    let done = '';
+    const acted = await confirmed({
+      title: 'Export a map',
+      action: 'Export',
+      body: <ExportForm station={this.station} component={component} />,
+      run: async (form) => {
+        const { path, name } = exportPath(form, this.station);
+        const output = document.querySelector<HTMLOutputElement>('#export-progress');
+        const total = await download(path, name, (sofar) => output && (output.value = `${bytes(sofar)} so far`));
+        done = `${name}: ${bytes(total)}`;
+      },
+    });
+    if (!acted) return;
+    this.note(`You: exported ${done}.`);
+    toast(`Exported ${done}.`);
+  }
+
+  async survey(session: Session): Promise<void> {
+    const title = this.station.titleOf(session);
+    let done = '';
+    const acted = await confirmed({
+      title: `Survey of ${title}`,
+      action: 'Place in the mine grid',
+      wide: true,
+      body: <SurveyForm />,
+      run: async (form) => {
+        done = surveyText(await askJson(`/api/v1/survey?session=${session.id}`, { method: 'POST', body: surveyBody(form) }));
+      },
+    });
+    if (!acted) return;
+    this.note(`You: ${title} was placed in the mine grid. ${done}`, { session: session.id });
+    toast(`${title} lies in the mine grid. ${done}`, {
+      offer: { word: 'Undo', run: () => void told(async () => void (await ask(`/api/v1/survey?session=${session.id}`, { method: 'DELETE' }))) },
+    });
+  }
+
+  async invite(): Promise<void> {
+    let robot = '';
+    let enrolment = '';
+    const acted = await confirmed({
+      title: 'Invite a robot',
+      action: 'Invite',
+      body: (
+        <label class="field">
+          Name of the robot
+          <input name="robot" required maxLength={60} pattern="[A-Za-z0-9_.\-]+" title="letters, digits, dot, dash, underscore" autocomplete="off" data-first />
+        </label>
+      ),
+      run: async (form) => {
+        robot = String(form.get('robot'));
+        enrolment = (await askJson<{ enrolment: string }>(`/api/v1/robots/add?robot=${encodeURIComponent(robot)}`, { method: 'POST' })).enrolment;
+      },
+    });
+    if (!acted) return;
+    this.note(`You: invited ${robot}.`);
+    await confirmed({ title: `${robot} is invited`, body: <Enrolment robot={robot} enrolment={enrolment} />, wide: true });
+  }
+
+  private async setAnchor(session: number): Promise<void> {
+    await ask(`/api/v1/sessions/${session}/anchor`, { method: 'POST' });
+    await this.station.refreshAtlas();
+  }
+
+  private async setName(session: number, name: string): Promise<void> {
+    await ask(`/api/v1/sessions/${session}/rename?name=${encodeURIComponent(name)}`, { method: 'POST' });
+    await this.station.refreshSessions();
+  }
+
+  private pairOf({ a, b }: Alignment): string {
+    return `${this.station.titleOfName(a)} and ${this.station.titleOfName(b)}`;
+  }
+
+  private note(text: string, about: { session?: number; alignment?: number } = {}): void {
+    this.station.log.add('operator', text, about);
+    this.station.changed();
+  }
+}

@@ -1,0 +1,116 @@
+// Which map, as what, how dense.
+
+import { useState } from 'preact/hooks';
+import type { Station } from '../station/station';
+import { nameOf } from '../station/station';
+
+const formats: Record<string, string> = {
+  ply: 'PLY cloud',
+  pcd: 'PCD cloud',
+  las: 'LAS cloud',
+  laz: 'LAZ cloud',
+  e57: 'E57 cloud',
+  png: 'PNG plan from above',
+  atlas: 'Atlas as JSON',
+  tum: 'Trajectory, TUM',
+  csv: 'Trajectory, CSV',
+};
+const clouds = ['ply', 'pcd', 'las', 'laz', 'e57'];
+
+/** The formats that this server writes. */
+function available(station: Station): string[] {
+  return Object.keys(formats).filter((format) => {
+    if (format === 'png') return station.can('GET /api/v1/plan');
+    return !clouds.includes(format) || station.can(`GET /api/v1/export?format=${format}`);
+  });
+}
+
+export function ExportForm({ station, component }: { station: Station; component?: number }) {
+  const [format, setFormat] = useState('ply');
+  const largestFirst = [...station.components].sort((x, y) => y.sessions.length - x.sessions.length);
+  const trajectory = format === 'tum' || format === 'csv';
+  const framed = station.can('GET /api/v1/export?frame') && format !== 'atlas';
+  return (
+    <div class="form">
+      <label class="field">
+        Format
+        <select name="format" value={format} onChange={(event) => setFormat(event.currentTarget.value)} data-first>
+          {available(station).map((name) => (
+            <option key={name} value={name}>
+              {formats[name]}
+            </option>
+          ))}
+        </select>
+      </label>
+      {trajectory && (
+        <label class="field">
+          Session
+          <select name="session">
+            {[...station.sessions.values()].map((session) => (
+              <option key={session.id} value={session.id}>
+                {station.titleOf(session)}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
+      {!trajectory && format !== 'atlas' && (
+        <label class="field">
+          Map
+          <select name="component" value={String(component ?? largestFirst[0]?.id ?? '')}>
+            {largestFirst.map(({ id, sessions }) => (
+              <option key={id} value={id}>
+                {sessions.map((session) => station.titleOfName(session)).join(', ')}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
+      {clouds.includes(format) && (
+        <label class="field">
+          One point per cube of
+          <select name="voxel" defaultValue="0.1">
+            <option value="0.02">2 cm</option>
+            <option value="0.05">5 cm</option>
+            <option value="0.1" selected>
+              10 cm
+            </option>
+            <option value="0.25">25 cm</option>
+            <option value="0.5">50 cm</option>
+            <option value="0">every point</option>
+          </select>
+        </label>
+      )}
+      {framed && (
+        <label class="field">
+          Frame
+          <select name="frame">
+            <option value="component">the map's own</option>
+            <option value="grid">the mine grid (surveyed)</option>
+          </select>
+        </label>
+      )}
+      <output id="export-progress" class="muted" aria-live="off" />
+    </div>
+  );
+}
+
+export function exportPath(form: FormData, station: Station): { path: string; name: string } {
+  const format = String(form.get('format'));
+  const frame = form.get('frame') === 'grid' ? '&frame=grid' : '';
+  const component = String(form.get('component'));
+  if (format === 'atlas') return { path: '/api/v1/atlas', name: 'atlas.json' };
+  if (format === 'tum' || format === 'csv') {
+    const session = station.sessions.get(Number(form.get('session')))!;
+    const names = `robot=${encodeURIComponent(session.robot)}&session=${encodeURIComponent(session.session)}`;
+    return {
+      path: `/api/v1/trajectory?${names}&format=${format}${frame}`,
+      name: `${nameOf(session).replace(/[^A-Za-z0-9_.-]+/g, '_')}.${format === 'tum' ? 'txt' : 'csv'}`,
+    };
+  }
+  if (format === 'png') return { path: `/api/v1/plan?component=${component}${frame}`, name: `mine-${component}.png` };
+  return {
+    path: `/api/v1/export?component=${component}&format=${format}&voxel=${String(form.get('voxel'))}${frame}`,
+    name: `mine-${component}.${format}`,
+  };
+}

@@ -1,0 +1,52 @@
+// Puts the page together.
+
+import './style/page.css';
+import { render } from 'preact';
+import { Actions } from './actions/actions';
+import { App } from './app';
+import type { Desk } from './context';
+import { listenForKeys } from './panels/keys';
+import { Station } from './station/station';
+import { askForToken } from './token_dialog';
+import { Ui } from './ui';
+import { MineView } from './view/mine_view';
+import { RobotColours } from './view/palette';
+
+const panels_ms = 120; // between two drawings of the panels; the view draws with every frame
+
+const station = new Station(askForToken);
+const ui = new Ui();
+let view: MineView | null = null;
+const desk: Desk = { station, ui, actions: new Actions(station), colours: new RobotColours(), view: () => view };
+const host = document.getElementById('app')!;
+
+function mount(canvas: HTMLCanvasElement, layer: HTMLElement): void {
+  view = new MineView(canvas, layer, station, ui, desk.colours, draw);
+  Object.assign(window, { headframe: { shown: view.shown } }); // for the tests and the bench
+}
+
+function draw(): void {
+  desk.colours.know(station.sessions.values());
+  document.documentElement.dataset.theme = ui.isDark ? 'dark' : 'light';
+  render(<App desk={desk} mount={mount} />, host);
+}
+
+let due = 0;
+station.onChange(() => {
+  due ||= window.setTimeout(() => {
+    due = 0;
+    draw();
+  }, panels_ms);
+});
+
+let measuring = ui.now.measuring;
+ui.onChange(() => {
+  view?.stage.show(ui.now.way);
+  if (measuring && !ui.now.measuring) view?.measure.clear();
+  measuring = ui.now.measuring;
+  draw();
+});
+
+station.start(); // first: its answers come while the view is being set up
+draw();
+listenForKeys(desk);

@@ -1,0 +1,95 @@
+// The keys of the page.
+
+import { ask } from '../parts/dialog';
+import type { Desk } from '../context';
+
+const keys: [string, string][] = [
+  ['← → ↑ ↓', 'move the map'],
+  ['+ −', 'zoom'],
+  ['F', 'show all'],
+  ['T', 'top view or free view'],
+  ['C', 'colour by robot, height, age'],
+  ['R', 'roof on or off'],
+  ['M', 'measure; Enter takes the point under the cross'],
+  ['1 2 3', 'merges, sessions, events'],
+  ['Esc', 'let go of what is selected'],
+  ['?', 'this list'],
+];
+
+export function showKeys(): Promise<boolean> {
+  return ask({
+    title: 'Keys',
+    body: (
+      <dl class="keys">
+        {keys.map(([key, what]) => (
+          <div key={key}>
+            <dt>
+              <kbd>{key}</kbd>
+            </dt>
+            <dd>{what}</dd>
+          </div>
+        ))}
+      </dl>
+    ),
+  });
+}
+
+const arrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const step = 0.12;
+
+/** Keys work wherever nothing else wants them: not in fields and dialogs, and not with Ctrl, Alt or Meta. */
+export function listenForKeys(desk: Desk): void {
+  addEventListener('keydown', (event) => {
+    const at = event.target as HTMLElement;
+    if (event.ctrlKey || event.altKey || event.metaKey || at.closest('dialog, input, textarea, select')) return;
+    if (act(desk, event.key, at)) event.preventDefault();
+  });
+}
+
+function act(desk: Desk, key: string, at: HTMLElement): boolean {
+  const { ui } = desk;
+  const view = desk.view();
+  const onMap = at.tagName === 'CANVAS' || at === document.body;
+  if (onMap && key in arrows) {
+    const [right, up] = arrows[key];
+    view?.stage.pan(step * right, step * up);
+    return true;
+  }
+  if (onMap && key === 'Enter' && ui.now.measuring) return view?.takePoint() ?? false;
+  switch (key) {
+    case '+':
+    case '=':
+      view?.stage.zoom(1.25);
+      return true;
+    case '-':
+      view?.stage.zoom(0.8);
+      return true;
+    case 'f':
+      view?.frameAll();
+      return true;
+    case 't':
+      ui.set({ way: ui.now.way === 'top' ? 'free' : 'top' });
+      return true;
+    case 'c':
+      ui.set({ colourBy: ({ robot: 'height', height: 'age', age: 'robot' } as const)[ui.now.colourBy] });
+      return true;
+    case 'r':
+      ui.set({ roof_m: ui.now.roof_m === null ? 1 : null });
+      return true;
+    case 'm':
+      ui.set({ measuring: !ui.now.measuring });
+      return true;
+    case '1':
+    case '2':
+    case '3':
+      ui.set({ tab: (['merges', 'sessions', 'log'] as const)[Number(key) - 1] });
+      return true;
+    case 'Escape':
+      ui.set({ measuring: false, session: null, alignment: null });
+      return true;
+    case '?':
+      void showKeys();
+      return true;
+  }
+  return false;
+}

@@ -1,0 +1,74 @@
+// What is known between pairs of sessions, the ones that want a look first.
+
+import type { Desk } from '../context';
+import { Chip } from '../parts/chip';
+import { percent } from '../parts/format';
+import type { Alignment, State } from '../station/types';
+import { Evidence } from './evidence';
+import { MergeGraph } from './graph';
+
+const order: State[] = ['candidate', 'retracted', 'verified', 'published', 'rejected'];
+
+function Row({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
+  const { station, ui, colours } = desk;
+  const probability = alignment.evidence.probability ?? 0;
+  return (
+    <li>
+      <button class="pair" onClick={() => ui.set({ alignment: alignment.id, session: null })}>
+        <span class="pair-names">
+          {[alignment.a, alignment.b].map((name, at) => (
+            <span key={at} class="pair-name">
+              <span class="swatch" style={{ '--mark': colours.of(name.robot, ui.isDark) }} aria-hidden="true" />
+              {station.titleOfName(name)}
+            </span>
+          ))}
+        </span>
+        <span class="pair-facts">
+          <Chip state={alignment.state} isDark={ui.isDark} />
+          {alignment.decision !== 'none' && <span class="by-hand">by you: {alignment.decision}</span>}
+          <span class="meter" title="probability that the placement is right">
+            <i style={{ width: `${100 * probability}%` }} />
+          </span>
+          <span class="figure">{percent(probability)}</span>
+        </span>
+      </button>
+    </li>
+  );
+}
+
+export function MergesPanel({ desk }: { desk: Desk }) {
+  const { station, ui } = desk;
+  const selected = ui.now.alignment === null ? undefined : station.alignments.get(ui.now.alignment);
+  if (selected) return <Evidence key={selected.id} desk={desk} alignment={selected} />;
+  const all = [...station.alignments.values()].sort((x, y) => order.indexOf(x.state) - order.indexOf(y.state) || (y.evidence.probability ?? 0) - (x.evidence.probability ?? 0));
+  const rejected = all.filter(({ state }) => state === 'rejected').length;
+  const shown = all.filter(({ state }) => state !== 'rejected' || ui.now.showRejected);
+  return (
+    <>
+      <MergeGraph desk={desk} />
+      {shown.length === 0 && (
+        <div class="empty">
+          <p>{station.sessions.size < 2 ? 'Merges need two sessions.' : 'No overlap has been found yet.'}</p>
+          <p class="muted">
+            {station.sessions.size < 2
+              ? 'As soon as a second robot has driven, the server looks for places that both have seen.'
+              : 'The server tries again as the robots drive on. A session of less than 50 m that still grows is not merged yet.'}
+          </p>
+        </div>
+      )}
+      {shown.length > 0 && (
+        <ul class="pairs">
+          {shown.map((alignment) => (
+            <Row key={alignment.id} desk={desk} alignment={alignment} />
+          ))}
+        </ul>
+      )}
+      {rejected > 0 && (
+        <label class="check">
+          <input type="checkbox" checked={ui.now.showRejected} onChange={(event) => ui.set({ showRejected: event.currentTarget.checked })} />
+          Show {rejected} {rejected === 1 ? 'pair' : 'pairs'} without a match
+        </label>
+      )}
+    </>
+  );
+}

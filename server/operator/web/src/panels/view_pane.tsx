@@ -1,0 +1,130 @@
+// The 3D view with its tools.
+
+import { useEffect, useRef } from 'preact/hooks';
+import type { Desk } from '../context';
+import { compact } from '../parts/format';
+import { Icon } from '../parts/icons';
+import type { ColourBy } from '../view/cloud_material';
+import { ramp } from '../view/palette';
+import { showKeys } from './keys';
+
+const colourWords: Record<ColourBy, string> = { robot: 'Robot', height: 'Height', age: 'Age' };
+const highestRoof_m = 8;
+
+function Legend({ desk }: { desk: Desk }) {
+  const { colourBy } = desk.ui.now;
+  if (colourBy === 'robot') return null;
+  const [low, high] = desk.view()?.heights() ?? [0, 1];
+  const ends = colourBy === 'height' ? [`${low.toFixed(0)} m`, `${high.toFixed(0)} m`] : ['first seen', 'last seen'];
+  return (
+    <div class="legend">
+      <span>{ends[0]}</span>
+      <i style={{ background: `linear-gradient(90deg, ${ramp.join()})` }} aria-hidden="true" />
+      <span>{ends[1]}</span>
+    </div>
+  );
+}
+
+function Cuts({ desk }: { desk: Desk }) {
+  const { roof_m, slice_m } = desk.ui.now;
+  const [low, high] = (desk.view()?.heights() ?? [0, 1]).map((height, at) => (at ? Math.ceil(height) : Math.floor(height)));
+  const slice = slice_m ?? [low, high];
+  const setSlice = (at: 0 | 1, value: number) => {
+    const next: [number, number] = [...slice] as [number, number];
+    next[at] = value;
+    if (next[0] > next[1]) next[1 - at] = value;
+    desk.ui.set({ slice_m: next[0] <= low && next[1] >= high ? null : next });
+  };
+  return (
+    <div class="cuts">
+      <label title="Points higher than this over the robot's path are left out">
+        <span>Roof cut</span>
+        <input
+          type="range"
+          min={-1}
+          max={highestRoof_m}
+          step={0.1}
+          value={roof_m ?? highestRoof_m}
+          onInput={(event) => {
+            const value = Number(event.currentTarget.value);
+            desk.ui.set({ roof_m: value >= highestRoof_m ? null : value });
+          }}
+          aria-label="Roof cut: metres over the robot's path"
+          aria-valuetext={roof_m === null ? 'no cut' : `${roof_m.toFixed(1)} metres`}
+        />
+        <output>{roof_m === null ? 'off' : `${roof_m.toFixed(1)} m`}</output>
+      </label>
+      {([0, 1] as const).map((at) => (
+        <label key={at} title="Only points between these heights are shown">
+          <span>{at ? 'to' : 'Slice from'}</span>
+          <input type="range" min={low} max={high} step={0.5} value={slice[at]} onInput={(event) => setSlice(at, Number(event.currentTarget.value))} aria-label={at ? 'Slice: highest' : 'Slice: lowest'} />
+          <output>{slice[at].toFixed(0)} m</output>
+        </label>
+      ))}
+    </div>
+  );
+}
+
+export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanvasElement, layer: HTMLElement) => void }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const layer = useRef<HTMLDivElement>(null);
+  useEffect(() => mount(canvas.current!, layer.current!), []);
+  const { ui, station } = desk;
+  const { way, colourBy, measuring } = ui.now;
+  const view = desk.view();
+  return (
+    <main class="view">
+      <div class={measuring ? 'stage stage-measuring' : 'stage'}>
+        <canvas ref={canvas} tabIndex={0} aria-label="Map of the mine. Arrow keys move, plus and minus zoom, F shows all, question mark lists all keys." />
+        <div class="labels" ref={layer} />
+        {measuring && <div class="crosshair" aria-hidden="true" />}
+        {station.sessions.size === 0 && station.link === 'live' && (
+          <div class="empty empty-view">
+            <p>The mine is dark.</p>
+            <p class="muted">It appears here as soon as a robot sends its first keyframes.</p>
+          </div>
+        )}
+      </div>
+      <div class="tools tools-top" role="toolbar" aria-label="View">
+        <div class="switch" role="group" aria-label="Seen from">
+          {(['top', 'free'] as const).map((name) => (
+            <button
+              key={name}
+              class="button button-small"
+              aria-pressed={way === name}
+              onClick={() => ui.set({ way: name })}
+            >
+              <Icon name={name} /> {name === 'top' ? 'Top' : 'Free'}
+            </button>
+          ))}
+        </div>
+        <div class="switch" role="group" aria-label="Coloured by">
+          {(Object.keys(colourWords) as ColourBy[]).map((name) => (
+            <button key={name} class="button button-small" aria-pressed={colourBy === name} onClick={() => ui.set({ colourBy: name })}>
+              {colourWords[name]}
+            </button>
+          ))}
+        </div>
+        <button class="button button-small" onClick={() => view?.frameAll()}>
+          <Icon name="fit" /> Show all
+        </button>
+        <button class="button button-small" aria-pressed={measuring} onClick={() => ui.set({ measuring: !measuring })}>
+          <Icon name="measure" /> Measure
+        </button>
+        <button class="button button-small button-icon" aria-label="Keys" title="Keys" onClick={() => void showKeys()}>
+          <Icon name="keys" />
+        </button>
+      </div>
+      {measuring && (
+        <div class="tools tools-measure" role="status">
+          {view?.measure.text || (view?.measure.ends.length ? 'Now the second point.' : 'Click a point of the map, or move it under the cross and press Enter.')}
+        </div>
+      )}
+      <div class="tools tools-bottom">
+        <Cuts desk={desk} />
+        <Legend desk={desk} />
+        <span class="muted points-shown">{view && view.shown.points > 0 ? `${compact(view.shown.points)} points` : ''}</span>
+      </div>
+    </main>
+  );
+}

@@ -1,0 +1,80 @@
+// Requests to the server that served this page.
+
+import type { Keyframe } from './types';
+
+const tokenKey = 'headframe.token';
+const mostAtOnce = 4; // a browser gives a host six connections; some stay free for what the operator clicks
+
+export class ApiError extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+export const token = {
+  get: () => sessionStorage.getItem(tokenKey) ?? '',
+  set: (value: string) => sessionStorage.setItem(tokenKey, value),
+  clear: () => sessionStorage.removeItem(tokenKey),
+};
+
+export interface Asked {
+  method?: 'GET' | 'POST' | 'DELETE';
+  body?: unknown;
+  signal?: AbortSignal;
+}
+
+/** Throws ApiError with the server's own line for people; status 0: the server was not reached. */
+export async function ask(path: string, { method = 'GET', body, signal }: Asked = {}): Promise<Response> {
+  const headers: Record<string, string> = {};
+  if (token.get()) headers.Authorization = `Bearer ${token.get()}`;
+  let response: Response;
+  try {
+    response = await fetch(path, { method, headers, signal, body: body === undefined ? undefined : JSON.stringify(body) });
+  } catch (cause) {
+    if (signal?.aborted) throw cause;
+    throw new ApiError(0, 'The server does not answer.');
+  }
+  if (response.ok) return response;
+  const fault = await response.json().catch(() => null);
+  throw new ApiError(response.status, fault?.error?.message ?? `The server answered ${response.status}.`);
+}
+
+export async function askJson<T>(path: string, asked?: Asked): Promise<T> {
+  return (await ask(path, asked)).json();
+}
+
+let running = 0;
+const waiting: (() => void)[] = [];
+
+/** For what the view fetches by itself: only so many at a time, and a pause when the server says that it is too much. */
+export async function inTurn<T>(work: () => Promise<T>): Promise<T> {
+  if (running >= mostAtOnce) await new Promise<void>((resume) => waiting.push(resume));
+  running++;
+  try {
+    return await work();
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 429) await new Promise((resume) => setTimeout(resume, 2000));
+    throw error;
+  } finally {
+    running--;
+    waiting.shift()?.();
+  }
+}
+
+export async function trajectory(session: number, from: number): Promise<Keyframe[]> {
+  const answer = await askJson<{ keyframes: number[][] }>(`/api/v1/sessions/${session}/trajectory?from=${from}`);
+  return answer.keyframes.map(([sequence, stamp_s, x, y, z, qx, qy, qz, qw]) => ({
+    sequence,
+    stamp_s,
+    position: [x, y, z],
+    quaternion: [qx, qy, qz, qw],
+  }));
+}
+
+export async function points(session: number, level: number, from: number, most: number): Promise<ArrayBuffer> {
+  const path = `/api/v1/sessions/${session}/points?level=${level}&from=${from}&most=${most}`;
+  return (await ask(path)).arrayBuffer();
+}

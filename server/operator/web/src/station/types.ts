@@ -1,0 +1,109 @@
+// What the operator API says, as JSON. Lengths in metres, transforms 16 numbers, row-major; null: not measured.
+
+export type Transform = number[];
+
+export interface SessionName {
+  robot: string;
+  session: string;
+}
+
+export interface Session extends SessionName {
+  id: number;
+  label?: string | null;
+  family: { name: string; version: number };
+  sensor: { model: string; beams: number; fov_up_deg: number; fov_down_deg: number; max_range_m: number };
+  connected: boolean;
+  complete: boolean;
+  keyframes: number;
+  clouds: number;
+  bytes_received: number;
+  backlog: number;
+  bytes_per_s: number | null;
+  link_age_s: number | null;
+  distance_m: number | null;
+  trigger_to_transform_ms: number | null;
+  component?: number | null;
+}
+
+export type State = 'candidate' | 'verified' | 'published' | 'retracted' | 'rejected';
+export type Ruling = 'none' | 'confirmed' | 'refused' | 'retracted';
+
+export interface Alignment {
+  id: number;
+  a: SessionName;
+  b: SessionName;
+  state: State;
+  verdict: State;
+  decision: Ruling;
+  T_a_b: Transform;
+  evidence: Record<string, number | null>;
+}
+
+export interface Placement extends SessionName {
+  T_component_session: Transform;
+}
+
+export interface Component {
+  id: number;
+  anchor: SessionName;
+  sessions: Placement[];
+}
+
+export interface Pending {
+  attempts: number;
+  keyframes: number;
+  awaited_submaps: number;
+}
+
+export interface Atlas {
+  revision: number;
+  components: Component[];
+  alignments: Alignment[];
+}
+
+export interface Status {
+  version: string;
+  uptime_s: number;
+  revision: number;
+  bytes_received: number;
+  pending: Pending;
+  links: { hold: string | null; failed: number; refused: number };
+}
+
+export interface Finding {
+  evidence: string;
+  value: number | null;
+  speaks: string;
+  text: string;
+}
+
+export interface Explanation {
+  a: SessionName;
+  b: SessionName;
+  outcome: string;
+  decision: string;
+  findings: Finding[];
+  missing: string[];
+}
+
+export interface Overlay {
+  a: [number, number, number][];
+  b: [number, number, number][];
+  residuals_m: number[];
+  bin_m: number;
+  runner_up: { T_a_b: Transform; probability: number } | null;
+}
+
+export interface Keyframe {
+  sequence: number;
+  stamp_s: number;
+  position: [number, number, number];
+  quaternion: [number, number, number, number];
+}
+
+export type StationEvent =
+  | { type: 'snapshot'; sessions: { sessions: Session[] }; atlas: Atlas & { pending?: Pending } }
+  | ({ type: 'robot_connected' | 'robot_left' | 'keyframes' } & Session)
+  | { type: 'alignment'; alignment: Alignment }
+  | { type: 'revision'; revision: number; components: number }
+  | { type: 'pending'; pending: Pending };

@@ -1,0 +1,59 @@
+// What the operator has chosen to look at. Theme and panels only; nothing of the server.
+
+import type { ColourBy } from './view/cloud_material';
+import type { Way } from './view/stage';
+
+export type Tab = 'merges' | 'sessions' | 'log';
+export type Theme = 'auto' | 'dark' | 'light';
+
+const themeKey = 'headframe.theme';
+const prefersDark = matchMedia('(prefers-color-scheme: dark)');
+
+export interface Choices {
+  session: number | null;
+  alignment: number | null;
+  tab: Tab;
+  theme: Theme;
+  way: Way;
+  colourBy: ColourBy;
+  /** Metres over the robot's path above which nothing is drawn; null: the roof stays on. */
+  roof_m: number | null;
+  /** Heights between which points are drawn; null: all. */
+  slice_m: [number, number] | null;
+  measuring: boolean;
+  showRejected: boolean;
+}
+
+export class Ui {
+  now: Choices = {
+    session: null,
+    alignment: null,
+    tab: 'merges',
+    theme: (localStorage.getItem(themeKey) as Theme | null) ?? 'auto',
+    way: 'top',
+    colourBy: 'robot',
+    roof_m: 1,
+    slice_m: null,
+    measuring: false,
+    showRejected: false,
+  };
+  private readonly listeners: (() => void)[] = [];
+
+  constructor() {
+    prefersDark.addEventListener('change', () => this.set({}));
+  }
+
+  get isDark(): boolean {
+    return this.now.theme === 'dark' || (this.now.theme === 'auto' && prefersDark.matches);
+  }
+
+  set(change: Partial<Choices>): void {
+    this.now = { ...this.now, ...change };
+    if (change.theme) localStorage.setItem(themeKey, change.theme);
+    for (const listener of this.listeners) listener();
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+}

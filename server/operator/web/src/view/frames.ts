@@ -1,0 +1,120 @@
+// The transform at which each session is drawn; it glides when a merge moves it.
+
+import { Box3, Matrix4, Quaternion, Vector3 } from 'three';
+import type { Station } from '../station/station';
+import type { Keyframe, Transform } from '../station/types';
+import { extentOf, layOut, matrixOf, type Plot } from './layout';
+
+const glide_ms = 900;
+
+interface Drawn {
+  T_world_session: Matrix4;
+  from: Matrix4;
+  to: Matrix4;
+  since: number;
+}
+
+interface Member {
+  id: number;
+  path: Keyframe[] | undefined;
+  placed: Transform | undefined;
+  T: Matrix4; // T_component_session
+  box: Box3; // of the path, in the component's frame
+}
+
+const still = matchMedia('(prefers-reduced-motion: reduce)');
+
+export class Frames {
+  plots = new Map<number, Plot>();
+  /** Counts what changes a plot or a transform. */
+  version = 0;
+  private readonly drawn = new Map<number, Drawn>();
+  private readonly members = new Map<number, Member>();
+
+  constructor(private readonly station: Station) {}
+
+  of(session: number): Matrix4 | undefined {
+    return this.drawn.get(session)?.T_world_session;
+  }
+
+  /** Takes over what the station says now. */
+  sync(): void {
+    const members = new Map<number, Member[]>();
+    for (const id of this.station.sessions.keys()) {
+      const component = this.station.placed.get(id)?.component ?? -id;
+      members.set(component, [...(members.get(component) ?? []), this.member(id)]);
+    }
+    this.plots = layOut([...members].map(([component, list]) => extentOf(component, list.map(({ box }) => box))));
+    for (const [component, list] of members)
+      for (const { id, T } of list) {
+        const { x, y } = this.plots.get(component)!.offset;
+        this.move(id, new Matrix4().makeTranslation(x, y, 0).multiply(T));
+      }
+    for (const id of this.drawn.keys())
+      if (!this.station.sessions.has(id)) {
+        this.drawn.delete(id);
+        this.members.delete(id);
+      }
+    this.version++;
+  }
+
+  /** Lowest and highest point of the paths. */
+  heights(): [number, number] {
+    const box = [...this.members.values()].reduce((sum, member) => sum.union(member.box), new Box3());
+    return box.isEmpty() ? [0, 1] : [box.min.z, box.max.z];
+  }
+
+  /** A step of what moves; whether anything does. */
+  step(now: number): boolean {
+    let moving = false;
+    for (const drawn of this.drawn.values()) {
+      if (drawn.T_world_session.equals(drawn.to)) continue;
+      const share = still.matches ? 1 : Math.min((now - drawn.since) / glide_ms, 1);
+      drawn.T_world_session.copy(share === 1 ? drawn.to : between(drawn.from, drawn.to, share * share * (3 - 2 * share)));
+      this.version++;
+      moving = true;
+    }
+    return moving;
+  }
+
+  /** Of everything that is drawn, from above. */
+  box(component?: number): Box3 {
+    const box = new Box3();
+    for (const [id, { box: plot }] of this.plots)
+      if (component === undefined || component === id) {
+        box.expandByPoint(new Vector3(plot.min.x, plot.min.y, 0));
+        box.expandByPoint(new Vector3(plot.max.x, plot.max.y, 0));
+      }
+    return box;
+  }
+
+  /** As it was, unless its path or its place is another. */
+  private member(id: number): Member {
+    const path = this.station.paths.get(id);
+    const placed = this.station.placed.get(id)?.T_component_session;
+    const known = this.members.get(id);
+    if (known && known.path === path && known.placed === placed) return known;
+    const T = placed ? matrixOf(placed) : new Matrix4();
+    const box = new Box3();
+    for (const { position } of path ?? []) box.expandByPoint(new Vector3(...position).applyMatrix4(T));
+    const member = { id, path, placed, T, box };
+    this.members.set(id, member);
+    return member;
+  }
+
+  private move(session: number, to: Matrix4): void {
+    const known = this.drawn.get(session);
+    if (!known) this.drawn.set(session, { T_world_session: to.clone(), from: to, to, since: 0 });
+    else if (!known.to.equals(to))
+      this.drawn.set(session, { T_world_session: known.T_world_session, from: known.T_world_session.clone(), to, since: performance.now() });
+  }
+}
+
+function between(a: Matrix4, b: Matrix4, share: number): Matrix4 {
+  const [p, q] = [new Vector3(), new Vector3()];
+  const [u, v] = [new Quaternion(), new Quaternion()];
+  const scale = new Vector3();
+  a.decompose(p, u, scale);
+  b.decompose(q, v, scale);
+  return new Matrix4().compose(p.lerp(q, share), u.slerp(v, share), new Vector3(1, 1, 1));
+}

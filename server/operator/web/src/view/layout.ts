@@ -1,0 +1,57 @@
+// Where components are drawn: the largest at its own coordinates, the others beside it, each in its own frame. Pure.
+
+import { Box2, Box3, Matrix4, Vector2 } from 'three';
+import type { Transform } from '../station/types';
+
+const margin_m = 14;
+const step_m = 10; // boxes grow in steps, or all would move with every keyframe
+const gap_m = 20;
+
+export const matrixOf = (T: Transform) => new Matrix4().set(...(T as Parameters<Matrix4['set']>));
+
+export interface Extent {
+  component: number;
+  sessions: number;
+  box: Box2; // in the component's frame
+}
+
+export interface Plot {
+  offset: Vector2; // of the component's origin
+  box: Box2; // as drawn
+}
+
+/** Of the paths' boxes in the component's frame. */
+export function extentOf(component: number, members: Box3[]): Extent {
+  const all = members.reduce((sum, box) => sum.union(box), new Box3());
+  const box = new Box2(new Vector2(all.min.x, all.min.y), new Vector2(all.max.x, all.max.y));
+  if (box.isEmpty()) box.set(new Vector2(-5, -5), new Vector2(5, 5));
+  box.min.subScalar(margin_m).divideScalar(step_m).floor().multiplyScalar(step_m);
+  box.max.addScalar(margin_m).divideScalar(step_m).ceil().multiplyScalar(step_m);
+  return { component, sessions: members.length, box };
+}
+
+/** Columns to the right of the largest component, as high as what is there asks. */
+export function layOut(extents: Extent[]): Map<number, Plot> {
+  const plots = new Map<number, Plot>();
+  const [main, ...others] = [...extents].sort((x, y) => y.sessions - x.sessions || Math.abs(x.component) - Math.abs(y.component));
+  if (!main) return plots;
+  plots.set(main.component, { offset: new Vector2(), box: main.box });
+  const areas = extents.map(({ box }) => (box.max.x - box.min.x + gap_m) * (box.max.y - box.min.y + gap_m));
+  const height_m = Math.max(main.box.max.y - main.box.min.y, 0.75 * Math.sqrt(areas.reduce((sum, area) => sum + area, 0)));
+  let x = main.box.max.x + gap_m;
+  let y = main.box.max.y;
+  let width = 0;
+  for (const { component, box } of others) {
+    const span = box.getSize(new Vector2());
+    if (y < main.box.max.y && y - span.y < main.box.max.y - height_m) {
+      x += width + gap_m;
+      y = main.box.max.y;
+      width = 0;
+    }
+    const offset = new Vector2(x - box.min.x, y - box.max.y);
+    plots.set(component, { offset, box: new Box2(box.min.clone().add(offset), box.max.clone().add(offset)) });
+    y -= span.y + gap_m;
+    width = Math.max(width, span.x);
+  }
+  return plots;
+}

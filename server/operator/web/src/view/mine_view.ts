@@ -1,0 +1,256 @@
+// The 3D view: what the station says, drawn as the operator chose.
+
+import { Box3, BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, Vector3 } from 'three';
+import type { Station } from '../station/station';
+import type { Session } from '../station/types';
+import type { Ui } from '../ui';
+import { colourBy, shared, vector } from './cloud_material';
+import { type Budget, Clouds } from './clouds';
+import { Edges } from './edges';
+import { Frames } from './frames';
+import { type Label, Labels } from './labels';
+import { Measure, pick } from './measure';
+import { mixed, type RobotColours, verdicts } from './palette';
+import { Robots } from './robots';
+import { Stage } from './stage';
+
+const themes = {
+  dark: { paper: '#12161b', ink: '#f2f5f7', rim: '#12161b', outline: '#2b323b' },
+  light: { paper: '#f3f4f2', ink: '#14181d', rim: '#ffffff', outline: '#cfd3d2' },
+};
+
+// What the colours of heights span, from the lowest and highest path: a sensor rides about so high, walls end about there.
+const floor_m = 1.5;
+const wall_m = 3;
+const mostFrameLabels = 12; // more lie over each other; the robots' own labels do then
+
+export interface Shown {
+  /** Keyframes of each session at the last frame. */
+  keyframes: Map<number, number>;
+  points: number;
+  drawn: number;
+  firstPicture_ms: number | null;
+}
+
+export class MineView {
+  readonly stage: Stage;
+  readonly measure: Measure;
+  /** What is on the screen; for the tests and the bench. */
+  readonly shown: Shown = { keyframes: new Map(), points: 0, drawn: 0, firstPicture_ms: null };
+  private readonly frames: Frames;
+  private readonly clouds: Clouds;
+  private readonly robots: Robots;
+  private readonly edges: Edges;
+  private readonly labels: Labels;
+  private readonly outlines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+  private outlinesAt = -1;
+  private framedByHand = false;
+  private lastFrame = 0;
+  private dirty = true;
+
+  constructor(
+    canvas: HTMLCanvasElement,
+    layer: HTMLElement,
+    private readonly station: Station,
+    private readonly ui: Ui,
+    private readonly colours: RobotColours,
+    private readonly onPicked: () => void,
+  ) {
+    this.stage = new Stage(canvas, () => (this.framedByHand = true));
+    this.frames = new Frames(station);
+    this.clouds = new Clouds(this.stage.scene, station, this.frames, this.stage, budget(this.stage.renderer.getContext()));
+    this.robots = new Robots(station, this.frames, this.stage);
+    this.edges = new Edges(station, this.frames, this.stage);
+    this.labels = new Labels(layer, this.stage);
+    this.measure = new Measure(this.stage);
+    this.outlines.frustumCulled = false;
+    this.stage.scene.add(this.outlines);
+    this.stage.onFrame(() => this.frame());
+    const mark = () => {
+      this.dirty = true;
+      this.stage.draw();
+    };
+    station.onChange(mark);
+    ui.onChange(mark);
+    canvas.addEventListener('click', (event) => this.onClick(event.offsetX, event.offsetY));
+  }
+
+  /** Everything in sight, and again whenever the map grows, until the operator moves the view. */
+  frameAll(): void {
+    this.framedByHand = false;
+    this.stage.frame(this.contents());
+  }
+
+  /** The middle of the view, or what was clicked: a point to measure from. */
+  takePoint(x = this.stage.size.x / 2, y = this.stage.size.y / 2): boolean {
+    const place = pick(x, y, this.stage, this.clouds, this.frames);
+    if (place) this.measure.take(place);
+    this.dirty = true;
+    this.onPicked();
+    return place !== null;
+  }
+
+  look(session: number): void {
+    const place = this.robots.positionOf(session);
+    if (!place) return;
+    const shift = place.sub(this.stage.target);
+    this.stage.target.add(shift);
+    this.stage.camera.position.add(shift);
+    this.framedByHand = true;
+    this.stage.pan(0, 0);
+  }
+
+  /** Between which there may be points, for the slice. */
+  heights(): [number, number] {
+    const [low, high] = this.frames.heights();
+    return [low - 3, high + 4];
+  }
+
+  private onClick(x: number, y: number): void {
+    if (this.ui.now.measuring) this.takePoint(x, y);
+    else if (this.ui.now.session !== null || this.ui.now.alignment !== null) this.ui.set({ session: null });
+  }
+
+  private frame(): boolean {
+    const now = performance.now();
+    if (this.dirty) this.sync();
+    const moving = this.frames.step(now);
+    if (!this.framedByHand && (moving || this.outlinesAt !== this.frames.version)) this.stage.frame(this.contents());
+    if (this.outlinesAt !== this.frames.version) this.drawOutlines();
+    this.clouds.beforeFrame();
+    this.robots.beforeFrame();
+    this.edges.beforeFrame();
+    this.labels.set(this.allLabels());
+    this.labels.place();
+    if (now - this.lastFrame < 250) this.clouds.tookFrame(now - this.lastFrame);
+    this.lastFrame = now;
+    this.note();
+    return moving;
+  }
+
+  private note(): void {
+    this.shown.points = this.clouds.loadedPoints;
+    this.shown.drawn = this.clouds.drawnPoints;
+    for (const [id, path] of this.station.paths) this.shown.keyframes.set(id, path.length);
+    if (this.shown.firstPicture_ms === null && this.shown.points > 0) this.shown.firstPicture_ms = performance.now();
+  }
+
+  private sync(): void {
+    this.dirty = false;
+    const { isDark, now } = this.ui;
+    this.colours.know(this.station.sessions.values());
+    const theme = isDark ? themes.dark : themes.light;
+    this.stage.paint(theme.paper);
+    shared.paper.value.copy(vector(theme.paper));
+    colourBy(now.colourBy);
+    shared.roof.value = now.roof_m ?? 1e6;
+    shared.slice.value.set(...(now.slice_m ?? [-1e6, 1e6]));
+    this.frames.sync();
+    const [low, high] = this.frames.heights();
+    shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
+    this.clouds.sync();
+    this.clouds.paint((id) => ({ colour: this.colourOf(this.station.sessions.get(id)!), faded: this.fadedOf(id) }));
+    this.robots.sync((session) => ({
+      colour: mixed(this.colourOf(session), theme.ink, 0.15),
+      paper: theme.paper,
+      rim: theme.rim,
+      faded: this.fadedOf(session.id),
+    }));
+    this.edges.sync(isDark, now.alignment);
+    this.measure.paint(theme.ink);
+    this.outlines.material.color.setStyle(theme.outline, 'srgb-linear');
+  }
+
+  private colourOf(session: Session): string {
+    return this.colours.of(session.robot, this.ui.isDark);
+  }
+
+  /** What is not selected steps back. */
+  private fadedOf(session: number): number {
+    const { session: one, alignment } = this.ui.now;
+    const pair = alignment === null ? undefined : this.station.alignments.get(alignment);
+    if (pair) return [pair.a, pair.b].some((name) => this.station.idOf(name) === session) ? 0 : 0.75;
+    return one === null || one === session ? 0 : 0.65;
+  }
+
+  private contents(): Box3 {
+    const box = this.frames.box();
+    if (box.isEmpty()) return box;
+    const [low, high] = this.heights();
+    box.min.z = box.max.z = (low + high) / 2;
+    return box;
+  }
+
+  private drawOutlines(): void {
+    this.outlinesAt = this.frames.version;
+    const places: number[] = [];
+    if (this.frames.plots.size > 1)
+      for (const { box } of this.frames.plots.values()) {
+        const corners = [box.min.x, box.min.y, box.max.x, box.min.y, box.max.x, box.max.y, box.min.x, box.max.y];
+        for (let i = 0; i < 4; i++)
+          for (const at of [i, (i + 1) % 4]) places.push(corners[2 * at], corners[2 * at + 1], 0);
+      }
+    this.outlines.geometry.dispose();
+    this.outlines.geometry = new BufferGeometry();
+    this.outlines.geometry.setAttribute('position', new Float32BufferAttribute(places, 3));
+  }
+
+  private allLabels(): Label[] {
+    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.measure.labels()];
+  }
+
+  private robotLabels(): Label[] {
+    const labels: Label[] = [];
+    for (const session of this.station.sessions.values()) {
+      const place = this.robots.positionOf(session.id);
+      if (!place) continue;
+      labels.push({
+        key: `robot-${session.id}`,
+        place,
+        text: this.station.titleOf(session),
+        kind: session.connected ? 'robot' : 'away',
+        colour: this.colourOf(session),
+        rank: session.id === this.ui.now.session ? 1 : session.connected ? 2 : 4,
+        describe: `${this.station.titleOf(session)}, ${session.connected ? 'connected' : 'not connected'}: select`,
+        onClick: () => this.ui.set({ session: session.id, alignment: null }),
+      });
+    }
+    return labels;
+  }
+
+  private verdictLabels(): Label[] {
+    return [...this.edges.badges()].map(([alignment, place]) => {
+      const look = verdicts[alignment.state];
+      const pair = `${this.station.titleOfName(alignment.a)} and ${this.station.titleOfName(alignment.b)}`;
+      return {
+        key: `verdict-${alignment.id}`,
+        place,
+        text: look.glyph,
+        kind: 'verdict',
+        colour: this.ui.isDark ? look.dark : look.light,
+        rank: alignment.id === this.ui.now.alignment ? 1 : 3,
+        describe: `${pair}: ${look.word}; show the evidence`,
+        onClick: () => this.ui.set({ alignment: alignment.id, session: null, tab: 'merges' }),
+      };
+    });
+  }
+
+  private frameLabels(): Label[] {
+    if (this.frames.plots.size < 2 || this.frames.plots.size > mostFrameLabels) return [];
+    return [...this.frames.plots].map(([id, { box }]) => {
+      const members = [...this.station.sessions.values()].filter((session) => (this.station.placed.get(session.id)?.component ?? -session.id) === id);
+      const text = members.length === 1 ? `${this.station.titleOf(members[0])}: own frame, not merged` : `Map of ${members.length} sessions`;
+      return { key: `frame-${id}`, place: new Vector3(box.min.x, box.max.y, 0), text, kind: 'frame', rank: 5 };
+    });
+  }
+}
+
+/** #points=N says how many are kept. Software rendering shows itself by its name; it gets fewer. */
+function budget(gl: WebGLRenderingContext | WebGL2RenderingContext): Budget {
+  const asked = Number(new URLSearchParams(location.hash.slice(1)).get('points'));
+  if (asked > 0) return { loaded: asked, drawn: asked, leastDrawn: Math.min(asked, 100_000) };
+  const details = gl.getExtension('WEBGL_debug_renderer_info');
+  const renderer = details ? String(gl.getParameter(details.UNMASKED_RENDERER_WEBGL)) : '';
+  if (/swiftshader|llvmpipe|software/i.test(renderer)) return { loaded: 100_000, drawn: 100_000, leastDrawn: 40_000 };
+  return { loaded: 6_000_000, drawn: 3_000_000, leastDrawn: 200_000 };
+}

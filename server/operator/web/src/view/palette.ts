@@ -1,0 +1,51 @@
+// Colours that mean something. Robots: after Okabe and Ito, told apart with any colour vision; beyond eight they come
+// again, lighter, and names always stand beside them. Verdicts have a glyph and a dash of their own as well.
+
+import type { State } from '../station/types';
+
+const dark = ['#e8a33d', '#58b6ea', '#2fb98c', '#d98bb5', '#efe06a', '#e8703a', '#8f9df5', '#a8d672'];
+const light = ['#b87500', '#0b7cb8', '#00795a', '#a8487d', '#857500', '#b84a00', '#4453c4', '#4f7d12'];
+
+export function mixed(colour: string, other: string, share: number): string {
+  const channels = [1, 3, 5].map((at) => {
+    const [x, y] = [colour, other].map((text) => parseInt(text.slice(at, at + 2), 16));
+    return Math.round(x + (y - x) * share).toString(16).padStart(2, '0');
+  });
+  return `#${channels.join('')}`;
+}
+
+/** Robots get theirs in the order of their first sessions, so that every page shows the same ones. */
+export class RobotColours {
+  private readonly order: string[] = [];
+
+  know(sessions: Iterable<{ id: number; robot: string }>): void {
+    for (const { robot } of [...sessions].sort((x, y) => x.id - y.id)) if (!this.order.includes(robot)) this.order.push(robot);
+  }
+
+  of(robot: string, isDark: boolean): string {
+    let index = this.order.indexOf(robot);
+    if (index < 0) index = this.order.push(robot) - 1;
+    const base = (isDark ? dark : light)[index % dark.length];
+    const round = Math.floor(index / dark.length);
+    return round === 0 ? base : mixed(base, isDark ? '#ffffff' : '#000000', Math.min(0.18 * round, 0.55));
+  }
+}
+
+export interface Look {
+  word: string;
+  glyph: string;
+  dark: string;
+  light: string;
+  dash: [number, number] | null; // metres drawn, metres left out
+}
+
+export const verdicts: Record<State, Look> = {
+  published: { word: 'merged', glyph: '✓', dark: '#3ecf9a', light: '#00795a', dash: null },
+  verified: { word: 'verified', glyph: '◆', dark: '#6cc3f2', light: '#0b6fa8', dash: [3, 1] },
+  candidate: { word: 'unsure', glyph: '?', dark: '#f0b44c', light: '#9a6200', dash: [1.6, 1.6] },
+  retracted: { word: 'taken apart', glyph: '↺', dark: '#f08c5a', light: '#b84a00', dash: [2.4, 1] },
+  rejected: { word: 'no match', glyph: '✕', dark: '#8e97a3', light: '#68727e', dash: [0.6, 1.4] },
+};
+
+/** Cividis, thinned: even steps of lightness, the same to all eyes. */
+export const ramp = ['#1b3a6b', '#434e6c', '#666970', '#8b8679', '#b3a772', '#dfcb5d', '#fdea45'];

@@ -1,0 +1,179 @@
+// The canvas: renderer, the two cameras and their controls. Draws when something changed, and only then.
+
+import { Box3, Color, OrthographicCamera, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer, LinearSRGBColorSpace } from 'three';
+import { MapControls } from 'three/addons/controls/MapControls.js';
+
+export type Way = 'top' | 'free';
+
+const fieldOfView_deg = 45;
+
+export class Stage {
+  readonly scene = new Scene();
+  readonly renderer: WebGLRenderer;
+  readonly size = new Vector2(1, 1);
+  way: Way = 'top';
+
+  private readonly top = new OrthographicCamera(-50, 50, 50, -50, -5000, 5000);
+  private readonly free = new PerspectiveCamera(fieldOfView_deg, 1, 0.5, 8000);
+  private readonly topControls: MapControls;
+  private readonly freeControls: MapControls;
+  private readonly before: (() => boolean | void)[] = [];
+  private drawing = false;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    private readonly onOperated: () => void,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.top.up.set(0, 1, 0);
+    this.top.position.set(0, 0, 1000);
+    this.free.up.set(0, 0, 1);
+    this.free.position.set(0, -80, 70);
+    this.topControls = new MapControls(this.top, canvas);
+    this.topControls.enableRotate = false;
+    this.topControls.screenSpacePanning = true;
+    this.freeControls = new MapControls(this.free, canvas);
+    this.freeControls.maxPolarAngle = Math.PI * 0.495;
+    this.freeControls.enabled = false;
+    for (const controls of [this.topControls, this.freeControls]) {
+      controls.zoomToCursor = true;
+      controls.enableDamping = false;
+      controls.addEventListener('change', () => this.draw());
+      controls.addEventListener('start', () => this.onOperated());
+    }
+    new ResizeObserver(() => this.fitCanvas()).observe(canvas.parentElement!);
+    this.fitCanvas();
+  }
+
+  get camera(): OrthographicCamera | PerspectiveCamera {
+    return this.way === 'top' ? this.top : this.free;
+  }
+  get target(): Vector3 {
+    return this.controls.target;
+  }
+  private get controls(): MapControls {
+    return this.way === 'top' ? this.topControls : this.freeControls;
+  }
+
+  /** Called before each frame; true: another frame is wanted. */
+  onFrame(work: () => boolean | void): void {
+    this.before.push(work);
+  }
+
+  paint(background: string): void {
+    this.scene.background = new Color().setStyle(background, 'srgb-linear');
+    this.draw();
+  }
+
+  draw(): void {
+    if (this.drawing) return;
+    this.drawing = true;
+    requestAnimationFrame(() => {
+      this.drawing = false;
+      this.camera.updateMatrixWorld();
+      let again = false;
+      for (const work of this.before) again = work() === true || again;
+      this.renderer.render(this.scene, this.camera);
+      if (again) this.draw();
+    });
+  }
+
+  /** Pixels of the canvas for a metre; at one metre's distance in the free view. */
+  pixelsPerUnit(): number {
+    const height = this.size.y * this.renderer.getPixelRatio();
+    if (this.way === 'top') return (height * this.top.zoom) / (this.top.top - this.top.bottom);
+    return height / (2 * Math.tan((fieldOfView_deg * Math.PI) / 360));
+  }
+
+  /** Metres for a pixel of the page at this place. */
+  metresPerPixel(place: Vector3): number {
+    const ratio = this.renderer.getPixelRatio();
+    return this.way === 'top' ? ratio / this.pixelsPerUnit() : (ratio * this.free.position.distanceTo(place)) / this.pixelsPerUnit();
+  }
+
+  show(way: Way): void {
+    if (way === this.way) return;
+    const target = this.target.clone();
+    const span_m = this.size.y * this.metresPerPixel(target);
+    this.controls.enabled = false;
+    this.way = way;
+    this.controls.enabled = true;
+    this.target.copy(target);
+    if (way === 'top') {
+      this.top.position.set(target.x, target.y, 1000);
+      this.top.zoom = (this.top.top - this.top.bottom) / span_m;
+    } else {
+      const distance = span_m / (2 * Math.tan((fieldOfView_deg * Math.PI) / 360));
+      this.free.position.set(target.x, target.y - 0.75 * distance, target.z + 0.66 * distance);
+    }
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  /** All of the box in sight. */
+  frame(box: Box3): void {
+    if (box.isEmpty()) return;
+    const centre = box.getCenter(new Vector3());
+    const span = box.getSize(new Vector3());
+    const aspect = this.size.x / this.size.y;
+    const height = 1.12 * Math.max(span.y, span.x / aspect, 10);
+    this.target.copy(centre);
+    if (this.way === 'top') {
+      this.top.position.set(centre.x, centre.y, 1000);
+      this.top.zoom = (this.top.top - this.top.bottom) / height;
+    } else {
+      const distance = height / (2 * Math.tan((fieldOfView_deg * Math.PI) / 360));
+      this.free.position.set(centre.x, centre.y - 0.7 * distance, centre.z + 0.7 * distance);
+    }
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.camera.updateMatrixWorld(); // for what is placed in this same frame
+    this.draw();
+  }
+
+  /** By so many parts of the picture's height; for the keyboard. */
+  pan(right: number, up: number): void {
+    const span_m = this.size.y * this.metresPerPixel(this.target);
+    const move = new Vector3(right * span_m, up * span_m, 0);
+    if (this.way === 'free') {
+      const ahead = this.target.clone().sub(this.free.position).setZ(0).normalize();
+      move.set(ahead.y * right + ahead.x * up, -ahead.x * right + ahead.y * up, 0).multiplyScalar(span_m);
+    }
+    this.target.add(move);
+    this.camera.position.add(move);
+    this.controls.update();
+    this.onOperated();
+    this.draw();
+  }
+
+  zoom(factor: number): void {
+    if (this.way === 'top') this.top.zoom *= factor;
+    else this.free.position.sub(this.target).divideScalar(factor).add(this.target);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.onOperated();
+    this.draw();
+  }
+
+  /** Pixels of the page; z > 1 or < -1: behind or out of reach. */
+  toPage(place: Vector3): Vector3 {
+    const seen = place.clone().project(this.camera);
+    return seen.set(((seen.x + 1) / 2) * this.size.x, ((1 - seen.y) / 2) * this.size.y, seen.z);
+  }
+
+  private fitCanvas(): void {
+    const { clientWidth, clientHeight } = this.canvas.parentElement!;
+    this.size.set(Math.max(clientWidth, 1), Math.max(clientHeight, 1));
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(this.size.x, this.size.y, false);
+    const half = 50;
+    const aspect = this.size.x / this.size.y;
+    Object.assign(this.top, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
+    this.free.aspect = aspect;
+    this.top.updateProjectionMatrix();
+    this.free.updateProjectionMatrix();
+    this.draw();
+  }
+}
