@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static PointTiles tiles(station);
   static const OperatorLimits limits;
   auto bytes = fuzz::text(data, size);
-  std::string method = "GET", target(bytes);
+  std::string method = "GET", target(bytes), body;
   if (fuzz::take_byte(bytes) % 2 == 0) {
     http::request_parser<http::string_body> parser;
     parser.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
@@ -27,12 +27,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!parser.is_header_done()) return 0;
     method = std::string(parser.get().method_string());
     target = std::string(parser.get().target());
+    body = parser.get().body();
   } else {
     method = fuzz::take_byte(bytes) % 2 == 0 ? "GET" : "POST";
-    target = bytes;
+    target = bytes.substr(0, bytes.find('\n'));
+    if (target.size() < bytes.size()) body = bytes.substr(target.size() + 1);
   }
   (void)is_public(target);
-  auto reply = route(method, target, station, tiles, limits, 1.5);
+  auto reply = route({method, target, body}, station, tiles, limits, 1.5);
   if (const auto* ready = std::get_if<Ready>(&reply)) fuzz::require(ready->status >= 200 && ready->status < 600);
   return 0;
 }
