@@ -13,7 +13,7 @@ struct MergeConfig {
   double least_path_m = 50;            // a growing session waits until it has come so far, or its robot asks
   int hypotheses = 8;                  // glanced at for each pair of sessions in one attempt
   int searches = 4;                    // pairs of sessions whose walls are searched anew in one attempt
-  int clouds_requested = 10;           // of each session, at most, for one hypothesis
+  int clouds_requested = 6;            // of each session, at most, for one hypothesis
   int clouds_kept = 2000;              // prepared clouds held in memory, about 0.2 MB each
   int places_kept = 1000;              // summed up surroundings held in memory, about 0.6 MB each
 };

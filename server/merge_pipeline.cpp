@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t cases_awaited = 2;  // that may wait for clouds at a time
+constexpr std::size_t cases_awaited = 1;  // that may wait for clouds at a time: the link is thin
 constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
 constexpr double news_m = 0.05, news_rad = 0.2 * std::numbers::pi / 180;  // smaller changes of a transform are not told
 constexpr double rival_m = 2, rival_rad = 0.17;                           // nearer than this it is the same placement
@@ -46,7 +46,8 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   }
   // 7: the clouds around each; what is not here is asked for, the likeliest first.
   std::vector<Case> cases;
-  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(may_merge(a) && may_merge(b))};
+  const bool in_time = may_merge(a) && may_merge(b);  // before that no cloud is worth its bytes
+  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(in_time)};
   std::size_t awaited = 0;
   const bool accepted = known && known->evidence.probability >= config.accept_probability;
   {
@@ -54,7 +55,7 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     for (const Hypothesis& h : found->hypotheses) {
       Case made = make_case(a, b, h, clouds);
       const bool weak_rival = accepted && h.score < rival_share * known->evidence.support;
-      if (!made.missing.empty() && awaited < cases_awaited && !weak_rival) {
+      if (in_time && !made.missing.empty() && awaited < cases_awaited && !weak_rival) {
         ++awaited;
         report.wanted.insert(report.wanted.end(), made.missing.begin(), made.missing.end());
         continue;
