@@ -82,10 +82,8 @@ TEST(MergePipeline, TheOrderOfArrivalDoesNotMatter) {
   std::vector<Pose> first;  // of the second and third drive in the first's frame
   do {
     const std::vector<Drive> drives{a(), b(), c()};
-    std::vector<Drive> arriving;
-    for (const std::size_t i : order) arriving.push_back(drives[i]);
     Base base({});
-    for (const Drive& drive : arriving) base.pipeline.attempt(base.arrive(drive), base.shelf);
+    for (const std::size_t i : order) base.pipeline.attempt(base.arrive(drives[i]), base.shelf);
     ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
     EXPECT_LT(base.error_m(), 0.15);
     std::vector<Pose> T_component(3);
