@@ -147,7 +147,7 @@ Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<Pla
   if (!meeting) return {};
   const Glance first =
       glance(a.places({&meeting->keyframe_a, 1}).front(), b.places({&meeting->keyframe_b, 1}).front(), T_0, config);
-  const Judgement out = judge(a, b, first, config);
+  Judgement out = judge(a, b, first, config);
   EXPECT_LE(out.evidence.probability, best_probability(first));
   return out;
 }
