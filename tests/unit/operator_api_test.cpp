@@ -108,7 +108,8 @@ TEST_F(OperatorApiTest, TheOpenApiFileNamesJustTheRoutesThereAre) {
   std::set<std::string> described, served;
   for (const auto& [path, operations] : api["paths"].items())
     for (const auto& [method, operation] : operations.items()) {
-      std::string line = method + " " + path;
+      std::string line = method;
+      line.append(" ").append(path);
       std::set<std::string> parameters;
       for (const Json& parameter : operation.value("parameters", Json::array())) {
         const auto name = parameter["name"].get<std::string>();
