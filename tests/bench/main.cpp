@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
       return figures;
     });
   if (what == "recordings") part("recordings", [&] { return recordings_crossed(recordings); });
-  if (what == "merge-times") part("merge", merge_times);
+  if (what == "merge-times") part("merge-times", merge_times);
   if (what == "basin") part("basin", [&] { return basin(out); });  // minutes: only when asked for
   if (!known)
     std::fprintf(stderr,

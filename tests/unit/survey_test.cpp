@@ -13,6 +13,7 @@ const Pose T_grid_session = pose_from_yaw(0.7, {431250.25, 6212400.5, -312.75});
 
 std::vector<ControlPoint> points_at(const std::vector<Eigen::Vector3d>& places_m, const Pose& T = T_grid_session) {
   std::vector<ControlPoint> points;
+  points.reserve(places_m.size());
   for (const Eigen::Vector3d& p : places_m) points.push_back({std::to_string(points.size() + 1), p, T * p});
   return points;
 }
