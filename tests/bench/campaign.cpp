@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "server/picture/top_view.hpp"
+#include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/pipeline_run.hpp"
 
@@ -114,26 +115,19 @@ void run_batch(mine::Kind kind, std::uint64_t number, std::vector<PairResult>& r
     }
 }
 
-double median_of(std::vector<double> values) {
-  if (values.empty()) return -1;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 struct Row {
   int pairs = 0, merged = 0, wrong = 0;
   std::vector<double> te_m, re_deg;
 };
 
 nlohmann::json print_row(const std::string& name, const Row& row) {
-  std::printf("  %-28s %5d %7d %6d %9.3f %9.2f\n", name.c_str(), row.pairs, row.merged, row.wrong, median_of(row.te_m),
-              median_of(row.re_deg));
+  std::printf("  %-28s %5d %7d %6d %9.3f %9.2f\n", name.c_str(), row.pairs, row.merged, row.wrong,
+              quantile(row.te_m, 0.5), quantile(row.re_deg, 0.5));
   return {{"pairs", row.pairs},
           {"merged", row.merged},
           {"false", row.wrong},
-          {"te_m", median_of(row.te_m)},
-          {"re_deg", median_of(row.re_deg)}};
+          {"te_m", quantile(row.te_m, 0.5)},
+          {"re_deg", quantile(row.re_deg, 0.5)}};
 }
 
 template <class Belongs>
@@ -193,7 +187,8 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
   std::printf(
       "  %d pairs: %d false (95 %% upper bound of the rate %.4f); recall %.3f (%d of %d with >= 18 %%); without "
       "drift %.3f m %.2f deg\n",
-      all.pairs, all.wrong, bound, recall, bar.merged, bar.pairs, median_of(still.te_m), median_of(still.re_deg));
+      all.pairs, all.wrong, bound, recall, bar.merged, bar.pairs, quantile(still.te_m, 0.5),
+      quantile(still.re_deg, 0.5));
   for (const PairResult& r : results)
     if (r.merged ? !r.right : knowable(r) && r.overlap_pct >= bar_overlap_pct)
       std::printf(
@@ -204,10 +199,10 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
               {"false", all.wrong},
               {"false_rate_bound_95", bound},
               {"recall", recall},
-              {"te_m", median_of(still.te_m)},
-              {"re_deg", median_of(still.re_deg)},
-              {"te_drift_m", median_of(bar.te_m)},
-              {"re_drift_deg", median_of(bar.re_deg)}});
+              {"te_m", quantile(still.te_m, 0.5)},
+              {"re_deg", quantile(still.re_deg, 0.5)},
+              {"te_drift_m", quantile(bar.te_m, 0.5)},
+              {"re_drift_deg", quantile(bar.re_deg, 0.5)}});
   return out;
 }
 

@@ -1,24 +1,12 @@
-#include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstdio>
 
+#include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/pipeline_run.hpp"
 
 namespace headframe::bench {
 namespace {
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const auto last = static_cast<double>(values.size() - 1);
-  return values.empty() ? -1 : values[static_cast<std::size_t>(std::lround(share * last))];
-}
 
 /// Two robots of 300 keyframes, a metre apart, that share about a quarter.
 DrivenMine long_drives(mine::Kind kind, std::uint64_t seed) {
@@ -52,9 +40,8 @@ void time_merge(const DrivenMine& mine, const std::vector<DrivenSession>& others
   for (const DrivenSession& other : others) run.add(other);
   run.add(mine.sessions[0]);
   const SessionId id = run.add(mine.sessions[1]);
-  const double start = now_ms();
-  const StageTimes t = run.attempt(id);
-  const double ms = now_ms() - start;
+  StageTimes t;
+  const double ms = wall_ms([&] { t = run.attempt(id); });
   if (!judge_outcome(run, id - 1, id).merged) return;
   ++timed.published;
   timed.total.push_back(ms);
