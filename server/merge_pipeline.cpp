@@ -198,6 +198,7 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
                                   : session.path_m() +
                                         (here - session.keyframes.back().T_local_sensor.translation()).norm());
   session.keyframes.push_back(std::move(keyframe));
+  session.set_aside_odd();
 }
 
 bool MergePipeline::prepare_ahead(CloudSource& clouds) { return state_->prepare_ahead(clouds); }
@@ -206,7 +207,11 @@ void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clou
   state_->prepared.get(keyframe, clouds);
 }
 
-void MergePipeline::complete_session(SessionId id) { state_->sessions[id].complete = true; }
+void MergePipeline::complete_session(SessionId id) {
+  Session& session = state_->sessions[id];
+  session.complete = true;
+  session.set_aside_odd();
+}
 
 Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
   auto& alignments = state_->alignments;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/place/sanity.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
@@ -44,6 +45,17 @@ double promise(const Glance& glance) {
 }
 
 }  // namespace
+
+void Session::set_aside_odd() {
+  const std::size_t n = keyframes.size(), known = complete ? n : n - std::min<std::size_t>(n, 2);
+  for (; asked < known; ++asked) {
+    Keyframe& k = keyframes[asked];
+    if (fits_neighbours(keyframes, asked)) continue;
+    k.walls = {};
+    k.point_count = 0;
+    k.descriptor.w.clear();
+  }
+}
 
 MergePipeline::State::State(const MergeConfig& c)
     : config(c),

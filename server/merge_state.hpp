@@ -27,7 +27,10 @@ struct Session {
   bool complete = false;
   SelfLikeness self;
   std::size_t prepared = 0;  // keyframes whose places were made ahead
+  std::size_t asked = 0;     // keyframes whose neighbours were asked whether they see the same
 
+  /// Those that fit none of their neighbours keep their place on the path and nothing else: no walls, no cloud, no yaw.
+  void set_aside_odd();
   double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
 };
 

@@ -105,10 +105,11 @@ struct Lead {
   const SessionWalls::Level* a = nullptr;
   const SessionWalls::Part* part = nullptr;
   WallMatch match;
+  bool trusted = false;  // the descriptors speak for it: stays whatever the walls say
 };
 
 Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match) {
-  Lead best{&a, nullptr, match};
+  Lead best{&a, nullptr, match, false};
   best.match.score = std::numeric_limits<double>::lowest();
   for (const auto& part : b.parts)
     if (const double s = a.field.score(part.map, match); s > best.match.score) {
@@ -132,8 +133,11 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
     for (const auto& level_b : b.levels) {
       for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, config.refined, config.threads))
         leads.push_back(best_part(level_a, level_b, m));
-      for (const Pose& T : proposed)
+      for (std::size_t i = 0; i < proposed.size(); ++i) {
+        const Pose& T = proposed[i];
         leads.push_back(best_part(level_a, level_b, {yaw_rad(T), T.translation().head<2>(), 0}));
+        leads.back().trusted = i < config.trusted;
+      }
     }
   std::erase_if(leads, [](const Lead& l) { return l.part == nullptr; });
   const auto refine = [&](WallField::Step step) {
@@ -143,7 +147,8 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
     best_first(leads);
   };
   refine(WallField::Step::coarse);
-  if (leads.size() > config.fine) leads.resize(config.fine);
+  std::size_t kept = 0;
+  std::erase_if(leads, [&](const Lead& l) { return kept++ >= config.fine && !l.trusted; });
   refine(WallField::Step::fine);
   return leads;
 }
@@ -170,7 +175,7 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
   const SessionWalls &walls_a = walls(a), &walls_b = walls(b);
   std::vector<Hypothesis> out;
   for (const Lead& lead : leads_of(walls_a, walls_b, proposed, config_)) {
-    if (out.size() == config_.most) break;
+    if (out.size() >= config_.most && !lead.trusted) continue;
     const Piece piece_a = lead.a->piece, piece_b = lead.part->piece;
     Hypothesis h{pose_from_yaw(lead.match.yaw_rad, {lead.match.shift_m.x(), lead.match.shift_m.y(), 0}),
                  lead.match.score, place(b.keyframes[(piece_b.begin + piece_b.end) / 2])};

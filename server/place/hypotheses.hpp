@@ -46,7 +46,8 @@ struct Found {
 class HypothesisFinder {
  public:
   struct Config {
-    std::size_t most = 8;      // handed on
+    std::size_t most = 8;      // handed on ...
+    std::size_t trusted = 2;   // ... and so many of the descriptors' own, wherever the walls rank them
     std::size_t refined = 60;  // coarse placements looked at more closely ...
     std::size_t fine = 16;     // ... and of these, to half a cell
     double news_m = 15;
