@@ -1,6 +1,7 @@
 #include "common/descriptor/family.hpp"
 
 #include "common/descriptor/lidar_iris.hpp"
+#include "common/descriptor/network_family.hpp"
 #include "common/descriptor/scan_context.hpp"
 
 namespace headframe {
@@ -15,8 +16,10 @@ Result<void> enough_points(const Points& points) {
 Result<std::unique_ptr<DescriptorFamily>> make_family(std::string_view name) {
   if (name == "scan_context") return std::make_unique<ScanContext>();
   if (name == "lidar_iris") return std::make_unique<LidarIris>();
-  return failure(ErrorCode::not_found,
-                 "no descriptor family '" + std::string(name) + "'; there are: scan_context, lidar_iris");
+  if (name == "learned") return make_learned();
+  if (name.starts_with("onnx:")) return make_onnx_family(name.substr(5));
+  return failure(ErrorCode::not_found, "no descriptor family '" + std::string(name) +
+                                           "'; there are: learned, scan_context, lidar_iris, onnx:FILE");
 }
 
 }  // namespace headframe

@@ -2,6 +2,7 @@
 // Descriptor families behind one interface.
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,9 @@ class DescriptorFamily {
   /// Fails with bad_input when there are too few points to describe.
   virtual Result<Descriptor> extract(const Points& points_level) const = 0;
 
+  /// One line when this scan is unlike what the family was made for, and why; else empty. It is described all the same.
+  virtual std::string unfamiliar(const Points& /*points_level*/) const { return {}; }
+
   /// The same for every family: see circular.hpp. Empty when the family has no w.
   std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
                                        std::size_t most) const {
@@ -34,7 +38,9 @@ class DescriptorFamily {
 /// bad_input when a scan has too few points for any family to describe.
 Result<void> enough_points(const Points& points);
 
-/// The family of that name, or not_found with the names there are. The default is default_family_name.
+/// learned, scan_context, lidar_iris, or onnx:FILE (a network of the user's own, network_family.hpp). not_found: no
+/// such name, with the names there are, or no such file; bad_input: a file that is of no use. The default is
+/// default_family_name.
 Result<std::unique_ptr<DescriptorFamily>> make_family(std::string_view name);
 
 inline constexpr std::string_view default_family_name = "scan_context";
