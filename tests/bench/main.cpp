@@ -47,11 +47,12 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
   const std::filesystem::path recordings = argc > 2 ? argv[2] : "../shared/data", out = "build/bench";
   std::filesystem::create_directories(out);
-  bool known = false;
+  bool known = false, missing = false;
   const auto part = [&](const char* name, auto&& measure) {
     if (what != "all" && what != name) return;
     known = true;
     nlohmann::json figures = measure();
+    missing = missing || figures.is_null();
     if (!figures.contains(name)) figures = {{name, figures}};
     std::ofstream(out / (std::string(name) + ".json")) << figures.dump(1) << "\n";
   };
@@ -79,5 +80,5 @@ int main(int argc, char** argv) {
                  "headframe-bench: no bench '%s'; there are: registration, places, all; minutes each: basin, merges, "
                  "recordings, merge-times, link\n",
                  what.c_str());
-  return known ? 0 : 2;
+  return !known ? 2 : missing ? 1 : 0;
 }
