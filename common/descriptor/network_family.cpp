@@ -1,5 +1,6 @@
 #include "common/descriptor/network_family.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -20,6 +21,12 @@ int version_of(const NetworkImage& image) {
   text.append(std::to_string(s.bottom_deg)).append(image.encoding == ImageEncoding::range_m ? " range" : " log");
   const std::string hash = sha256(text);
   return 1 + (static_cast<unsigned char>(hash[0]) << 8 | static_cast<unsigned char>(hash[1]));
+}
+
+void scale_to_one(std::vector<float>& q) {
+  float squares = 0;
+  for (const float v : q) squares += v * v;
+  for (float& v : q) v /= std::sqrt(std::max(squares, 1e-12F));
 }
 
 }  // namespace
@@ -58,12 +65,12 @@ Result<void> NetworkFamily::know_outputs(const std::string& name) {
 }
 
 Result<std::unique_ptr<DescriptorFamily>> NetworkFamily::make(FamilyId id, Network network, const NetworkImage& image,
-                                                              const std::string& name) {
+                                                              QLength q_length, const std::string& name) {
   if (network.input() != image.shape())
     return failure(ErrorCode::bad_input, name + ": it takes an image of " + to_string(network.input()) +
                                              " (channels x rows x columns), and is to be given one of " +
                                              to_string(image.shape()));
-  auto family = std::unique_ptr<NetworkFamily>(new NetworkFamily(std::move(id), std::move(network), image));
+  auto family = std::unique_ptr<NetworkFamily>(new NetworkFamily(std::move(id), std::move(network), image, q_length));
   if (auto ok = family->know_outputs(name); !ok) return tl::unexpected(ok.error());
   return family;
 }
@@ -87,6 +94,7 @@ Result<Descriptor> NetworkFamily::extract(const Points& points_level) const {
   if (!values) return tl::unexpected(values.error());
   Descriptor d;
   d.q = std::move((*values)[*q_]);
+  if (q_length_ == QLength::one) scale_to_one(d.q);
   d.w = w_ ? std::move((*values)[*w_]) : azimuth_profile(image);
   if (junction_) d.place_class = (*values)[*junction_][0] > 0 ? PlaceClass::junction : PlaceClass::tunnel;
   return d;
@@ -113,7 +121,8 @@ Result<std::unique_ptr<DescriptorFamily>> make_onnx_family(const std::filesystem
   auto network = Network::from_bytes(*onnx, name);
   if (!network) return tl::unexpected(network.error());
   const std::string hash = to_hex(sha256(*onnx)).substr(0, 12);
-  return NetworkFamily::make({"onnx-" + hash, version_of(*image)}, std::move(*network), *image, name);
+  return NetworkFamily::make({"onnx-" + hash, version_of(*image)}, std::move(*network), *image,
+                             NetworkFamily::QLength::as_it_is, name);
 }
 
 }  // namespace headframe

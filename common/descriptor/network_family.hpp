@@ -11,10 +11,12 @@ namespace headframe {
 /// (above 0: a junction). Without `w`, w is the image's azimuth profile: the mean logarithm of the range in 64 sectors.
 class NetworkFamily : public DescriptorFamily {
  public:
+  enum class QLength { as_it_is, one };  // one: q is scaled to length 1, which OpenCV's DNN module can not do itself
+
   /// bad_input when the network takes another image, has no `q`, or an output that is none of these or has a wrong
   /// size. name: of the network, for messages.
   static Result<std::unique_ptr<DescriptorFamily>> make(FamilyId id, Network network, const NetworkImage& image,
-                                                        const std::string& name);
+                                                        QLength q_length, const std::string& name);
 
   FamilyId id() const override { return id_; }
   std::size_t q_size() const override { return network_.outputs()[*q_].size; }
@@ -23,14 +25,15 @@ class NetworkFamily : public DescriptorFamily {
   std::string unfamiliar(const Points& points_level) const override;
 
  private:
-  NetworkFamily(FamilyId id, Network network, const NetworkImage& image)
-      : id_(std::move(id)), network_(std::move(network)), image_(image) {}
+  NetworkFamily(FamilyId id, Network network, const NetworkImage& image, QLength q_length)
+      : id_(std::move(id)), network_(std::move(network)), image_(image), q_length_(q_length) {}
   Result<void> know_outputs(const std::string& name);
   std::string bounds() const;  // of what it looks at
 
   FamilyId id_;
   Network network_;
   NetworkImage image_;
+  QLength q_length_;
   std::optional<std::size_t> q_, w_, junction_;  // among the network's outputs
 };
 

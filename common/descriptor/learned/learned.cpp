@@ -11,7 +11,8 @@ Result<std::unique_ptr<DescriptorFamily>> make_learned() {
   const auto size = static_cast<std::size_t>(headframe_learned_end - headframe_learned);
   auto network = Network::from_bytes({headframe_learned, size}, "learned");
   if (!network) return tl::unexpected(network.error());
-  return NetworkFamily::make({"learned", 1}, std::move(*network), NetworkImage{}, "learned");
+  return NetworkFamily::make({"learned", 1}, std::move(*network), NetworkImage{}, NetworkFamily::QLength::one,
+                             "learned");
 }
 
 }  // namespace headframe
