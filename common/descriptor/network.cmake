@@ -7,7 +7,7 @@ if(HEADFRAME_NETWORKS)
 endif()
 headframe_room(headframe_network SOURCES ${sources} DEPENDS headframe_geometry)
 if(HEADFRAME_NETWORKS)
-  # find_package(OpenCV) comes with all of OpenCV only, and that with VTK.
+  # What find_package(OpenCV) reads comes with all of OpenCV only.
   find_path(OPENCV_DIR opencv2/dnn.hpp PATH_SUFFIXES opencv4)
   find_library(OPENCV_CORE opencv_core)
   find_library(OPENCV_DNN opencv_dnn)
