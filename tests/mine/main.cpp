@@ -33,7 +33,8 @@ int run(int argc, char** argv) {
   CLI::App app{"Records simulated robots in a procedural mine as session folders"};
   Request request;
   std::string kind_name, dir, picture_file;
-  app.add_option("--kind", kind_name, "junctions, grid, room_and_pillar, ramp, straight or look_alike")->required();
+  app.add_option("--kind", kind_name, "junctions, grid, room_and_pillar, ramp, straight, look_alike or varied")
+      ->required();
   app.add_option("--seed", request.seed, "same seed, same mine");
   app.add_option("--robots", request.robots, "number of drives");
   app.add_option("--overlap", request.overlap_pct,
@@ -49,7 +50,8 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const auto kind = kind_of(kind_name);
   if (!kind)
-    return fail("no kind '" + kind_name + "'; there are junctions, grid, room_and_pillar, ramp, straight, look_alike");
+    return fail("no kind '" + kind_name +
+                "'; there are junctions, grid, room_and_pillar, ramp, straight, look_alike, varied");
   request.kind = *kind;
   return generate(request, dir, picture_file);
 }

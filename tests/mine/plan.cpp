@@ -9,12 +9,13 @@
 namespace headframe::mine {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Kind>, 6> kind_names{{{"junctions", Kind::junctions},
+constexpr std::array<std::pair<std::string_view, Kind>, 7> kind_names{{{"junctions", Kind::junctions},
                                                                        {"grid", Kind::grid},
                                                                        {"room_and_pillar", Kind::room_and_pillar},
                                                                        {"ramp", Kind::ramp},
                                                                        {"straight", Kind::straight},
-                                                                       {"look_alike", Kind::look_alike}}};
+                                                                       {"look_alike", Kind::look_alike},
+                                                                       {"varied", Kind::varied}}};
 
 Plan junctions_plan(Rng rng) {
   return lattice_plan({.columns = 6,
@@ -54,6 +55,26 @@ Plan room_and_pillar_plan(Rng rng) {
                        .height_m = {2.8, 3.6},
                        .waviness_m = 0.8},
                       rng);
+}
+
+/// Anything from a narrow vein to a haulage level: every figure is drawn, for the whole mine.
+Plan varied_plan(Rng rng) {
+  const double width_m = rng.uniform(2.5, 8), height_m = width_m * rng.uniform(0.5, 0.85);
+  const double gap_m = std::max(12.0, 2.2 * width_m) + rng.uniform(0, 22);
+  LatticeStyle style{.columns = 4 + rng.index(3), .rows = 4 + rng.index(3)};
+  style.column_gap_m = {gap_m, gap_m * rng.uniform(1, 1.6)};
+  style.row_gap_m = {gap_m, gap_m * rng.uniform(1, 1.6)};
+  style.jitter_m = 0.2 * gap_m * rng.uniform();
+  style.keep = rng.uniform(0.3, 1);
+  style.bend = 0.2 * rng.uniform();
+  style.width_m = {width_m, width_m * rng.uniform(1, 1.5)};
+  style.height_m = {std::max(2.0, height_m), std::max(2.0, height_m) * rng.uniform(1, 1.3)};
+  style.slope = 0.06 * rng.uniform();
+  style.waviness_m = 1.5 * rng.uniform();
+  const double roughness = rng.uniform(0.15, 1.6);
+  Plan plan = lattice_plan(style, rng);
+  plan.roughness = roughness;
+  return plan;
 }
 
 /// One long smooth drift, its twin beside it, joined by two cross-cuts only.
@@ -159,6 +180,7 @@ Plan make_plan(Kind kind, std::uint64_t seed) {
       case Kind::ramp: return ramp_plan(rng);
       case Kind::straight: return straight_plan(rng);
       case Kind::look_alike: return look_alike_plan(rng);
+      case Kind::varied: return varied_plan(rng);
     }
     return Plan{};
   };

@@ -60,7 +60,7 @@ struct Plan {
   std::uint64_t rock_seed = 1;  // of the walls' roughness
 };
 
-enum class Kind { junctions, grid, room_and_pillar, ramp, straight, look_alike };
+enum class Kind { junctions, grid, room_and_pillar, ramp, straight, look_alike, varied };
 
 /// The kind of that name (as the enumerator is spelled), or nothing.
 std::optional<Kind> kind_of(std::string_view name);
