@@ -1,0 +1,176 @@
+#include "tests/bench/descriptors/descriptors.hpp"
+
+#include <array>
+#include <cstdio>
+#include <numbers>
+
+#include "tests/bench/descriptors/costs.hpp"
+#include "tests/bench/descriptors/figures.hpp"
+#include "tests/bench/descriptors/hypothesis_rank.hpp"
+#include "tests/bench/descriptors/own_mines.hpp"
+#include "tests/bench/descriptors/trial.hpp"
+
+namespace headframe::bench {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+struct RecordedPair {
+  const char *set, *a, *b;
+  const char* row;
+};
+/// The pairs that overlap.
+constexpr std::array recorded_pairs{
+    RecordedPair{"tunnel-two", "r1", "r2", "tunnel_two"}, RecordedPair{"tunnel-four", "s1", "s2", "tunnel_four"},
+    RecordedPair{"tunnel-four", "s2", "s3", "tunnel_four"}, RecordedPair{"tunnel-four", "s3", "s4", "tunnel_four"},
+    RecordedPair{"nclt-two-robots", "a", "b", "nclt"}};
+bool underground(const RecordedPair& pair) { return std::string_view(pair.set).starts_with("tunnel"); }
+
+Result<std::vector<FamilyFigures>> open_families(const std::vector<std::string>& names) {
+  std::vector<FamilyFigures> out;
+  for (const std::string& name : names) {
+    auto made = make_family(name);
+    if (!made) return tl::unexpected(made.error());
+    FamilyFigures figures;
+    figures.name = name;
+    figures.family = std::move(*made);
+    out.push_back(std::move(figures));
+  }
+  return out;
+}
+
+void count_junctions(FamilyFigures& f, const std::vector<Descriptor>& told, const std::vector<bool>& truth) {
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    if (told[i].place_class == PlaceClass::unknown) continue;
+    f.tells_class = true;
+    f.junctions.add(truth[i], told[i].place_class == PlaceClass::junction);
+  }
+}
+
+/// The drives of one mine as they were seen, in dust and tilted; kinds out of the headline in clean air only.
+void try_mine(FamilyFigures& f, const OwnMine& mine, const Drives& tilted) {
+  const DescriptorFamily& family = *f.family;
+  const auto a = describe(family, mine.clean.a), b_same = describe(family, mine.clean.b_same),
+             b_cross = describe(family, mine.clean.b_cross);
+  const Answers same = ask(family, a, b_same, mine.same), cross = ask(family, a, b_cross, mine.cross);
+  if (in_headline(mine.kind)) {
+    f.add("same", same);
+    f.add("cross", cross);
+    for (const auto& [suffix, drives] :
+         {std::pair<std::string, const Drives&>{"_dust", mine.dusty}, {"_tilt", tilted}}) {
+      const auto harder_a = describe(family, drives.a);
+      f.add("same" + suffix, ask(family, harder_a, describe(family, drives.b_same), mine.same));
+      f.add("cross" + suffix, ask(family, harder_a, describe(family, drives.b_cross), mine.cross));
+    }
+    count_junctions(f, a, mine.junction_a);
+    count_junctions(f, b_same, mine.junction_b);
+    count_junctions(f, b_cross, mine.junction_b);
+  }
+  const std::string kind(to_string(mine.kind));
+  f.add(kind + "_same", same);
+  f.add(kind + "_cross", cross);
+}
+
+Drives tilted_drives(const OwnMine& mine) {
+  const auto tilt = [&](const Drive& drive, std::uint64_t salt) { return tilted(drive, 10 * mine.seed + salt); };
+  return {tilt(mine.clean.a, 1), tilt(mine.clean.b_same, 2), tilt(mine.clean.b_cross, 3)};
+}
+
+/// Only keyframes with a right answer are turned and asked.
+void try_shifts(FamilyFigures& f, const OwnMine& mine) {
+  Drive queries;
+  Truth truth{{}, mine.same.yaw_a_rad, {}};
+  for (std::size_t j = 0; j < mine.clean.b_same.size(); ++j) {
+    if (mine.same.right[j].empty()) continue;
+    queries.push_back(mine.clean.b_same[j]);
+    truth.right.push_back(mine.same.right[j]);
+    truth.yaw_b_rad.push_back(mine.same.yaw_b_rad[j]);
+  }
+  const auto a = describe(*f.family, mine.clean.a);
+  f.by_shift.resize(shift_last_deg / shift_step_deg + 1);
+  for (std::size_t k = 0; k < f.by_shift.size(); ++k) {
+    const double shift_rad = shift_step_deg * degree * static_cast<double>(k);
+    const Answers answers = ask(*f.family, a, describe(*f.family, queries, shift_rad), truth);
+    f.by_shift[k].insert(f.by_shift[k].end(), answers.begin(), answers.end());
+  }
+}
+
+Result<void> try_own_mines(std::vector<FamilyFigures>& families, int mines_a_kind) {
+  const auto all = static_cast<std::size_t>(mines_a_kind) * own_kinds.size();
+  for (std::size_t n = 0; n < all; ++n) {
+    std::fprintf(stderr, "\rmines %zu of %zu", n + 1, all);
+    const auto mine = dig(own_kinds[n % own_kinds.size()], first_own_seed + n / own_kinds.size());
+    if (!mine) return tl::unexpected(mine.error());
+    const Drives tilted = tilted_drives(*mine);
+    for (FamilyFigures& f : families) {
+      try_mine(f, *mine, tilted);
+      if (in_headline(mine->kind)) try_shifts(f, *mine);
+    }
+  }
+  std::fprintf(stderr, "\n");
+  return {};
+}
+
+void try_recording(std::vector<FamilyFigures>& families, const RecordedPair& pair,
+                   const std::filesystem::path& recordings) {
+  const Drive a = read_drive(recordings / pair.set, pair.a), b = read_drive(recordings / pair.set, pair.b);
+  const Truth truth = truth_of(a, b), back = truth_of(b, a);
+  const Drive tilted_a = tilted(a, 1), tilted_b = tilted(b, 2);
+  for (FamilyFigures& f : families) {
+    const DescriptorFamily& family = *f.family;
+    const std::string row = pair.row;
+    f.add(row, ask(family, describe(family, a), describe(family, b), truth));
+    f.add(row + "_back", ask(family, describe(family, b), describe(family, a), back));
+    f.add(row + "_tilt", ask(family, describe(family, tilted_a), describe(family, tilted_b), truth));
+    if (!underground(pair)) continue;
+    const auto session = [&](const char* robot) { return read_driven_session(recordings / pair.set, robot, family); };
+    f.hypothesis_ranks.emplace_back(row + "_" + pair.a + "_" + pair.b,
+                                    rank_of_right_hypothesis(session(pair.a), session(pair.b), &family));
+  }
+}
+
+void try_recordings(std::vector<FamilyFigures>& families, const std::filesystem::path& recordings) {
+  for (const RecordedPair& pair : recorded_pairs) {
+    std::fprintf(stderr, "\r%s: %s and %s          ", pair.set, pair.a, pair.b);
+    if (std::filesystem::exists(recordings / pair.set))
+      try_recording(families, pair, recordings);
+    else
+      std::printf("descriptors: no recording %s, its rows are left out\n", (recordings / pair.set).c_str());
+  }
+  std::fprintf(stderr, "\n");
+}
+
+Result<void> measure_costs(std::vector<FamilyFigures>& families) {
+  const auto dense = dense_recording();
+  if (!dense) return tl::unexpected(dense.error());
+  for (FamilyFigures& f : families) {
+    f.extract = time_extraction(*f.family, *dense);
+    f.query_all_ms = time_query_all(f.family->q_size());
+    const auto one = f.family->extract(drive_of(*dense).front().points_level);
+    if (one) f.bytes = wire_bytes(*one);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<nlohmann::json> descriptors(const DescriptorBench& bench) {
+  auto families = open_families(bench.families);
+  if (!families) return tl::unexpected(families.error());
+  if (auto ok = measure_costs(*families); !ok) return tl::unexpected(ok.error());
+  if (auto ok = try_own_mines(*families, bench.mines); !ok) return tl::unexpected(ok.error());
+  try_recordings(*families, bench.recordings);
+  std::printf(
+      "descriptors: %d mines of each kind from seed %llu on; `same` and `cross` are over junctions, grid, "
+      "room_and_pillar and ramp\n",
+      bench.mines, static_cast<unsigned long long>(first_own_seed));
+  print_tables(*families);
+  std::filesystem::create_directories(bench.pictures);
+  if (auto drawn = draw_pictures(*families, bench.pictures); !drawn) return tl::unexpected(drawn.error());
+  nlohmann::json out{{"descriptors", {{"mines_a_kind", bench.mines}, {"first_seed", first_own_seed}}},
+                     {"query_all_ms", families->front().query_all_ms}};
+  for (const FamilyFigures& f : *families) out[f.name] = to_json(f);
+  return out;
+}
+
+}  // namespace headframe::bench
