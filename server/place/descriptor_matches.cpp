@@ -2,35 +2,35 @@
 
 #include <algorithm>
 
+#include "server/place/descriptor_index.hpp"
+
 namespace headframe {
 namespace {
 
 constexpr std::size_t neighbours = 5;  // of each keyframe, in the votes
 
-float squared_distance(const std::vector<float>& p, const std::vector<float>& q) {
-  float sum = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
-  return sum;
-}
-
 }  // namespace
 
-std::vector<MatchedPair> match_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b) {
-  std::vector<MatchedPair> matches;
+std::vector<MatchedPair> match_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b, int threads) {
+  const auto first = std::find_if(a.begin(), a.end(), [](const Keyframe& k) { return !k.descriptor.q.empty(); });
+  if (first == a.end()) return {};
+  const std::size_t q_size = first->descriptor.q.size();
+  const auto index = make_exact_index(q_size);
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (const auto& q = a[i].descriptor.q; q.size() == q_size) index->add({0, i}, q);
+  std::vector<std::span<const float>> asked;
+  std::vector<std::size_t> asked_by;
   for (std::size_t j = 0; j < b.size(); ++j) {
-    const auto& q = b[j].descriptor.q;
-    if (q.empty()) continue;
-    std::vector<MatchedPair> nearest;
-    for (std::size_t i = 0; i < a.size(); ++i)
-      if (a[i].descriptor.q.size() == q.size()) nearest.push_back({i, j, squared_distance(a[i].descriptor.q, q)});
-    const std::size_t taken = std::min(neighbours, nearest.size());
-    std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(taken), nearest.end(),
-                      [](const auto& m, const auto& n) {
-                        return m.squared_distance < n.squared_distance ||
-                               (m.squared_distance == n.squared_distance && m.a < n.a);
-                      });
-    matches.insert(matches.end(), nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(taken));
+    if (b[j].descriptor.q.size() != q_size) continue;
+    asked.emplace_back(b[j].descriptor.q);
+    asked_by.push_back(j);
   }
+  const auto answers = index->nearest_of_each(asked, neighbours, threads);
+  std::vector<MatchedPair> matches;
+  matches.reserve(neighbours * answers.size());
+  for (std::size_t k = 0; k < answers.size(); ++k)
+    for (const PlaceNeighbour& n : answers[k])
+      matches.push_back({static_cast<std::size_t>(n.keyframe.sequence), asked_by[k], n.squared_distance});
   return matches;
 }
 

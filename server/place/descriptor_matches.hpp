@@ -16,7 +16,7 @@ struct MatchedPair {
 };
 
 /// What votes on where b lies on a: for each keyframe of b its five nearest of a by place vector, nearest first; ties
-/// go to the earlier. Keyframes without a place vector, or with one of another length, match nothing.
-std::vector<MatchedPair> match_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b);
+/// go to the earlier. Keyframes without a place vector, or with another length than a's first, match nothing.
+std::vector<MatchedPair> match_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b, int threads);
 
 }  // namespace headframe

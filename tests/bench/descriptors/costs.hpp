@@ -10,6 +10,6 @@ namespace headframe::bench {
 ExtractTimes time_extraction(const DescriptorFamily& family, const mine::Recording& recording);
 
 /// The 20 nearest of 1701 keyframes among 2840, in ms: the median of several runs through the server's exact index.
-double time_query_all(std::size_t q_size);
+double time_query_all(std::size_t q_size, int threads);
 
 }  // namespace headframe::bench

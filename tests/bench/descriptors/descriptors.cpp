@@ -145,7 +145,8 @@ Result<void> measure_costs(std::vector<FamilyFigures>& families) {
   if (!dense) return tl::unexpected(dense.error());
   for (FamilyFigures& f : families) {
     f.extract = time_extraction(*f.family, *dense);
-    f.query_all_ms = time_query_all(f.family->q_size());
+    f.query_all_ms = time_query_all(f.family->q_size(), 2);
+    f.query_all_one_thread_ms = time_query_all(f.family->q_size(), 1);
     const auto one = f.family->extract(drive_of(*dense).front().points_level);
     if (one) f.bytes = wire_bytes(*one);
   }

@@ -35,7 +35,7 @@ struct FamilyFigures {
   bool tells_class = false;
   std::size_t bytes = 0;  // of q and w of a keyframe
   ExtractTimes extract = {};
-  double query_all_ms = -1;
+  double query_all_ms = -1, query_all_one_thread_ms = -1;                  // 1701 x 2840, two threads and one
   std::vector<std::pair<std::string, std::size_t>> hypothesis_ranks = {};  // of the right one by pair; 0: not handed on
 
   void add(const std::string& row, const Answers& answers);

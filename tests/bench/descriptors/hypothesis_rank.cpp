@@ -15,7 +15,7 @@ std::size_t rank_of_right_hypothesis(const DrivenSession& a, const DrivenSession
   const MergeConfig config;
   HypothesisFinder finder({.most = static_cast<std::size_t>(config.hypotheses), .threads = config.threads});
   const Found* found = finder.find({1, a.keyframes}, {2, b.keyframes}, family,
-                                   [&] { return match_descriptors(a.keyframes, b.keyframes); });
+                                   [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
   for (std::size_t i = 0; i < found->hypotheses.size(); ++i) {
     const auto error = test::overlap_error(a.path, b.path, found->hypotheses[i].T_a_b);
     if (error.pairs > 0 && error.translation_m < near_m && error.rotation_deg < near_deg) return i + 1;
