@@ -47,6 +47,26 @@ void count_junctions(FamilyFigures& f, const std::vector<Descriptor>& told, cons
   }
 }
 
+/// Only keyframes with a right answer are turned and asked.
+void try_shifts(FamilyFigures& f, const std::string& row, const std::vector<Descriptor>& a, const Drive& b,
+                const Truth& truth) {
+  Drive queries;
+  Truth asked{{}, truth.yaw_a_rad, {}};
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    if (truth.right[j].empty()) continue;
+    queries.push_back(b[j]);
+    asked.right.push_back(truth.right[j]);
+    asked.yaw_b_rad.push_back(truth.yaw_b_rad[j]);
+  }
+  auto& by_shift = f.by_shift[row];
+  by_shift.resize(shift_last_deg / shift_step_deg + 1);
+  for (std::size_t k = 0; k < by_shift.size(); ++k) {
+    const double shift_rad = shift_step_deg * degree * static_cast<double>(k);
+    const Answers answers = ask(*f.family, a, describe(*f.family, queries, shift_rad), asked);
+    by_shift[k].insert(by_shift[k].end(), answers.begin(), answers.end());
+  }
+}
+
 /// The drives of one mine as they were seen, in dust and tilted; kinds out of the headline in clean air only.
 void try_mine(FamilyFigures& f, const OwnMine& mine, const Drives& tilted) {
   const DescriptorFamily& family = *f.family;
@@ -62,6 +82,8 @@ void try_mine(FamilyFigures& f, const OwnMine& mine, const Drives& tilted) {
       f.add("same" + suffix, ask(family, harder_a, describe(family, drives.b_same), mine.same));
       f.add("cross" + suffix, ask(family, harder_a, describe(family, drives.b_cross), mine.cross));
     }
+    try_shifts(f, "same", a, mine.clean.b_same, mine.same);
+    try_shifts(f, "cross", a, mine.clean.b_cross, mine.cross);
     count_junctions(f, a, mine.junction_a);
     count_junctions(f, b_same, mine.junction_b);
     count_junctions(f, b_cross, mine.junction_b);
@@ -76,25 +98,6 @@ Drives tilted_drives(const OwnMine& mine) {
   return {tilt(mine.clean.a, 1), tilt(mine.clean.b_same, 2), tilt(mine.clean.b_cross, 3)};
 }
 
-/// Only keyframes with a right answer are turned and asked.
-void try_shifts(FamilyFigures& f, const OwnMine& mine) {
-  Drive queries;
-  Truth truth{{}, mine.same.yaw_a_rad, {}};
-  for (std::size_t j = 0; j < mine.clean.b_same.size(); ++j) {
-    if (mine.same.right[j].empty()) continue;
-    queries.push_back(mine.clean.b_same[j]);
-    truth.right.push_back(mine.same.right[j]);
-    truth.yaw_b_rad.push_back(mine.same.yaw_b_rad[j]);
-  }
-  const auto a = describe(*f.family, mine.clean.a);
-  f.by_shift.resize(shift_last_deg / shift_step_deg + 1);
-  for (std::size_t k = 0; k < f.by_shift.size(); ++k) {
-    const double shift_rad = shift_step_deg * degree * static_cast<double>(k);
-    const Answers answers = ask(*f.family, a, describe(*f.family, queries, shift_rad), truth);
-    f.by_shift[k].insert(f.by_shift[k].end(), answers.begin(), answers.end());
-  }
-}
-
 Result<void> try_own_mines(std::vector<FamilyFigures>& families, int mines_a_kind) {
   const auto all = static_cast<std::size_t>(mines_a_kind) * own_kinds.size();
   for (std::size_t n = 0; n < all; ++n) {
@@ -102,10 +105,7 @@ Result<void> try_own_mines(std::vector<FamilyFigures>& families, int mines_a_kin
     const auto mine = dig(own_kinds[n % own_kinds.size()], first_own_seed + n / own_kinds.size());
     if (!mine) return tl::unexpected(mine.error());
     const Drives tilted = tilted_drives(*mine);
-    for (FamilyFigures& f : families) {
-      try_mine(f, *mine, tilted);
-      if (in_headline(mine->kind)) try_shifts(f, *mine);
-    }
+    for (FamilyFigures& f : families) try_mine(f, *mine, tilted);
   }
   std::fprintf(stderr, "\n");
   return {};

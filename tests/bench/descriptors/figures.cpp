@@ -52,7 +52,8 @@ nlohmann::json to_json(const FamilyFigures& f) {
   }
   if (const auto yaw = yaw_json(headline(f)); !yaw.is_null())
     for (const auto& [key, value] : yaw.items()) out["yaw_" + key] = value;
-  for (const Answers& answers : f.by_shift) out["recall1_by_yaw_shift"].push_back(recall(answers, 1));
+  for (const auto& [row, shifts] : f.by_shift)
+    for (const Answers& answers : shifts) out["recall1_by_yaw_shift"][row].push_back(recall(answers, 1));
   for (const auto& [pair, rank] : f.hypothesis_ranks) out["hypothesis_rank"][pair] = rank;
   if (f.tells_class) out["junction_f1"] = f.junctions.f1();
   return out;

@@ -2,6 +2,7 @@
 // What the bench knows of one family, and what becomes of it: a table, JSON, pictures.
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -29,8 +30,9 @@ struct Row {
 struct FamilyFigures {
   std::string name;
   std::unique_ptr<DescriptorFamily> family;
-  std::vector<Row> rows = {};          // in the order they are shown
-  std::vector<Answers> by_shift = {};  // of the row `same`: the query turned by 0, 15, ... 180 deg
+  std::vector<Row> rows = {};  // in the order they are shown
+  /// Of the rows `same` and `cross`: the query turned by 0, 15, ... 180 deg.
+  std::map<std::string, std::vector<Answers>> by_shift = {};
   ClassCount junctions = {};
   bool tells_class = false;
   std::size_t bytes = 0;  // of q and w of a keyframe

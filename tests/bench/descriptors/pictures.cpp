@@ -40,15 +40,23 @@ std::vector<ChartPanel> panels_of(const std::vector<FamilyFigures>& families, Cu
   return panels;
 }
 
-ChartPanel shift_panel(const std::vector<FamilyFigures>& families) {
-  ChartPanel panel{"own mines, os1-32 in os1-32", {}};
-  for (const FamilyFigures& f : families) {
-    ChartLine line{f.name, {}};
-    for (std::size_t i = 0; i < f.by_shift.size(); ++i)
-      line.points.emplace_back(shift_step_deg * static_cast<double>(i), recall(f.by_shift[i], 1));
-    panel.lines.push_back(std::move(line));
+std::vector<Eigen::Vector2d> recall_over_shift(const std::vector<Answers>& by_shift) {
+  std::vector<Eigen::Vector2d> points;
+  for (const Answers& answers : by_shift)
+    points.emplace_back(shift_step_deg * static_cast<double>(points.size()), recall(answers, 1));
+  return points;
+}
+
+std::vector<ChartPanel> shift_panels(const std::vector<FamilyFigures>& families) {
+  std::vector<ChartPanel> panels;
+  for (const auto& [row, title] : drawn_rows) {
+    ChartPanel panel{title, {}};
+    for (const FamilyFigures& f : families)
+      if (const auto shifts = f.by_shift.find(row); shifts != f.by_shift.end())
+        panel.lines.push_back({f.name, recall_over_shift(shifts->second)});
+    if (!panel.lines.empty()) panels.push_back(std::move(panel));
   }
-  return panel;
+  return panels;
 }
 
 Chart chart_of(const std::string& title, const std::string& subtitle, const ChartAxis& x, const ChartAxis& y) {
@@ -70,7 +78,7 @@ Result<void> draw_pictures(const std::vector<FamilyFigures>& families, const std
                neighbours, recall_axis);
   over_n.panels = panels_of(families, recall_over_n);
   Chart over_shift = chart_of("Recall@1 over yaw shift", "The query's scan turned", shift, recall_axis);
-  over_shift.panels = {shift_panel(families)};
+  over_shift.panels = shift_panels(families);
   Chart over_recall = chart_of("Precision over recall",
                                "First neighbours taken up to a growing distance; places that are new count, too",
                                recall_axis, precision_axis);

@@ -28,9 +28,11 @@ void print_costs(const FamilyFigures& f) {
 }
 
 void print_shifts(const FamilyFigures& f) {
-  std::printf("  %-16s", f.name.c_str());
-  for (const Answers& answers : f.by_shift) std::printf(" %5.3f", recall(answers, 1));
-  std::printf("\n");
+  for (const auto& [row, shifts] : f.by_shift) {
+    std::printf("  %-16s %-8s", f.name.c_str(), row.c_str());
+    for (const Answers& answers : shifts) std::printf(" %5.3f", recall(answers, 1));
+    std::printf("\n");
+  }
 }
 
 void print_ranks(const FamilyFigures& f) {
@@ -50,8 +52,7 @@ void print_tables(const std::vector<FamilyFigures>& families) {
   std::printf("\n  %-16s %6s %8s %8s %8s %9s %10s %12s\n", "family", "bytes", "ms/scan", "p95 ms", "cpu ms", "points",
               "all:all ms", "junction F1");
   for (const FamilyFigures& f : families) print_costs(f);
-  std::printf("\n  recall@1 of the row `same`, the query turned by 0, %d, ... %d deg\n", shift_step_deg,
-              shift_last_deg);
+  std::printf("\n  recall@1 with the query turned by 0, %d, ... %d deg\n", shift_step_deg, shift_last_deg);
   for (const FamilyFigures& f : families) print_shifts(f);
   if (families.front().hypothesis_ranks.empty()) return;
   std::printf("\n  rank of the right hypothesis among those handed on to registration\n");
