@@ -98,7 +98,7 @@ PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
       if (p.allFinite() && p.squaredNorm() < 1e6F) seen_from_origin.push_back(p - sweep.origin);
     seen_from_origin = without_strays(seen_from_origin);
     for (const auto& p : seen_from_origin) all.push_back(p + sweep.origin);
-    views.push_back({sweep.origin, RangeImage(seen_from_origin)});
+    views.push_back({sweep.origin, SightImage(seen_from_origin)});
   }
   Surfels surfels =
       make_surfels(without_transients(voxel_grid(all, prepared_leaf_m), views), normal_neighbours, threads);

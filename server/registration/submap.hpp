@@ -7,7 +7,7 @@
 
 #include "common/cloud/point_cloud.hpp"
 #include "common/geometry/se3.hpp"
-#include "server/registration/range_image.hpp"
+#include "server/registration/sight_image.hpp"
 
 namespace headframe {
 
@@ -16,7 +16,7 @@ namespace headframe {
 struct PreparedCloud {
   struct View {
     Eigen::Vector3f origin;  // in the keyframe's sensor frame
-    RangeImage image;
+    SightImage image;
   };
   Points points;                                   // keyframe's sensor frame, one per prepared_leaf_m
   Points normals;                                  // one a point, unit; their sign carries no meaning

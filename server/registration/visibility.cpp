@@ -55,7 +55,7 @@ namespace {
 struct View {
   Eigen::Isometry3f T_view_points;
   Eigen::Vector3f origin;
-  const RangeImage* image;
+  const SightImage* image;
 };
 
 std::vector<View> seen_from(std::span<const PlacedView> placed, const Pose& T_placed_points) {

@@ -21,7 +21,7 @@ struct Visibility {
 /// One sweep of a session, where it stood.
 struct PlacedView {
   Pose T_local_view = Pose::Identity();
-  std::shared_ptr<const RangeImage> image;
+  std::shared_ptr<const SightImage> image;
 };
 
 /// The sweeps of these clouds within reach of the centre, the nearest first.

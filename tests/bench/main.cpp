@@ -71,11 +71,12 @@ nlohmann::json descriptor_families(const Options& options) {
 
 int run(const Options& options) {
   std::filesystem::create_directories(options.out);
-  bool known = false;
+  bool known = false, missing = false;
   const auto part = [&](const char* name, bool in_all, auto&& measure) {
     if (options.what != name && !(in_all && options.what == "all")) return;
     known = true;
     nlohmann::json figures = measure();
+    missing = missing || figures.is_null();
     if (!figures.contains(name)) figures = {{name, figures}};
     std::ofstream(options.out / (std::string(name) + ".json")) << figures.dump(1) << "\n";
   };
@@ -92,7 +93,7 @@ int run(const Options& options) {
   part("merge-times", false, merge_times);
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
-  if (known) return 0;
+  if (known) return missing ? 1 : 0;
   return fail("no bench '" + options.what +
                   "'; there are: registration, places, all; minutes each: basin, merges, recordings, merge-times, "
                   "descriptors, link",

@@ -3,6 +3,7 @@
 
 #include "tests/bench/merges.hpp"
 #include "tests/bench/pipeline_run.hpp"
+#include "tests/mine/random.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -22,9 +23,7 @@ bool truly_near(const DrivenSession& a, const DrivenSession& b) {
   return overlap_error(a.path, b.path, Pose::Identity()).pairs > 0;
 }
 
-}  // namespace
-
-nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
+std::vector<DrivenSession> read_sessions(const std::filesystem::path& recordings) {
   const std::vector<Set> sets{{"nclt-two-robots", {"a", "b"}},
                               {"tunnel-two", {"r1", "r2"}},
                               {"tunnel-four", {"s1", "s2", "s3", "s4"}},
@@ -37,17 +36,41 @@ nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
         sessions.push_back(read_driven_session(recordings / set.name, robot, *family));
         sessions.back().world = world_of(sessions.back().world);
       }
-  if (sessions.empty()) {
-    std::printf("recordings: none at %s\n", recordings.c_str());
-    return nullptr;
+  return sessions;
+}
+
+/// The session in a frame that is turned by yaw_rad: what the robot's first heading was is chance.
+void turn(DrivenSession& session, double yaw_rad) {
+  const Pose T = pose_from_yaw(yaw_rad, Eigen::Vector3d::Zero());
+  for (Keyframe& k : session.keyframes) k.T_local_sensor = T * k.T_local_sensor;
+  for (Pose& p : session.path.T_local_sensor) p = T * p;
+}
+
+/// One keyframe in twenty sees nothing but noise.
+void spoil(DrivenSession& session, mine::Rng rng) {
+  const auto noise = [&](std::vector<float>& v) {
+    for (float& f : v) f = static_cast<float>(rng.normal());
+  };
+  for (std::size_t i = 10; i < session.keyframes.size(); i += 20) {
+    Keyframe& k = session.keyframes[i];
+    noise(k.descriptor.q);
+    noise(k.descriptor.w);
+    for (auto& code : k.walls.code) code = static_cast<std::uint8_t>(rng.index(255));
+    for (Sweep& sweep : session.clouds[i].sweeps)
+      for (auto& p : sweep.points)
+        p = Eigen::Vector3d(rng.uniform(-15, 15), rng.uniform(-15, 15), rng.uniform(-2, 3)).cast<float>();
   }
+}
+
+nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* how) {
   PipelineRun run;
   for (const DrivenSession& s : sessions) run.add(s);
   const auto count = static_cast<SessionId>(sessions.size());
   for (SessionId id = 1; id <= count; ++id) run.attempt(id);
   std::printf(
-      "recordings, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, error\n",
-      sessions.size());
+      "recordings %s, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, "
+      "error\n",
+      how, sessions.size());
   nlohmann::json out{{"false", 0}, {"true_pairs", 0}, {"merged", 0}};
   for (const Alignment& k : run.pipeline.alignments()) {
     const DrivenSession &a = run.session(k.a), &b = run.session(k.b);
@@ -66,6 +89,23 @@ nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
   }
   std::printf("  %d true pairs, %d merged rightly, %d false\n", out["true_pairs"].get<int>(), out["merged"].get<int>(),
               out["false"].get<int>());
+  return out;
+}
+
+}  // namespace
+
+nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
+  auto sessions = read_sessions(recordings);
+  if (sessions.empty()) {
+    std::fprintf(stderr, "headframe-bench: no recordings in %s; name the folder that holds them\n", recordings.c_str());
+    return nullptr;
+  }
+  nlohmann::json out = judged(sessions, "as they are");
+  mine::Rng rng(1);
+  for (DrivenSession& s : sessions) turn(s, rng.uniform(-std::numbers::pi, std::numbers::pi));
+  out["turned"] = judged(sessions, "with each frame turned");
+  for (DrivenSession& s : sessions) spoil(s, rng.fork(s.keyframes.size()));
+  out["turned_and_spoiled"] = judged(sessions, "turned, and 5 % of the keyframes noise");
   return out;
 }
 

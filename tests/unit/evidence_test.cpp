@@ -21,10 +21,10 @@ std::vector<PlacedCloud> placed(const test::Drive& drive) {
   return out;
 }
 
-TEST(RangeImage, HitThroughAndHidden) {
+TEST(SightImage, HitThroughAndHidden) {
   const BoxMine room({{{-5, -5, -1}, {5, 5, 2}}});
   std::mt19937 rng(1);
-  const RangeImage image(room.scan(Pose::Identity(), rng, 0, 64, 360));
+  const SightImage image(room.scan(Pose::Identity(), rng, 0, 64, 360));
   const float tolerance = 0.35F + 0.03F * 5;
   EXPECT_EQ(image.look({5, 0, 0}, 30), Sight::hit);
   EXPECT_EQ(image.look({5 - 0.8F * tolerance, 0, 0}, 30), Sight::hit);
@@ -32,7 +32,7 @@ TEST(RangeImage, HitThroughAndHidden) {
   EXPECT_EQ(image.look({5 + 2 * tolerance, 0, 0}, 30), Sight::unknown) << "behind the wall";
   EXPECT_EQ(image.look({2, 0, 0}, 1.9F), Sight::unknown) << "out of reach";
   EXPECT_EQ(image.look({0.1F, 0, 3}, 30), Sight::unknown) << "above the field of view";
-  EXPECT_EQ(RangeImage(Points{}).look({1, 0, 0}, 30), Sight::unknown);
+  EXPECT_EQ(SightImage(Points{}).look({1, 0, 0}, 30), Sight::unknown);
 }
 
 TEST(Submap, RadiusFollowsThePaper) {
@@ -106,8 +106,8 @@ TEST(Visibility, TheRightPlaceHasNoViolationsAndAWrongOneHas) {
 TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
   const BoxMine drift({BoxMine::drift(-40, 0, 40, 0, 6)});
   std::mt19937 rng(1);
-  const RangeImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 64, 720));
-  const PlacedView view{pose_from_yaw(0, {0, 0, 1}), std::make_shared<const RangeImage>(image)};
+  const SightImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 64, 720));
+  const PlacedView view{pose_from_yaw(0, {0, 0, 1}), std::make_shared<const SightImage>(image)};
   const auto patch = [](const Eigen::Vector3f& normal) {  // 10 m ahead, in the free middle of the drift
     Submap out;
     for (int y = 0; y < 4; ++y)

@@ -66,5 +66,6 @@ class Learned(nn.Module):
         parts = torch.relu(self.parts(x)) + 1e-4
         sharp = (parts * parts * parts).mean((2, 3)) ** (1 / 3)  # generalised mean: between mean and most
         q = self.q(torch.cat([parts.mean((2, 3)), sharp], 1))
-        q = q / (q * q).sum(1, keepdim=True).clamp(min=1e-12).sqrt()
+        if not torch.onnx.is_in_onnx_export():  # OpenCV 4.6 cannot divide a row by its length: the reader does
+            q = nn.functional.normalize(q, dim=1)
         return q, w, self.junction(torch.cat([mean, most], 1))

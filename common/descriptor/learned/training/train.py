@@ -127,6 +127,7 @@ def main():
         if done >= 1 or step % 1000 == 0 and step > 0:
             print(f"step {step}, {(time.time() - begun) / 60:.1f} min: {validate(lambda m: embed(calm, m), unseen)}", flush=True)
             export(calm, given.out)
+            torch.save(calm.state_dict(), given.out + ".pt")  # to look at, and to go on from
         if done >= 1:
             break
         rate = 2e-3 * min(1, (step + 1) / 200) * 0.5 * (1 + math.cos(math.pi * min(1, done)))

@@ -17,13 +17,13 @@ enum class Sight : std::uint8_t {
 
 /// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made
 /// for 16 to 128 beams; a bin that no beam met knows nothing. Immutable after construction.
-class RangeImage {
+class SightImage {
  public:
   static constexpr int columns = 180;
   static constexpr int rows = 45;  // -45 to +45 deg
 
   /// Points in the frame of the sweep's sensor (origin at the sensor).
-  explicit RangeImage(const Points& points);
+  explicit SightImage(const Points& points);
 
   /// Up to reach_m. The tolerance grows with the range: 0.35 m + 3 %.
   Sight look(const Eigen::Vector3f& point, float reach_m) const;

@@ -1,4 +1,4 @@
-#include "server/registration/range_image.hpp"
+#include "server/registration/sight_image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,18 +27,18 @@ float quick_atan2(float y, float x) {
 Direction direction(const Eigen::Vector3f& p) {
   const float azimuth = quick_atan2(p.y(), p.x());
   const float elevation = quick_atan2(p.z(), std::sqrt(p.x() * p.x() + p.y() * p.y()));
-  return {static_cast<int>(std::floor(azimuth / radians_per_bin)) + RangeImage::columns / 2,
-          static_cast<int>(std::floor(elevation / radians_per_bin + RangeImage::rows / 2.0F))};
+  return {static_cast<int>(std::floor(azimuth / radians_per_bin)) + SightImage::columns / 2,
+          static_cast<int>(std::floor(elevation / radians_per_bin + SightImage::rows / 2.0F))};
 }
 
 std::size_t index_of(int row, int column) {
-  constexpr int n = RangeImage::columns;
+  constexpr int n = SightImage::columns;
   return static_cast<std::size_t>(row) * n + static_cast<std::size_t>((column + n) % n);
 }
 
 }  // namespace
 
-RangeImage::RangeImage(const Points& points) : bins_(static_cast<std::size_t>(columns) * rows) {
+SightImage::SightImage(const Points& points) : bins_(static_cast<std::size_t>(columns) * rows) {
   for (const auto& p : points) {
     const float range = p.norm();
     if (!(range > 0.1F)) continue;
@@ -53,7 +53,7 @@ RangeImage::RangeImage(const Points& points) : bins_(static_cast<std::size_t>(co
     for (int column = 0; column < columns; ++column) sum_up(row, column);
 }
 
-void RangeImage::sum_up(int row, int column) {
+void SightImage::sum_up(int row, int column) {
   Bin& bin = bins_[index_of(row, column)];
   bin.nearest_cm = std::numeric_limits<std::uint16_t>::max();
   for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
@@ -65,7 +65,7 @@ void RangeImage::sum_up(int row, int column) {
     }
 }
 
-Sight RangeImage::look(const Eigen::Vector3f& point, float reach_m) const {
+Sight SightImage::look(const Eigen::Vector3f& point, float reach_m) const {
   const float range = point.norm();
   if (range > reach_m || range < 0.5F) return Sight::unknown;
   const Direction d = direction(point);
