@@ -1,6 +1,7 @@
 #include "client/robot_client.hpp"
 
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "client/credential/credential_file.hpp"
@@ -30,6 +31,7 @@ struct RobotClient::State {
   void on_event(const UplinkEvent& event);
   Result<bool> judge(double stamp_s, const Pose& T_local_sensor) const;
   Result<bool> spool_keyframe(Keyframe keyframe, const Points& points_sensor, const Points& points_level);
+  void warn_of(const Points& points_level);
 
   const RobotConfig config;
   const std::unique_ptr<DescriptorFamily> family;  // null with own descriptors
@@ -40,6 +42,8 @@ struct RobotClient::State {
   std::uint64_t sequence = 0;                // of the last keyframe
   double last_stamp_s = 0;                   // of it
   std::atomic<bool> finished{false};
+  std::mutex unfamiliar_mutex;
+  std::string unfamiliar;          // what the family said of the first scan that was so
   std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
 };
 
@@ -154,12 +158,24 @@ Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, c
   const Points points_level = level(T_local_sensor, points);
   auto descriptor = s.family->extract(points_level);
   if (!descriptor) return tl::unexpected(descriptor.error());
+  s.warn_of(points_level);
   Keyframe keyframe;
   keyframe.stamp_s = stamp_s;
   keyframe.T_local_sensor = T_local_sensor;
   keyframe.spaciousness_m = decision.spaciousness_m;
   keyframe.descriptor = std::move(*descriptor);
   return s.spool_keyframe(std::move(keyframe), points, points_level);
+}
+
+/// Once: one scan says it all.
+void RobotClient::State::warn_of(const Points& points_level) {
+  {
+    const std::lock_guard lock(unfamiliar_mutex);
+    if (!unfamiliar.empty()) return;
+  }
+  std::string what = family->unfamiliar(points_level);
+  const std::lock_guard lock(unfamiliar_mutex);
+  unfamiliar = std::move(what);
 }
 
 Result<bool> RobotClient::add_keyframe(double stamp_s, const Pose& T_local_sensor, const Descriptor& descriptor,
@@ -230,7 +246,13 @@ void RobotClient::on_transform(const std::function<void(const Transforms&)>& cal
 std::optional<Transforms> RobotClient::transforms() const { return state_->link.transforms(); }
 void RobotClient::trigger(const std::string& reason) { state_->uplink->trigger(reason); }
 SessionKey RobotClient::session() const { return state_->link.identity().session; }
-const std::vector<std::string>& RobotClient::warnings() const { return state_->link.warnings(); }
+
+std::vector<std::string> RobotClient::warnings() const {
+  std::vector<std::string> all = state_->link.warnings();
+  const std::lock_guard lock(state_->unfamiliar_mutex);
+  if (!state_->unfamiliar.empty()) all.push_back(state_->unfamiliar);
+  return all;
+}
 
 Progress RobotClient::progress() const {
   Progress p = state_->link.progress();

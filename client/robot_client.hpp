@@ -39,7 +39,7 @@ struct RobotConfig {
   bool insecure = false;             // plain TCP without credential, to a server that runs so: nothing is protected
   Sensor sensor;
 
-  std::string family = "scan_context";            // of add_scan
+  std::string family = "scan_context";            // of add_scan: see make_family (common/descriptor/family.hpp)
   std::optional<OwnDescriptors> own_descriptors;  // set: add_keyframe only
   CloudPolicy clouds = CloudPolicy::all;
   double bytes_per_s = 0;                         // budget of what is sent; 0: no limit
@@ -92,7 +92,9 @@ class RobotClient {
   void trigger(const std::string& reason);
 
   SessionKey session() const;
-  const std::vector<std::string>& warnings() const;  // what opening the spool found and cured
+  /// What opening the spool found and cured; and, once a scan was so, that scans are unlike those the family was made
+  /// for.
+  std::vector<std::string> warnings() const;
   Progress progress() const;
 
   /// The session has ended: waits until every keyframe (and with the policy `all` every cloud) is acknowledged, then

@@ -37,9 +37,9 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   const Found* found = nullptr;
   {
     const Stopwatch watch(report.times.hypotheses_ms);
-    found =
-        finder.find({a, sessions[a].keyframes}, {b, sessions[b].keyframes}, families[sessions[a].family].compare.get(),
-                    [&] { return match_descriptors(sessions[a].keyframes, sessions[b].keyframes, config.threads); });
+    found = finder.find({a, sessions[a].keyframes}, {b, sessions[b].keyframes}, [&] {
+      return match_descriptors(sessions[a].keyframes, sessions[b].keyframes, config.threads);
+    });
   }
   if (!found) {
     report.unfinished = true;  // enough searched for one attempt
@@ -183,12 +183,7 @@ void MergePipeline::State::update_atlas(AttemptReport& report) {
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
 MergePipeline::~MergePipeline() = default;
 
-void MergePipeline::add_session(SessionId id, const FamilyId& family) {
-  state_->sessions[id].family = family;
-  Family& known = state_->families[family];
-  if (known.compare) return;
-  if (auto made = make_family(family.name); made && (*made)->id() == family) known.compare = std::move(*made);
-}
+void MergePipeline::add_session(SessionId id, const FamilyId& family) { state_->sessions[id].family = family; }
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   Session& session = state_->sessions[id];

@@ -55,11 +55,15 @@ std::vector<SessionId> MergePipeline::State::partners(SessionId id) const {
   std::map<SessionId, int> alike;
   for (const auto& [other, session] : sessions)
     if (other != id && session.family == self.family) alike[other] = 0;
-  if (const auto& index = families.at(self.family).index; index && alike.size() > 1) {
+  if (alike.size() > 1) {
     const std::size_t step = std::max<std::size_t>(1, self.keyframes.size() / keyframes_asked);
-    for (std::size_t i = 0; i < self.keyframes.size(); i += step)
-      for (const PlaceNeighbour& n : index->nearest(self.keyframes[i].descriptor.q, asked_of_index))
+    for (std::size_t i = 0; i < self.keyframes.size(); i += step) {
+      const auto& q = self.keyframes[i].descriptor.q;
+      const auto index = indices.find({self.family, q.size()});
+      if (index == indices.end()) continue;
+      for (const PlaceNeighbour& n : index->second->nearest(q, asked_of_index))
         if (const auto found = alike.find(n.keyframe.session); found != alike.end()) ++found->second;
+    }
   }
   std::vector<SessionId> order;
   order.reserve(alike.size());
@@ -232,17 +236,17 @@ Alignment* MergePipeline::State::find(SessionId a, SessionId b) {
 }
 
 void MergePipeline::State::index_keyframe(SessionId id, const Keyframe& keyframe) {
-  const FamilyId& family_id = sessions[id].family;
-  auto& index = families[family_id].index;
+  const FamilyId& family = sessions[id].family;
   const auto& q = keyframe.descriptor.q;
   if (q.empty()) return;
+  auto& index = indices[{family, q.size()}];
   if (!index) index = make_exact_index(q.size());
   if (index->size() == exact_up_to) {
     index = make_flann_index(q.size());
     for (const auto& [session_id, session] : sessions)
-      if (session.family == family_id)
+      if (session.family == family)
         for (const Keyframe& k : session.keyframes)
-          if (!k.descriptor.q.empty()) index->add({session_id, k.sequence}, k.descriptor.q);
+          if (k.descriptor.q.size() == q.size()) index->add({session_id, k.sequence}, k.descriptor.q);
   }
   index->add({id, keyframe.sequence}, q);
 }

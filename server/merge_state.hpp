@@ -5,7 +5,6 @@
 #include <map>
 #include <numbers>
 
-#include "common/descriptor/family.hpp"
 #include "server/merge_pipeline.hpp"
 #include "server/place/hypotheses.hpp"
 #include "server/place_book.hpp"
@@ -31,11 +30,6 @@ struct Session {
   double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
 };
 
-struct Family {
-  std::unique_ptr<DescriptorFamily> compare;  // null: not known here; wall maps still work
-  std::unique_ptr<DescriptorIndex> index;
-};
-
 /// A hypothesis with the keyframes whose clouds can speak on it.
 struct Case {
   Hypothesis hypothesis;
@@ -52,7 +46,8 @@ struct Verdict {
 struct MergePipeline::State {
   MergeConfig config;
   std::map<SessionId, Session> sessions;
-  std::map<FamilyId, Family> families;
+  /// By family and length of q: two robots may call different vectors by one name.
+  std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>> indices;
   std::vector<Alignment> alignments;
   DecisionBook decisions;
   std::vector<SessionId> anchors;  // in the order they were chosen

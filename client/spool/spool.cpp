@@ -37,6 +37,11 @@ std::string random_name() {
   return text;
 }
 
+std::string text_of(const FamilySpec& family) {
+  return family.id.name + " version " + std::to_string(family.id.version) + " (" + std::to_string(family.q_size) +
+         " + " + std::to_string(family.w_size) + " values)";
+}
+
 std::uint64_t to_u64(std::string_view digits) {
   std::uint64_t v = 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), v);
@@ -111,8 +116,9 @@ Result<void> Spool::settle_identity(Hello robot) {
       return refused(config_.directory, "this spool holds session " + mine.session.session);
     if (mine.family.id != robot.family.id || mine.family.q_size != robot.family.q_size ||
         mine.family.w_size != robot.family.w_size)
-      return refused(config_.directory, "this spool holds descriptors of family " + mine.family.id.name +
-                                            "; start a new session for another family");
+      return refused(config_.directory, "this spool holds descriptors of family " + text_of(mine.family) + ", not " +
+                                            text_of(robot.family) +
+                                            "; go on with that one, or give another family a spool of its own");
     identity_.clouds = robot.clouds;
     identity_.software = robot.software;
     return {};

@@ -16,7 +16,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all";
+  std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all",
+                                                                                family = RobotConfig().family;
   bool insecure = false, fast = false;
   double rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
@@ -28,10 +29,16 @@ int failed(const std::string& message, int status = 1) {
 
 std::chrono::milliseconds milliseconds(double s) { return std::chrono::milliseconds(static_cast<long>(s * 1000)); }
 
+/// The robot's warnings from the one after `told` on.
+void tell(const RobotClient& robot, std::size_t& told, ReplayReport& report) {
+  const auto warnings = robot.warnings();
+  for (; told < warnings.size(); ++told) report.warning(warnings[told]);
+}
+
 /// Every scan in its time. A fault of the disk or of a file ends it; a scan that is no use is passed over.
 Result<void> play(const SessionFolder& session, const Options& options, RobotClient& robot, ReplayReport& report) {
   const auto start = Clock::now();
-  std::size_t dropped = 0;
+  std::size_t dropped = 0, told = robot.warnings().size();
   for (std::size_t i = 0; i < session.size(); ++i) {
     const std::chrono::duration<double> due((session.stamp_s(i) - session.stamp_s(0)) / options.rate);
     if (!options.fast) std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(due));
@@ -43,6 +50,7 @@ Result<void> play(const SessionFolder& session, const Options& options, RobotCli
       report.warning("scan " + std::to_string(i) + " passed over: " + added.error().message);
     else if (!added)
       return tl::unexpected(added.error());
+    tell(robot, told, report);
     report.step(i + 1, robot.progress());
   }
   if (dropped > 0) report.line(std::to_string(dropped) + " points without a return (NaN or zero) were left out");
@@ -69,7 +77,8 @@ void linger(double linger_s, std::size_t scans, const RobotClient& robot, Replay
 Result<void> run(const Options& options, const SessionFolder& session, RobotClient& robot) {
   ReplayReport report(session.size());
   for (const auto& warning : session.warnings()) report.warning(warning);
-  for (const auto& warning : robot.warnings()) report.warning(warning);
+  std::size_t told = 0;
+  tell(robot, told, report);
   const SessionKey mine = robot.session();
   const auto before = robot.progress().keyframes;
   report.line((before > 0 ? "resumes session " : "session ") + mine.robot + "/" + mine.session +
@@ -101,6 +110,7 @@ int replay(Options options) {
   config.credential = options.credential;
   if (options.credential.empty() && options.spool.empty()) config.credential = options.robot + ".credential";
   config.sensor = session->sensor();
+  config.family = options.family;
   config.bytes_per_s = options.bytes_per_s;
   config.clouds = options.clouds == "all"     ? CloudPolicy::all
                   : options.clouds == "never" ? CloudPolicy::never
@@ -145,6 +155,10 @@ int main(int argc, char** argv) {
   app.add_option("--clouds", o.clouds, "which clouds to send")
       ->capture_default_str()
       ->check(CLI::IsMember({"all", "on_request", "never"}));
+  app.add_option(
+         "--family", o.family,
+         "what describes a keyframe: learned, scan_context, lidar_iris, or onnx:FILE (with FILE.json beside it)")
+      ->capture_default_str();
   app.add_option("--linger", o.linger_s, "stay so many seconds after the last answer (30 with on_request, else 0)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--patience", o.patience_s, "give up after so many seconds without progress")

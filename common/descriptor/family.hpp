@@ -2,21 +2,18 @@
 // Descriptor families behind one interface.
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
+#include "common/descriptor/circular.hpp"
 #include "common/result.hpp"
 #include "common/session/keyframe.hpp"
 
 namespace headframe {
 
-struct YawScore {
-  double yaw_rad = 0;  // yaw of frame b in frame a: turning b by it lines it up with a
-  double score = 0;    // greater is better; comparable within one call
-};
-
-/// Turns a scan into a descriptor and compares descriptors. Stateless after construction: all calls are thread safe.
+/// Turns a scan into a descriptor and compares descriptors. All calls are thread safe.
 class DescriptorFamily {
  public:
   virtual ~DescriptorFamily() = default;
@@ -28,12 +25,22 @@ class DescriptorFamily {
   /// Fails with bad_input when there are too few points to describe.
   virtual Result<Descriptor> extract(const Points& points_level) const = 0;
 
-  /// Best first, at most `most` distinct peaks; empty when the family has no w.
-  virtual std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
-                                               std::size_t most) const = 0;
+  /// One line when this scan is unlike what the family was made for, and why; else empty. It is described all the same.
+  virtual std::string unfamiliar(const Points& /*points_level*/) const { return {}; }
+
+  /// The same for every family: see circular.hpp. Empty when the family has no w.
+  std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
+                                       std::size_t most) const {
+    return correlate_circular(w_a, w_b, most);
+  }
 };
 
-/// The family of that name, or not_found with the names there are. The default is default_family_name.
+/// bad_input when a scan has too few points for any family to describe.
+Result<void> enough_points(const Points& points);
+
+/// learned, scan_context, lidar_iris, or onnx:FILE (a network of the user's own, network_family.hpp). not_found: no
+/// such name, with the names there are, or no such file; bad_input: a file that is of no use. The default is
+/// default_family_name.
 Result<std::unique_ptr<DescriptorFamily>> make_family(std::string_view name);
 
 inline constexpr std::string_view default_family_name = "scan_context";

@@ -15,7 +15,7 @@ void bridge(float* line, std::size_t n, std::size_t stride, std::size_t longest,
   seen.reserve(n + 1);
   for (std::size_t i = 0; i < n; ++i)
     if (line[i * stride] > 0) seen.push_back(i);
-  if (seen.size() < 2) return;
+  if (n < 2 || seen.size() < 2) return;
   if (round) seen.push_back(seen.front() + n);
   for (std::size_t k = 0; k + 1 < seen.size(); ++k) {
     const std::size_t gap = seen[k + 1] - seen[k] - 1;

@@ -15,12 +15,6 @@ class ScanContext : public DescriptorFamily {
   std::size_t q_size() const override { return 60; }
   std::size_t w_size() const override { return 60; }
   Result<Descriptor> extract(const Points& points_level) const override;
-  std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
-                                       std::size_t most) const override;
 };
-
-/// Peaks of the circular cross-correlation of two signatures of equal length, best first, at least 20 deg apart.
-std::vector<YawScore> correlate_circular(const std::vector<float>& w_a, const std::vector<float>& w_b,
-                                         std::size_t most);
 
 }  // namespace headframe

@@ -61,6 +61,8 @@ std::vector<Finding> findings_of(const Evidence& e) {
   return out;
 }
 
+std::string text_of(const FamilyId& family) { return family.name + " version " + std::to_string(family.version); }
+
 std::string placement_of(const Alignment& k) {
   const Eigen::Vector3d t = k.T_a_b.translation();
   return text("at x %.1f, y %.1f, z %.1f m, turned by %.1f deg, with probability %.3f", t.x(), t.y(), t.z(),
@@ -147,9 +149,12 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
   Explanation out;
   const std::string both = a.name + " and " + b.name;
   if (a.family != b.family) {
-    out.outcome = both + " can not be compared: their descriptor families differ";
-    out.missing.push_back(a.name + " has " + a.family + ", " + b.name + " has " + b.family +
-                          ": run both robots with the same family");
+    const bool version = a.family.name == b.family.name;
+    out.outcome = both + (version ? " can not be compared: the versions of their descriptor family differ"
+                                  : " can not be compared: their descriptor families differ");
+    out.missing.push_back(
+        a.name + " has " + text_of(a.family) + ", " + b.name + " has " + text_of(b.family) +
+        (version ? ": run both robots with the same software and files" : ": run both robots with the same family"));
     return out;
   }
   if (!alignment) {

@@ -4,14 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "common/session/keyframe.hpp"
 #include "server/atlas/alignment.hpp"
 #include "server/merge_config.hpp"
 
 namespace headframe {
 
 struct ExplainedSession {
-  std::string name;    // "robot/session"
-  std::string family;  // "scan_context 1": sessions of different families are never compared
+  std::string name;  // "robot/session"
+  FamilyId family;   // sessions of different families or versions are never compared
   double path_m = 0;
   std::uint64_t keyframes = 0;
   std::uint64_t clouds = 0;  // stored

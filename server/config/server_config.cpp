@@ -31,6 +31,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"limits", "ping_s", &c.limits.ping_s, 0.1, 3600},
       {"limits", "write_s", &c.limits.write_s, 0.1, 3600},
       {"merge", "travelled_m", &c.schedule.travelled_m, 0.1, 1e6},
+      {"merge", "junction_m", &c.schedule.junction_m, 0.1, 1e6},
       {"merge", "submap_s", &c.schedule.submap_s, 0.1, 3600},
       {"merge", "threads", &c.merge.threads, 1, 256},
       {"merge", "accept_probability", &c.merge.accept_probability, 0, 1},

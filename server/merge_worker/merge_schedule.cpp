@@ -6,7 +6,8 @@
 namespace headframe {
 
 std::string_view to_string(Trigger trigger) {
-  constexpr std::array<std::string_view, 6> names{"link", "travelled", "request", "goodbye", "command", "restart"};
+  constexpr std::array<std::string_view, 7> names{"link",    "travelled", "request", "goodbye",
+                                                  "command", "restart",   "junction"};
   return names.at(static_cast<std::size_t>(trigger));
 }
 
@@ -21,6 +22,12 @@ void MergeSchedule::travelled(SessionId session, double metres, Time now) {
   double& since_try_m = travelled_m_[session];
   since_try_m += metres;
   if (since_try_m >= config_.travelled_m) trigger(session, Trigger::travelled, now);
+  if (since_try_m >= config_.junction_m && at_junction_.contains(session)) trigger(session, Trigger::junction, now);
+}
+
+void MergeSchedule::junction(SessionId session, Time now) {
+  at_junction_.insert(session);
+  travelled(session, 0, now);
 }
 
 std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
@@ -28,6 +35,7 @@ std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
   const Attempt attempt = queue_.front();
   queue_.pop_front();
   travelled_m_[attempt.session] = 0;
+  at_junction_.erase(attempt.session);
   return attempt;
 }
 

@@ -21,6 +21,7 @@ enum class Trigger {
   goodbye,    // ... has ended the session
   command,    // the operator asked for it
   restart,    // keyframes came before the server stopped that no attempt has seen
+  junction,   // its robot has come to a junction, and not just after the last try
 };
 
 std::string_view to_string(Trigger trigger);
@@ -43,6 +44,9 @@ class MergeSchedule {
   /// Joins an attempt that is queued already.
   void trigger(SessionId session, Trigger trigger, Time now);
   void travelled(SessionId session, double metres, Time now);
+  /// Its robot is at a junction, where drifts that look alike can be told apart. A try follows when the session has
+  /// come config.junction_m since its last one, now or later: of the keyframes at one junction one asks.
+  void junction(SessionId session, Time now);
 
   /// The attempt that was queued first; it counts as the session's last try.
   std::optional<Attempt> next();
@@ -85,6 +89,7 @@ class MergeSchedule {
   std::set<KeyframeRef> awaited_, in_vain_;
   std::map<SessionId, Time> deadlines_;  // of robots that owe clouds
   std::map<SessionId, double> travelled_m_;
+  std::set<SessionId> at_junction_;  // since their last try
 };
 
 }  // namespace headframe

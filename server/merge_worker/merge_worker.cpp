@@ -156,21 +156,24 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   if (news.trigger && known.keyframes > 0) schedule_.trigger(session, news.trigger->first, news.trigger->second);
 }
 
-/// Gives the pipeline what the store has and it has not. counts: the distance triggers attempts.
+/// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.
 void MergeWorker::feed(SessionId session, bool counts) {
   Known& known = known_[session];
   double metres = 0;
+  bool junction = false;
   const auto read = store_.each_keyframe(session, known.keyframes + 1, [&](Keyframe keyframe) {
     const Eigen::Vector3d here_m = keyframe.T_local_sensor.translation();
     if (known.keyframes > 0) metres += (here_m - known.last_m).norm();
     known.last_m = here_m;
     known.keyframes = keyframe.sequence;
+    junction |= keyframe.descriptor.place_class == PlaceClass::junction;
     if (keyframe.point_count == 0) known.without_cloud.insert(keyframe.sequence);
     pipeline_->add_keyframe(session, std::move(keyframe));
   });
   if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
   draft_.sessions[session].distance_m += metres;
   if (counts) schedule_.travelled(session, metres, Clock::now());
+  if (counts && junction) schedule_.junction(session, Clock::now());
 }
 
 void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {

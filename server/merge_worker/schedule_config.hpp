@@ -5,6 +5,7 @@ namespace headframe {
 /// When sessions are tried ([merge] in the configuration file); defaults live only here.
 struct ScheduleConfig {
   double travelled_m = 10;  // along the trajectory, since the session's last try
+  double junction_m = 5;    // the same for a session that has come to a junction since
   double submap_s = 30;     // without any cloud from a robot, until the clouds asked of it count as not coming
 };
 

@@ -12,10 +12,7 @@ namespace {
 std::string full_name(const SessionRow& row) { return row.key.robot + "/" + row.key.session; }
 
 ExplainedSession explained(const SessionRow& row) {
-  return {full_name(row), row.family.name + " " + std::to_string(row.family.version),
-          row.distance_m, row.keyframes,
-          row.clouds,     row.complete,
-          row.connected};
+  return {full_name(row), row.family, row.distance_m, row.keyframes, row.clouds, row.complete, row.connected};
 }
 
 bool together(const Atlas& atlas, SessionId a, SessionId b) {

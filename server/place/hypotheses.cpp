@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "common/descriptor/circular.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
@@ -62,12 +63,12 @@ std::vector<std::vector<std::uint32_t>> supporters_of(const std::vector<Vote>& v
 /// Votes of matched pairs: each T_0 weighs 1 / (1 + how many of b's matches meet the same keyframe of a), since a place
 /// that looks like many others says little. The best clusters come first; a winner's votes count for no other.
 std::vector<Pose> vote(std::span<const Keyframe> a, std::span<const Keyframe> b, std::span<const MatchedPair> matches,
-                       const DescriptorFamily& family, int threads) {
+                       int threads) {
   std::vector<int> popular(a.size(), 0);
   for (const MatchedPair& m : matches) ++popular[m.a];
   std::vector<Vote> votes;
   for (const MatchedPair& m : matches)
-    for (const Pose& T : initial_transforms(a[m.a], b[m.b], family, 2))
+    for (const Pose& T : initial_transforms(a[m.a], b[m.b], 2))
       votes.push_back({T, place(b[m.b]), 1.0 / popular[m.a], yaw_rad(T)});
   const auto supporters = supporters_of(votes, threads);
   std::vector<Pose> best;
@@ -91,12 +92,12 @@ std::vector<Pose> vote(std::span<const Keyframe> a, std::span<const Keyframe> b,
 }
 
 std::vector<Pose> from_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b,
-                                   std::span<const MatchedPair> matches, const DescriptorFamily& family, int threads) {
+                                   std::span<const MatchedPair> matches, int threads) {
   const auto argmin = std::min_element(matches.begin(), matches.end(), [](const auto& m, const auto& n) {
     return m.squared_distance < n.squared_distance;
   });
-  std::vector<Pose> found = vote(a, b, matches, family, threads);
-  for (const Pose& T : initial_transforms(a[argmin->a], b[argmin->b], family, 1)) found.push_back(T);
+  std::vector<Pose> found = vote(a, b, matches, threads);
+  for (const Pose& T : initial_transforms(a[argmin->a], b[argmin->b], 1)) found.push_back(T);
   return found;
 }
 
@@ -150,10 +151,9 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
 
 }  // namespace
 
-std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, const DescriptorFamily& family,
-                                     std::size_t most_yaws) {
+std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws) {
   std::vector<Pose> out;
-  for (const YawScore& yaw : family.yaw_difference(a.descriptor.w, b.descriptor.w, most_yaws))
+  for (const YawScore& yaw : correlate_circular(a.descriptor.w, b.descriptor.w, most_yaws))
     out.push_back(levelled(a.T_local_sensor) * pose_from_yaw(yaw.yaw_rad, Eigen::Vector3d::Zero()) *
                   levelled(b.T_local_sensor).inverse());
   return out;
@@ -189,7 +189,7 @@ const Found* HypothesisFinder::find_within(const SessionView& session) {
   return &known;
 }
 
-const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
+const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
                                     const std::function<std::vector<MatchedPair>()>& matches) {
   Found& known = found_[{a.id, b.id}];
   const double path_a = path_m(a.keyframes), path_b = path_m(b.keyframes);
@@ -199,9 +199,8 @@ const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b, 
   if (allowed_ == 0) return nullptr;
   --allowed_;
   std::vector<Pose> proposed;
-  if (family)
-    if (const auto matched = matches(); !matched.empty())
-      proposed = from_descriptors(a.keyframes, b.keyframes, matched, *family, config_.threads);
+  if (const auto matched = matches(); !matched.empty())
+    proposed = from_descriptors(a.keyframes, b.keyframes, matched, config_.threads);
   known = {known.version + 1, search(a, b, proposed), path_a, path_b};
   return &known;
 }

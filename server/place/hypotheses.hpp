@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "common/descriptor/family.hpp"
+#include "common/session/keyframe.hpp"
 #include "server/place/descriptor_index.hpp"
 #include "server/place/descriptor_matches.hpp"
 #include "server/place/session_walls.hpp"
@@ -53,7 +53,7 @@ class HypothesisFinder {
 
   /// Null when it would take a search and none is allowed any more. The pointer holds until the next call. `matches` is
   /// called for a new search only.
-  const Found* find(const SessionView& a, const SessionView& b, const DescriptorFamily* family,
+  const Found* find(const SessionView& a, const SessionView& b,
                     const std::function<std::vector<MatchedPair>()>& matches);
   /// Where a session lies on itself, where it is and elsewhere. Searched anew at each call; not counted by allow().
   const Found* find_within(const SessionView& session);
@@ -70,7 +70,6 @@ class HypothesisFinder {
 
 /// FRAME's T_0, for each of the best yaw differences: the levelled frames of the two keyframes on each other. Empty
 /// without w.
-std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, const DescriptorFamily& family,
-                                     std::size_t most_yaws);
+std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws);
 
 }  // namespace headframe

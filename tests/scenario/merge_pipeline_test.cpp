@@ -39,10 +39,10 @@ struct Base {
     for (const Drive& drive : all) arrive(drive);
   }
 
-  SessionId arrive(const Drive& drive) {
+  SessionId arrive(const Drive& drive, const FamilyId& family = ScanContext().id()) {
     drives.push_back(drive);
     const auto id = static_cast<SessionId>(drives.size());
-    pipeline.add_session(id, ScanContext().id());
+    pipeline.add_session(id, family);
     for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
       pipeline.add_keyframe(id, drive.keyframes[k]);
       shelf.clouds[{id, k + 1}] = drive.clouds[k];
@@ -205,6 +205,38 @@ TEST(MergePipeline, DecisionsSurviveARestart) {
   EXPECT_EQ(later.pipeline.atlas().components.size(), 2U);
   ASSERT_TRUE(later.pipeline.decide(1, Decision::undo));
   EXPECT_EQ(later.pipeline.atlas().components.size(), 1U);
+}
+
+/// As a robot with vectors of its own making sends it.
+Drive with_descriptor(Drive drive, const Descriptor& descriptor) {
+  for (Keyframe& keyframe : drive.keyframes) keyframe.descriptor = descriptor;
+  return drive;
+}
+
+TEST(MergePipeline, SessionsOfAFamilyThatNobodyKnowsMeetByTheirWalls) {
+  Base base({});
+  base.arrive(with_descriptor(a(), {{1, 2}, {}}), {"of its own", 7});
+  base.pipeline.attempt(base.arrive(with_descriptor(b(), {{1, 2}, {}}), {"of its own", 7}), base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
+TEST(MergePipeline, VectorsOfOtherLengthsUnderOneNameDoNoHarm) {
+  Base base({});
+  base.arrive(with_descriptor(a(), {{1}, {1, 2}}), {"of its own", 7});
+  base.arrive(with_descriptor(b(), {std::vector<float>(4096, 1), {1, 2, 3}}), {"of its own", 7});
+  base.arrive(with_descriptor(c(), {{1, 2}, {}}), {"of its own", 7});
+  for (const SessionId id : {1, 2, 3}) base.pipeline.attempt(id, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U) << "the walls agree";
+}
+
+TEST(MergePipeline, SessionsOfAnotherFamilyOrVersionAreNotCompared) {
+  for (const FamilyId& other : {FamilyId{"scan_context", 2}, FamilyId{"lidar_iris", 1}}) {
+    Base base({a()});
+    base.pipeline.attempt(base.arrive(b(), other), base.shelf);
+    EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+    EXPECT_TRUE(base.pipeline.alignments().empty());
+  }
 }
 
 TEST(MergePipeline, GarbageKeyframesChangeNothing) {

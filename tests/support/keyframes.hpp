@@ -14,7 +14,7 @@ inline Keyframe line_keyframe(std::uint64_t sequence, double step_m = 1.0) {
   k.spaciousness_m = 3.5F;
   k.descriptor.q = {0.5F, 1.5F, static_cast<float>(sequence % 1000)};
   k.descriptor.w = {0.25F, -2.0F};
-  k.descriptor.place_class = PlaceClass::junction;
+  k.descriptor.place_class = PlaceClass::tunnel;
   k.walls.code[7] = 42;
   k.point_count = 1000;
   return k;

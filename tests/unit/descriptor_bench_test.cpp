@@ -23,7 +23,7 @@ View view_at(double x, const std::vector<int>& cubes) {
   return view;
 }
 
-/// q is the first point's z, w a yaw: enough to say who is near whom.
+/// q is the first point's z, w its y: enough to say who is near whom, and how it was turned.
 class TellingFamily : public DescriptorFamily {
  public:
   FamilyId id() const override { return {"telling", 1}; }
@@ -33,11 +33,15 @@ class TellingFamily : public DescriptorFamily {
     if (points_level.empty()) return failure(ErrorCode::bad_input, "no points");
     return Descriptor{{points_level[0].z()}, {points_level[0].y()}, PlaceClass::unknown};
   }
-  std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
-                                       std::size_t /*most*/) const override {
-    return {{w_b[0] - w_a[0] + std::numbers::pi, 1}, {w_b[0] - w_a[0], 0.5}};
-  }
 };
+
+/// 36 bins that are zero but for the first, and the opposite one.
+std::vector<float> signature(float first, float opposite) {
+  std::vector<float> w(36, 0);
+  w[0] = first;
+  w[18] = opposite;
+  return w;
+}
 
 TEST(RightAnswer, FiveMetresAndThirtyPercentAreTheLimits) {
   EXPECT_TRUE(is_right(5, 30));
@@ -107,9 +111,12 @@ TEST(ClassCount, F1IsTheHarmonicMean) {
 
 TEST(Ask, RanksTheFirstRightNeighbourAndJudgesItsYaw) {
   const TellingFamily family;
-  // q, w of the database and of two queries; the second was refused by the family.
-  const std::vector<Descriptor> a{{{0}, {0}}, {{1}, {0}}, {{5}, {0.25F}}, {{}, {}}}, b{{{0.2F}, {0.75F}}, {{}, {}}};
-  const Truth truth{{{2, 3}, {0}}, {0, 0, 0.25, 0}, {0.75 + 3 * degree, 0}};
+  // The best yaw between the third of a and the first of b is 180 deg, the next best 0. The fourth of a and the second
+  // of b were refused by the family.
+  const auto one_way = signature(1, 0), turned_round = signature(0.6F, 1);
+  const std::vector<Descriptor> a{{{0}, one_way}, {{1}, one_way}, {{5}, one_way}, {{}, {}}},
+      b{{{0.2F}, turned_round}, {{}, {}}};
+  const Truth truth{{{2, 3}, {0}}, {0, 0, 0.25, 0}, {0.25 + 3 * degree, 0}};
   const Answers answers = ask(family, a, b, truth);
   ASSERT_EQ(answers.size(), 2U);
   EXPECT_EQ(answers[0].rank, 3U);

@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-ExplainedSession session(const std::string& name) { return {name, "scan_context 1", 200, 60, 60, true, true}; }
+ExplainedSession session(const std::string& name) { return {name, {"scan_context", 1}, 200, 60, 60, true, true}; }
 
 /// A placement that nothing speaks against.
 Alignment good() {
@@ -114,8 +114,13 @@ TEST(Explain, SessionsSayWhatTheyLack) {
 
 TEST(Explain, FamiliesThatDifferAndPairsNotTriedAreSaidFirst) {
   ExplainedSession iris = session("bee/1");
-  iris.family = "lidar_iris 2";
+  iris.family = {"lidar_iris", 1};
   EXPECT_NE(explain(session("ant/1"), iris, nullptr, false, {}).outcome.find("families differ"), std::string::npos);
+  ExplainedSession newer = session("bee/1");
+  newer.family.version = 2;
+  const Explanation versions = explain(session("ant/1"), newer, nullptr, false, {});
+  EXPECT_NE(versions.outcome.find("versions"), std::string::npos) << versions.outcome;
+  EXPECT_TRUE(says(versions.missing, "ant/1 has scan_context version 1, bee/1 has scan_context version 2"));
   const Explanation untried = explain(session("ant/1"), session("bee/1"), nullptr, false, {});
   EXPECT_NE(untried.outcome.find("nothing has been tried yet"), std::string::npos);
   EXPECT_TRUE(says(untried.missing, "headframe merge"));

@@ -10,7 +10,7 @@ using std::chrono::milliseconds;
 class Schedule : public testing::Test {
  protected:
   using Refs = std::vector<KeyframeRef>;
-  MergeSchedule schedule{{.travelled_m = 10, .submap_s = 30}};
+  MergeSchedule schedule{{.travelled_m = 10, .junction_m = 5, .submap_s = 30}};
   MergeSchedule::Time now{};
 
   bool idle() const { return schedule.queued() + schedule.awaited() == 0; }
@@ -46,6 +46,23 @@ TEST_F(Schedule, DistanceCountsSinceTheLastTry) {
   (void)schedule.next();
   schedule.travelled(1, 9.9, now);
   EXPECT_TRUE(idle()) << "any try counts";
+}
+
+TEST_F(Schedule, AJunctionAsksForATryButNotJustAfterTheLast) {
+  schedule.travelled(1, 4.9, now);
+  schedule.junction(1, now);
+  EXPECT_TRUE(idle());
+  schedule.travelled(2, 9.9, now);
+  EXPECT_TRUE(idle()) << "another session's junction";
+  schedule.travelled(1, 0.1, now);
+  EXPECT_EQ(schedule.queued(), 1U);
+  schedule.junction(1, now);
+  EXPECT_EQ(schedule.queued(), 1U) << "the same junction, seen again";
+  EXPECT_EQ(schedule.next()->trigger, Trigger::junction);
+  schedule.travelled(1, 9.9, now);
+  EXPECT_TRUE(idle()) << "the try was the junction's";
+  schedule.junction(1, now);
+  EXPECT_EQ(schedule.next()->trigger, Trigger::junction) << "far enough: at once";
 }
 
 TEST_F(Schedule, CloudsAreAskedForOnceAndTheAttemptComesBackWhenAllAreHere) {

@@ -168,6 +168,25 @@ TEST_F(Worker, DistanceTriggersAndKeyframesComeInOrderOnce) {
   EXPECT_NEAR(worker->view()->sessions.at(1).distance_m, 14.0, 1e-9);
 }
 
+TEST_F(Worker, AJunctionTriggersBeforeTheDistanceDoes) {
+  start();
+  const auto drive = [&](std::uint64_t sequence, PlaceClass place_class) {
+    Keyframe keyframe = line_keyframe(sequence);
+    keyframe.descriptor.place_class = place_class;
+    keep(PutKeyframe{1, keyframe});
+    worker->keyframes_durable(1, sequence);
+    return eventually([&] { return idle(); });
+  };
+  for (std::uint64_t i = 6; i <= 11; ++i) ASSERT_TRUE(drive(i, i % 2 == 0 ? PlaceClass::tunnel : PlaceClass::unknown));
+  EXPECT_EQ(script.attempted(), 0U) << "6 m of tunnel";
+  ASSERT_TRUE(drive(12, PlaceClass::junction));
+  EXPECT_EQ(script.attempted(), 1U) << "7 m, at a junction";
+  for (std::uint64_t i = 13; i <= 16; ++i) ASSERT_TRUE(drive(i, PlaceClass::junction));
+  EXPECT_EQ(script.attempted(), 1U) << "4 m further in the same junction";
+  ASSERT_TRUE(drive(17, PlaceClass::tunnel));
+  EXPECT_EQ(script.attempted(), 2U) << "5 m, with a junction on the way";
+}
+
 TEST_F(Worker, AGoodbyeOrARequestLetsAShortSessionMerge) {
   start();
   worker->trigger(1, Trigger::link);

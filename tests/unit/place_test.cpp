@@ -4,8 +4,6 @@
 #include <numbers>
 #include <random>
 
-#include "common/descriptor/family.hpp"
-#include "common/descriptor/scan_context.hpp"
 #include "common/descriptor/wall_profile.hpp"
 #include "server/place/descriptor_index.hpp"
 #include "server/place/fft2.hpp"
@@ -39,34 +37,6 @@ TEST(WallProfile, TakesTheBandAroundTheHorizonOnly) {
 TEST(WallProfile, SectorsCountFromXTowardsY) {
   const WallProfile profile = wall_profile({{0.01F, 5, 0}, {-5, -0.01F, 0}});
   for (std::size_t i = 0; i < WallProfile::sectors; ++i) EXPECT_EQ(profile.code[i] != 0, i == 44 || i == 90) << i;
-}
-
-TEST(ScanContext, TurningTheScanShiftsWAndKeepsQ) {
-  const BoxMine mine({BoxMine::drift(-30, 0, 30, 0), BoxMine::drift(0, 0, 0, 30)});
-  std::mt19937 rng(1);
-  const Points scan = mine.scan(pose_from_yaw(0.2, {1, 0.3, 1.2}), rng);
-  const auto family = make_family("scan_context").value();
-  const Descriptor a = family->extract(scan).value();
-  for (double turn_deg : {30.0, 90.0, -126.0, 177.0}) {
-    Points turned;  // the same place, seen by a robot turned by turn_deg
-    for (const auto& p : scan)
-      turned.push_back((pose_from_yaw(-turn_deg * degree, {0, 0, 0}) * p.cast<double>()).cast<float>());
-    const Descriptor b = family->extract(turned).value();
-    double change = 0;
-    for (std::size_t i = 0; i < a.q.size(); ++i) change += std::abs(a.q[i] - b.q[i]);
-    EXPECT_LT(change / static_cast<double>(a.q.size()), 0.06);
-    const auto yaws = family->yaw_difference(a.w, b.w, 2);
-    ASSERT_FALSE(yaws.empty());
-    EXPECT_NEAR(wrap_rad(yaws[0].yaw_rad - turn_deg * degree), 0, 4 * degree) << turn_deg;
-  }
-}
-
-TEST(ScanContext, RefusesAScanOfNothing) {
-  const auto family = make_family("scan_context").value();
-  EXPECT_EQ(family->extract({}).error().code, ErrorCode::bad_input);
-  EXPECT_FALSE(family->extract(Points(49, Eigen::Vector3f(1, 1, 1))));
-  EXPECT_TRUE(family->extract(Points(50, Eigen::Vector3f(1, 1, 1))));
-  EXPECT_EQ(make_family("none such").error().code, ErrorCode::not_found);
 }
 
 TEST(DescriptorIndex, FlannFindsWhatTheExactIndexFinds) {
@@ -175,7 +145,7 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   HypothesisFinder finder({});
   const auto find = [&] {
-    return finder.find({1, a.keyframes}, {2, b.keyframes}, nullptr, [] { return std::vector<MatchedPair>(); });
+    return finder.find({1, a.keyframes}, {2, b.keyframes}, [] { return std::vector<MatchedPair>(); });
   };
   const std::vector<Hypothesis> found = find()->hypotheses;
   ASSERT_FALSE(found.empty());
@@ -190,7 +160,7 @@ TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
   const auto a = drive(mine, {{0, 0}, {60, 0}}, 0, 1), b = drive(mine, {{75, 0}, {0, 0}}, 2.0, 2);
   HypothesisFinder finder({});
   const auto version = [&](std::size_t keyframes) {
-    const Found* found = finder.find({1, std::span(a.keyframes).first(keyframes)}, {2, b.keyframes}, nullptr,
+    const Found* found = finder.find({1, std::span(a.keyframes).first(keyframes)}, {2, b.keyframes},
                                      [] { return std::vector<MatchedPair>(); });
     return found ? static_cast<int>(found->version) : -1;
   };

@@ -177,6 +177,34 @@ class RobotClientTest : public testing::Test {
   TempDir folder_;
 };
 
+#ifdef HEADFRAME_NETWORKS
+TEST_F(RobotClientTest, ALidarThatTheNetworkNeverSawWorksAndIsSaidOnce) {
+  ScriptedStation station;
+  station.start();
+  RobotConfig c = config(station.port());
+  c.family = "learned";
+  const auto robot = RobotClient::open(c);
+  ASSERT_TRUE(robot) << robot.error().message;
+  const auto beams_within = [](int deg) {  // of a round room
+    Points points;
+    for (int elevation = -deg; elevation <= deg; ++elevation)
+      for (int azimuth = 0; azimuth < 360; ++azimuth) {
+        const float a = static_cast<float>(azimuth) / 57.3F, e = static_cast<float>(elevation) / 57.3F;
+        points.emplace_back(4 * std::cos(a), 4 * std::sin(a), 4 * std::tan(e));
+      }
+    return points;
+  };
+  const Points usual = beams_within(20), narrow = beams_within(2);
+  EXPECT_TRUE((*robot)->add_scan(1, Pose::Identity(), usual).value());
+  EXPECT_TRUE((*robot)->warnings().empty());
+  EXPECT_TRUE((*robot)->add_scan(2, pose_from_yaw(0, {20, 0, 0}), narrow).value()) << "it works all the same";
+  EXPECT_TRUE((*robot)->add_scan(3, pose_from_yaw(0, {40, 0, 0}), narrow).value());
+  const auto warnings = (*robot)->warnings();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("that learned looks at"), std::string::npos) << warnings[0];
+}
+#endif
+
 TEST_F(RobotClientTest, EverythingArrivesThoughTheLinkBreaksWithinACloud) {
   std::string session;
   std::size_t made = 0;

@@ -119,6 +119,13 @@ TEST_F(SpoolTest, AnotherRobotOrFamilyIsRefused) {
   EXPECT_EQ(Spool::open({folder_.path()}, other).error().code, ErrorCode::refused);
   other = rover();
   other.family.id.version = 2;
+  const auto newer = Spool::open({folder_.path()}, other);
+  EXPECT_EQ(newer.error().code, ErrorCode::refused);
+  EXPECT_NE(newer.error().message.find("scan_context version 1 (2 + 1 values), not scan_context version 2"),
+            std::string::npos)
+      << newer.error().message;
+  other = rover();
+  other.family.q_size = 3;
   EXPECT_EQ(Spool::open({folder_.path()}, other).error().code, ErrorCode::refused);
   EXPECT_TRUE(open());
 }

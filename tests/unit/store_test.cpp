@@ -68,7 +68,7 @@ TEST(Store, KeepsSessionsKeyframesAndCloudsBitForBit) {
   EXPECT_EQ(all[0].T_local_sensor.matrix(), k.T_local_sensor.matrix());
   EXPECT_EQ(all[0].descriptor.q, k.descriptor.q);
   EXPECT_EQ(all[0].descriptor.w, k.descriptor.w);
-  EXPECT_EQ(all[0].descriptor.place_class, PlaceClass::junction);
+  EXPECT_EQ(all[0].descriptor.place_class, PlaceClass::tunnel);
   EXPECT_EQ(all[0].walls.code, k.walls.code);
   EXPECT_EQ(all[0].point_count, 1000U);
   EXPECT_EQ(store->cloud({1, 1}).value(), encoded);

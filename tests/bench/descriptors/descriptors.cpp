@@ -125,7 +125,7 @@ void try_recording(std::vector<FamilyFigures>& families, const RecordedPair& pai
     if (!underground(pair)) continue;
     const auto session = [&](const char* robot) { return read_driven_session(recordings / pair.set, robot, family); };
     f.hypothesis_ranks.emplace_back(row + "_" + pair.a + "_" + pair.b,
-                                    rank_of_right_hypothesis(session(pair.a), session(pair.b), &family));
+                                    rank_of_right_hypothesis(session(pair.a), session(pair.b)));
   }
 }
 

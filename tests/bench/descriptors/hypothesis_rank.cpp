@@ -11,10 +11,10 @@ constexpr double near_m = 4, near_deg = 20;
 
 }  // namespace
 
-std::size_t rank_of_right_hypothesis(const DrivenSession& a, const DrivenSession& b, const DescriptorFamily* family) {
+std::size_t rank_of_right_hypothesis(const DrivenSession& a, const DrivenSession& b) {
   const MergeConfig config;
   HypothesisFinder finder({.most = static_cast<std::size_t>(config.hypotheses), .threads = config.threads});
-  const Found* found = finder.find({1, a.keyframes}, {2, b.keyframes}, family,
+  const Found* found = finder.find({1, a.keyframes}, {2, b.keyframes},
                                    [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
   for (std::size_t i = 0; i < found->hypotheses.size(); ++i) {
     const auto error = test::overlap_error(a.path, b.path, found->hypotheses[i].T_a_b);

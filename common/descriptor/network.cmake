@@ -1,0 +1,23 @@
+# headframe_network: networks from ONNX files, by OpenCV's DNN module, which nothing else gets to see.
+option(HEADFRAME_NETWORKS "Descriptors by neural networks (the families learned and onnx:FILE), which need OpenCV's DNN module" ON)
+
+set(sources descriptor/network_file.cpp descriptor/network_absent.cpp)
+if(HEADFRAME_NETWORKS)
+  set(sources descriptor/network_file.cpp descriptor/network.cpp)
+endif()
+headframe_room(headframe_network SOURCES ${sources} DEPENDS headframe_geometry)
+if(HEADFRAME_NETWORKS)
+  # find_package(OpenCV) comes with all of OpenCV only, and that with VTK.
+  find_path(OPENCV_DIR opencv2/dnn.hpp PATH_SUFFIXES opencv4)
+  find_library(OPENCV_CORE opencv_core)
+  find_library(OPENCV_DNN opencv_dnn)
+  if(NOT OPENCV_DIR OR NOT OPENCV_CORE OR NOT OPENCV_DNN)
+    message(FATAL_ERROR "OpenCV's DNN module is missing: install libopencv-dnn-dev, or build without networks (-DHEADFRAME_NETWORKS=OFF)")
+  endif()
+  add_library(headframe_onnx STATIC descriptor/onnx.proto)
+  target_include_directories(headframe_onnx SYSTEM PUBLIC ${CMAKE_CURRENT_BINARY_DIR})
+  target_link_libraries(headframe_onnx PUBLIC protobuf::libprotobuf)
+  protobuf_generate(TARGET headframe_onnx IMPORT_DIRS ${CMAKE_CURRENT_SOURCE_DIR} PROTOC_OUT_DIR ${CMAKE_CURRENT_BINARY_DIR})
+  target_include_directories(headframe_network SYSTEM PRIVATE ${OPENCV_DIR})
+  target_link_libraries(headframe_network PRIVATE headframe_onnx ${OPENCV_DNN} ${OPENCV_CORE})
+endif()
