@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/descriptor/family.hpp"
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
 #include "tests/bench/descriptors/descriptors.hpp"
@@ -45,7 +44,7 @@ struct Options {
   std::string what = "all";
   std::filesystem::path recordings = "../shared/data", out = "build/bench";
   std::optional<int> mines;
-  std::vector<std::string> families{std::string(default_family_name)};
+  std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
 };
 
 int fail(const std::string& message, int status) {

@@ -42,14 +42,19 @@ ExtractTimes time_extraction(const DescriptorFamily& family, const mine::Recordi
           static_cast<std::size_t>(quantile(points, 0.5))};
 }
 
-double time_query_all(std::size_t q_size, int threads) {
+QueryTimes time_query_all(std::size_t q_size) {
   const auto index = make_exact_index(q_size);
   const auto places = random_places(database_size, q_size, 1), questions = random_places(queries, q_size, 2);
   for (std::size_t i = 0; i < places.size(); ++i) index->add({1, i + 1}, places[i]);
   const std::vector<std::span<const float>> qs(questions.begin(), questions.end());
-  std::vector<double> ms;
-  for (int run = 0; run < runs; ++run) ms.push_back(wall_ms([&] { index->nearest_of_each(qs, asked, threads); }));
-  return median(ms);
+  std::vector<double> wall, cpu;
+  for (int run = 0; run < runs; ++run) {
+    wall.push_back(wall_ms([&] { index->nearest_of_each(qs, asked, 2); }));
+    const double before = process_ms();
+    index->nearest_of_each(qs, asked, 1);
+    cpu.push_back(process_ms() - before);
+  }
+  return {median(wall), median(cpu)};
 }
 
 }  // namespace headframe::bench

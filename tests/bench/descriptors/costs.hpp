@@ -9,7 +9,7 @@ namespace headframe::bench {
 /// Levelling and extraction of every scan, one after another on this thread.
 ExtractTimes time_extraction(const DescriptorFamily& family, const mine::Recording& recording);
 
-/// The 20 nearest of 1701 keyframes among 2840, in ms: the median of several runs through the server's exact index.
-double time_query_all(std::size_t q_size, int threads);
+/// The 20 nearest of 1701 keyframes among 2840, through the server's exact index: medians of several runs.
+QueryTimes time_query_all(std::size_t q_size);
 
 }  // namespace headframe::bench

@@ -1,6 +1,5 @@
 #include "tests/bench/descriptors/descriptors.hpp"
 
-#include <array>
 #include <cstdio>
 #include <numbers>
 
@@ -15,16 +14,18 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-struct RecordedPair {
-  const char *set, *a, *b;
-  const char* row;
+/// A data set and its pairs of robots that overlap.
+struct RecordedSet {
+  const char *name, *row;
+  bool underground;  // there the hypotheses are ranked, too
+  std::vector<std::pair<const char*, const char*>> pairs;
 };
-/// The pairs that overlap.
-constexpr std::array recorded_pairs{
-    RecordedPair{"tunnel-two", "r1", "r2", "tunnel_two"}, RecordedPair{"tunnel-four", "s1", "s2", "tunnel_four"},
-    RecordedPair{"tunnel-four", "s2", "s3", "tunnel_four"}, RecordedPair{"tunnel-four", "s3", "s4", "tunnel_four"},
-    RecordedPair{"nclt-two-robots", "a", "b", "nclt"}};
-bool underground(const RecordedPair& pair) { return std::string_view(pair.set).starts_with("tunnel"); }
+
+std::vector<RecordedSet> recorded_sets() {
+  return {{"tunnel-two", "tunnel_two", true, {{"r1", "r2"}}},
+          {"tunnel-four", "tunnel_four", true, {{"s1", "s2"}, {"s2", "s3"}, {"s3", "s4"}}},
+          {"nclt-two-robots", "nclt", false, {{"a", "b"}}}};
+}
 
 Result<std::vector<FamilyFigures>> open_families(const std::vector<std::string>& names) {
   std::vector<FamilyFigures> out;
@@ -111,33 +112,39 @@ Result<void> try_own_mines(std::vector<FamilyFigures>& families, int mines_a_kin
   return {};
 }
 
-void try_recording(std::vector<FamilyFigures>& families, const RecordedPair& pair,
-                   const std::filesystem::path& recordings) {
-  const Drive a = read_drive(recordings / pair.set, pair.a), b = read_drive(recordings / pair.set, pair.b);
-  const Truth truth = truth_of(a, b), back = truth_of(b, a);
-  const Drive tilted_a = tilted(a, 1), tilted_b = tilted(b, 2);
-  for (FamilyFigures& f : families) {
-    const DescriptorFamily& family = *f.family;
-    const std::string row = pair.row;
-    f.add(row, ask(family, describe(family, a), describe(family, b), truth));
-    f.add(row + "_back", ask(family, describe(family, b), describe(family, a), back));
-    f.add(row + "_tilt", ask(family, describe(family, tilted_a), describe(family, tilted_b), truth));
-    if (!underground(pair)) continue;
-    const auto session = [&](const char* robot) { return read_driven_session(recordings / pair.set, robot, family); };
-    f.hypothesis_ranks.emplace_back(row + "_" + pair.a + "_" + pair.b,
-                                    rank_of_right_hypothesis(session(pair.a), session(pair.b)));
-  }
+void try_recorded_drives(FamilyFigures& f, const std::string& row, const Drive& a, const Drive& b) {
+  const DescriptorFamily& family = *f.family;
+  const Truth truth = truth_of(a, b);
+  const auto of_a = describe(family, a), of_b = describe(family, b);
+  f.add(row, ask(family, of_a, of_b, truth));
+  f.add(row + "_back", ask(family, of_b, of_a, truth_of(b, a)));
+  f.add(row + "_tilt", ask(family, describe(family, tilted(a, 1)), describe(family, tilted(b, 2)), truth));
+}
+
+void rank_hypotheses(FamilyFigures& f, const std::string& row, const std::filesystem::path& folder,
+                     const std::string& a, const std::string& b) {
+  const DrivenSession session_a = read_driven_session(folder, a, *f.family),
+                      session_b = read_driven_session(folder, b, *f.family);
+  f.hypothesis_ranks.emplace_back(std::string(row).append("_").append(a).append("_").append(b),
+                                  rank_of_right_hypothesis(session_a, session_b));
 }
 
 void try_recordings(std::vector<FamilyFigures>& families, const std::filesystem::path& recordings) {
-  for (const RecordedPair& pair : recorded_pairs) {
-    std::fprintf(stderr, "\r%s: %s and %s          ", pair.set, pair.a, pair.b);
-    if (std::filesystem::exists(recordings / pair.set))
-      try_recording(families, pair, recordings);
-    else
-      std::printf("descriptors: no recording %s, its rows are left out\n", (recordings / pair.set).c_str());
+  for (const RecordedSet& set : recorded_sets()) {
+    const auto folder = recordings / set.name;
+    if (!std::filesystem::exists(folder)) {
+      std::printf("descriptors: no recording at %s, its rows are left out\n", folder.c_str());
+      continue;
+    }
+    std::fprintf(stderr, "%s\n", set.name);
+    for (const auto& [a, b] : set.pairs) {
+      const Drive drive_a = read_drive(folder, a), drive_b = read_drive(folder, b);
+      for (FamilyFigures& f : families) {
+        try_recorded_drives(f, set.row, drive_a, drive_b);
+        if (set.underground) rank_hypotheses(f, set.row, folder, a, b);
+      }
+    }
   }
-  std::fprintf(stderr, "\n");
 }
 
 Result<void> measure_costs(std::vector<FamilyFigures>& families) {
@@ -145,8 +152,7 @@ Result<void> measure_costs(std::vector<FamilyFigures>& families) {
   if (!dense) return tl::unexpected(dense.error());
   for (FamilyFigures& f : families) {
     f.extract = time_extraction(*f.family, *dense);
-    f.query_all_ms = time_query_all(f.family->q_size(), 2);
-    f.query_all_one_thread_ms = time_query_all(f.family->q_size(), 1);
+    f.query_all = time_query_all(f.family->q_size());
     const auto one = f.family->extract(drive_of(*dense).front().points_level);
     if (one) f.bytes = wire_bytes(*one);
   }
@@ -169,7 +175,7 @@ Result<nlohmann::json> descriptors(const DescriptorBench& bench) {
   std::filesystem::create_directories(bench.pictures);
   if (auto drawn = draw_pictures(*families, bench.pictures); !drawn) return tl::unexpected(drawn.error());
   nlohmann::json out{{"descriptors", {{"mines_a_kind", bench.mines}, {"first_seed", first_own_seed}}},
-                     {"query_all_ms", families->front().query_all_ms}};
+                     {"query_all_ms", families->front().query_all.median_ms}};
   for (const FamilyFigures& f : *families) out[f.name] = to_json(f);
   return out;
 }

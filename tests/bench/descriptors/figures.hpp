@@ -16,6 +16,11 @@ namespace headframe::bench {
 
 constexpr int shift_step_deg = 15, shift_last_deg = 180;
 
+/// Of 1701 x 2840 keyframes: wall time with two threads, processor time with one.
+struct QueryTimes {
+  double median_ms = -1, cpu_ms = -1;
+};
+
 /// Wall times of levelling and extraction on one thread, and the processor time of all threads it may have used.
 struct ExtractTimes {
   double median_ms = -1, p95_ms = -1, cpu_ms = -1;
@@ -37,7 +42,7 @@ struct FamilyFigures {
   bool tells_class = false;
   std::size_t bytes = 0;  // of q and w of a keyframe
   ExtractTimes extract = {};
-  double query_all_ms = -1, query_all_one_thread_ms = -1;                  // 1701 x 2840, two threads and one
+  QueryTimes query_all = {};
   std::vector<std::pair<std::string, std::size_t>> hypothesis_ranks = {};  // of the right one by pair; 0: not handed on
 
   void add(const std::string& row, const Answers& answers);

@@ -19,8 +19,8 @@ void print_row(const std::string& family, const Row& row) {
 }
 
 void print_costs(const FamilyFigures& f) {
-  std::printf("  %-16s %6zu %8.2f %8.2f %8.2f %9zu %10.1f", f.name.c_str(), f.bytes, f.extract.median_ms,
-              f.extract.p95_ms, f.extract.cpu_ms, f.extract.points, f.query_all_ms);
+  std::printf("  %-16s %6zu %8.2f %8.2f %8.2f %9zu %10.1f %8.1f", f.name.c_str(), f.bytes, f.extract.median_ms,
+              f.extract.p95_ms, f.extract.cpu_ms, f.extract.points, f.query_all.median_ms, f.query_all.cpu_ms);
   if (f.tells_class)
     std::printf(" %12.3f\n", f.junctions.f1());
   else
@@ -49,8 +49,8 @@ void print_tables(const std::vector<FamilyFigures>& families) {
               "precision", "yaw p50", "p95 deg", "top2");
   for (std::size_t i = 0; i < families.front().rows.size(); ++i)
     for (const FamilyFigures& f : families) print_row(f.name, f.rows[i]);
-  std::printf("\n  %-16s %6s %8s %8s %8s %9s %10s %12s\n", "family", "bytes", "ms/scan", "p95 ms", "cpu ms", "points",
-              "all:all ms", "junction F1");
+  std::printf("\n  %-16s %6s %8s %8s %8s %9s %10s %8s %12s\n", "family", "bytes", "ms/scan", "p95 ms", "cpu ms",
+              "points", "all:all ms", "cpu ms", "junction F1");
   for (const FamilyFigures& f : families) print_costs(f);
   std::printf("\n  recall@1 with the query turned by 0, %d, ... %d deg\n", shift_step_deg, shift_last_deg);
   for (const FamilyFigures& f : families) print_shifts(f);
