@@ -9,6 +9,7 @@
 #include "client/uplink/uplink.hpp"
 #include "common/cloud/cloud_codec.hpp"
 #include "common/descriptor/family.hpp"
+#include "common/descriptor/level.hpp"
 #include "common/descriptor/wall_profile.hpp"
 #include "common/security/enrolment.hpp"
 
@@ -47,14 +48,6 @@ struct RobotClient::State {
 };
 
 namespace {
-
-Points level(const Pose& T_local_sensor, const Points& points_sensor) {
-  const Eigen::Isometry3f T_level_sensor = (levelled(T_local_sensor).inverse() * T_local_sensor).cast<float>();
-  Points points_level;
-  points_level.reserve(points_sensor.size());
-  for (const auto& p : points_sensor) points_level.push_back(T_level_sensor * p);
-  return points_level;
-}
 
 Hello hello_of(const RobotConfig& config, const DescriptorFamily* family) {
   Hello hello;

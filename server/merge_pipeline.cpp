@@ -37,8 +37,9 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   const Found* found = nullptr;
   {
     const Stopwatch watch(report.times.hypotheses_ms);
-    found =
-        finder.find({a, sessions[a].keyframes}, {b, sessions[b].keyframes}, [&] { return match_descriptors(a, b); });
+    found = finder.find({a, sessions[a].keyframes}, {b, sessions[b].keyframes}, [&] {
+      return match_descriptors(sessions[a].keyframes, sessions[b].keyframes, config.threads);
+    });
   }
   if (!found) {
     report.unfinished = true;  // enough searched for one attempt

@@ -9,19 +9,12 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t neighbours = 5;        // of each keyframe, in the votes
 constexpr std::size_t exact_up_to = 20000;   // keyframes of a family; FLANN beyond
 constexpr std::size_t asked_of_index = 20;   // nearest keyframes of any session, to see who looks alike ...
 constexpr std::size_t keyframes_asked = 30;  // ... for so many keyframes spread over a session
 constexpr std::size_t judged_closely = 4;    // hopeful placements of a pair that are judged with all evidence
 constexpr double elsewhere_m = 6, elsewhere_rad = 0.5;  // a session turned or moved less lies where it is
 constexpr double same_placement_m = 2, same_placement_rad = 0.12;
-
-float squared_distance(const std::vector<float>& p, const std::vector<float>& q) {
-  float sum = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) sum += (p[i] - q[i]) * (p[i] - q[i]);
-  return sum;
-}
 
 std::size_t stored_clouds(const Session& session, SessionId id, const CloudSource& clouds) {
   return static_cast<std::size_t>(std::count_if(session.keyframes.begin(), session.keyframes.end(), [&](const auto& k) {
@@ -89,26 +82,6 @@ std::vector<SessionId> MergePipeline::State::partners(SessionId id) const {
   for (const auto& [other, count] : alike) order.push_back(other);
   std::stable_sort(order.begin(), order.end(), [&](SessionId x, SessionId y) { return alike.at(x) > alike.at(y); });
   return order;
-}
-
-std::vector<MatchedPair> MergePipeline::State::match_descriptors(SessionId a, SessionId b) const {
-  const auto &of_a = sessions.at(a).keyframes, &of_b = sessions.at(b).keyframes;
-  std::vector<MatchedPair> matches;
-  for (std::size_t j = 0; j < of_b.size(); ++j) {
-    const auto& q = of_b[j].descriptor.q;
-    if (q.empty()) continue;
-    std::vector<MatchedPair> nearest;
-    for (std::size_t i = 0; i < of_a.size(); ++i)
-      if (of_a[i].descriptor.q.size() == q.size()) nearest.push_back({i, j, squared_distance(of_a[i].descriptor.q, q)});
-    const std::size_t taken = std::min(neighbours, nearest.size());
-    std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(taken), nearest.end(),
-                      [](const auto& m, const auto& n) {
-                        return m.squared_distance < n.squared_distance ||
-                               (m.squared_distance == n.squared_distance && m.a < n.a);
-                      });
-    matches.insert(matches.end(), nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(taken));
-  }
-  return matches;
 }
 
 PlaceRequest MergePipeline::State::place_at(SessionId id, std::size_t keyframe) const {

@@ -71,7 +71,6 @@ struct MergePipeline::State {
 
   /// Sessions of the same family, those whose descriptors look most alike first.
   std::vector<SessionId> partners(SessionId id) const;
-  std::vector<MatchedPair> match_descriptors(SessionId a, SessionId b) const;
   Case make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, const CloudSource& clouds);
   Scene scene(SessionId id, std::vector<Stand> stands, CloudSource& clouds);
   /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "server/atlas/alignment.hpp"
@@ -26,6 +27,9 @@ class DescriptorIndex {
   virtual void add(const KeyframeRef& keyframe, const std::vector<float>& q) = 0;
   /// The k nearest, nearest first; ties go to the earlier added.
   virtual std::vector<PlaceNeighbour> nearest(const std::vector<float>& q, std::size_t k) const = 0;
+  /// nearest() of many, on so many threads; the answers do not depend on their number.
+  virtual std::vector<std::vector<PlaceNeighbour>> nearest_of_each(std::span<const std::span<const float>> qs,
+                                                                   std::size_t k, int threads) const = 0;
   virtual std::size_t size() const = 0;
 };
 

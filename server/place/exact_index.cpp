@@ -1,39 +1,99 @@
-#include <Eigen/Core>
 #include <algorithm>
+#include <cstring>
+#include <limits>
 
 #include "server/place/descriptor_index.hpp"
+#include "server/place/squared_distances.hpp"
+#include "server/registration/parallel.hpp"
+#include "server/registration/simd.hpp"
 
 namespace headframe {
 namespace {
 
+constexpr std::size_t block_size = 48;  // queries
+
+Float4 load(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+Float4 smaller(Float4 a, Float4 b) { return a < b ? a : b; }
+
+float least(const float* panel) {
+  static_assert(PanelStore::width == 16);
+  const Float4 v = smaller(smaller(load(panel), load(panel + 4)), smaller(load(panel + 8), load(panel + 12)));
+  return std::min(std::min(v[0], v[1]), std::min(v[2], v[3]));
+}
+
+/// A distance that at least k vectors do not exceed: the k-th smallest of the least of groups of panels, about twice as
+/// many groups as wanted. Infinite with fewer panels.
+float bound(const std::vector<float>& least_of_panel, std::size_t k) {
+  const std::size_t panels = least_of_panel.size(), together = std::max<std::size_t>(1, panels / (2 * k));
+  if (k > panels) return std::numeric_limits<float>::infinity();
+  std::vector<float> least_of_group((panels + together - 1) / together, std::numeric_limits<float>::infinity());
+  for (std::size_t p = 0; p < panels; ++p)
+    least_of_group[p / together] = std::min(least_of_group[p / together], least_of_panel[p]);
+  const auto nth = least_of_group.begin() + static_cast<std::ptrdiff_t>(k - 1);
+  std::nth_element(least_of_group.begin(), nth, least_of_group.end());
+  return *nth;
+}
+
 class ExactIndex : public DescriptorIndex {
  public:
-  explicit ExactIndex(std::size_t q_size) : q_size_(q_size) {}
+  explicit ExactIndex(std::size_t q_size)
+      : slack_(1 + 8 * static_cast<float>(q_size) * std::numeric_limits<float>::epsilon()), store_(q_size) {}
 
   void add(const KeyframeRef& keyframe, const std::vector<float>& q) override {
-    values_.insert(values_.end(), q.begin(), q.end());
+    store_.add(q);
     keyframes_.push_back(keyframe);
   }
 
   std::vector<PlaceNeighbour> nearest(const std::vector<float>& q, std::size_t k) const override {
-    const Eigen::Map<const Eigen::VectorXf> query(q.data(), static_cast<Eigen::Index>(q.size()));
-    std::vector<std::pair<float, std::size_t>> distances(keyframes_.size());
-    for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-      const Eigen::Map<const Eigen::VectorXf> row(values_.data() + i * q_size_, static_cast<Eigen::Index>(q_size_));
-      distances[i] = {(row - query).squaredNorm(), i};
-    }
-    const std::size_t n = std::min(k, distances.size());
-    std::partial_sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(n), distances.end());
-    std::vector<PlaceNeighbour> out;
-    for (std::size_t i = 0; i < n; ++i) out.push_back({keyframes_[distances[i].second], distances[i].first});
+    const std::span<const float> query(q);
+    return std::move(nearest_of_each({&query, 1}, k, 1).front());
+  }
+
+  std::vector<std::vector<PlaceNeighbour>> nearest_of_each(std::span<const std::span<const float>> qs, std::size_t k,
+                                                           int threads) const override {
+    std::vector<std::vector<PlaceNeighbour>> out(qs.size());
+    const std::size_t wanted = std::min(k, size());
+    if (wanted == 0) return out;
+    for_blocks(qs.size(), block_size, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+      std::vector<float> distances;
+      store_.distances(qs.subspan(begin, end - begin), distances);
+      const std::size_t row = store_.panels() * PanelStore::width;
+      for (std::size_t i = begin; i < end; ++i) out[i] = select(distances.data() + (i - begin) * row, qs[i], wanted);
+    });
     return out;
   }
 
   std::size_t size() const override { return keyframes_.size(); }
 
  private:
-  std::size_t q_size_;
-  std::vector<float> values_;
+  using Candidate = std::pair<float, std::size_t>;
+
+  /// The few that may be among the k nearest are compared again, so that the order depends on no processor.
+  std::vector<PlaceNeighbour> select(const float* distances, std::span<const float> q, std::size_t k) const {
+    std::vector<float> least_of_panel(store_.panels());
+    for (std::size_t p = 0; p < least_of_panel.size(); ++p)
+      least_of_panel[p] = least(distances + p * PanelStore::width);
+    const float limit = bound(least_of_panel, k) * slack_;
+    std::vector<Candidate> candidates;
+    candidates.reserve(2 * k);
+    for (std::size_t p = 0; p < least_of_panel.size(); ++p) {
+      if (least_of_panel[p] > limit) continue;
+      for (std::size_t i = p * PanelStore::width; i < std::min(size(), (p + 1) * PanelStore::width); ++i)
+        if (distances[i] <= limit) candidates.emplace_back(store_.distance(i, q), i);
+    }
+    std::partial_sort(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(k), candidates.end());
+    std::vector<PlaceNeighbour> out;
+    out.reserve(k);
+    for (std::size_t i = 0; i < k; ++i) out.push_back({keyframes_[candidates[i].second], candidates[i].first});
+    return out;
+  }
+
+  float slack_;  // what rounding may make of one distance against another, twice over
+  PanelStore store_;
   std::vector<KeyframeRef> keyframes_;
 };
 

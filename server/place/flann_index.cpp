@@ -38,6 +38,15 @@ class FlannIndex : public DescriptorIndex {
     return out;
   }
 
+  /// One after another, whatever the threads.
+  std::vector<std::vector<PlaceNeighbour>> nearest_of_each(std::span<const std::span<const float>> qs, std::size_t k,
+                                                           int /*threads*/) const override {
+    std::vector<std::vector<PlaceNeighbour>> out;
+    out.reserve(qs.size());
+    for (const auto& q : qs) out.push_back(nearest({q.begin(), q.end()}, k));
+    return out;
+  }
+
   std::size_t size() const override { return keyframes_.size(); }
 
  private:

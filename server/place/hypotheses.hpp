@@ -10,6 +10,7 @@
 
 #include "common/session/keyframe.hpp"
 #include "server/place/descriptor_index.hpp"
+#include "server/place/descriptor_matches.hpp"
 #include "server/place/session_walls.hpp"
 #include "server/place/wall_search.hpp"
 
@@ -19,13 +20,6 @@ struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
   double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
   Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of that piece of b's path, in b's frame
-};
-
-/// A neighbour of a keyframe of b among the keyframes of a, by index, from the descriptor index.
-struct MatchedPair {
-  std::size_t a = 0;
-  std::size_t b = 0;
-  float squared_distance = 0;
 };
 
 /// A session as the finder sees it.

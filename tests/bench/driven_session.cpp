@@ -6,7 +6,7 @@
 #include "client/keyframe/sweeps.hpp"
 #include "common/cloud/cloud_codec.hpp"
 #include "common/dataset/session_folder.hpp"
-#include "common/descriptor/family.hpp"
+#include "common/descriptor/level.hpp"
 #include "common/descriptor/wall_profile.hpp"
 #include "common/wire/convert.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 /// The robot's side of client/robot_client, scan by scan.
 class Robot {
  public:
-  explicit Robot(Selection selection) : selection_(selection) {}
+  Robot(Selection selection, const DescriptorFamily& family) : selection_(selection), family_(family) {}
   void add(const Pose& T_local_sensor, const Points& scan, DrivenSession& out) {
     const Points points = finite_points(scan, 0.3F);
     const auto decision = selector_.add(T_local_sensor, mean_range_m(points));
@@ -24,18 +24,15 @@ class Robot {
       sweeps_.add(T_local_sensor, points);
       return;
     }
-    const Eigen::Isometry3f T_level_sensor = (levelled(T_local_sensor).inverse() * T_local_sensor).cast<float>();
-    Points level;
-    level.reserve(points.size());
-    for (const auto& p : points) level.push_back(T_level_sensor * p);
-    auto descriptor = family_->extract(level);
+    const Points points_level = level(T_local_sensor, points);
+    auto descriptor = family_.extract(points_level);
     if (!descriptor) return;
     Keyframe keyframe;
     keyframe.sequence = out.keyframes.size() + 1;
     keyframe.T_local_sensor = T_local_sensor;
     keyframe.spaciousness_m = decision.spaciousness_m;
     keyframe.descriptor = std::move(*descriptor);
-    keyframe.walls = wall_profile(level);
+    keyframe.walls = wall_profile(points_level);
     KeyframeCloud cloud = sweeps_.take(T_local_sensor, points);
     cloud = decode_cloud(encode_cloud(cloud).value()).value();
     keyframe.point_count = static_cast<std::uint32_t>(point_count(cloud));
@@ -47,7 +44,7 @@ class Robot {
   Selection selection_;
   KeyframeSelector selector_;
   SweepCollector sweeps_;
-  std::unique_ptr<DescriptorFamily> family_ = make_family(default_family_name).value();
+  const DescriptorFamily& family_;
 };
 
 }  // namespace
@@ -56,13 +53,14 @@ DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   const auto scenario = mine::make_scenario(request);
   if (!scenario) throw std::runtime_error(scenario.error().message);
   const std::string world = std::string(to_string(request.kind)) + "-" + std::to_string(request.seed);
+  const auto family = make_family(default_family_name).value();
   DrivenMine out;
   std::vector<mine::SeenVoxels> seen;
   for (const mine::Robot& robot : scenario->robots) {
     const mine::Recording recording = mine::record(scenario->world, robot, request.seed);
     DrivenSession session{.name = world + "/" + robot.name, .world = world};
     session.path = {recording.drive.T_local_sensor, recording.drive.T_world_sensor};
-    Robot eyes(selection);
+    Robot eyes(selection, *family);
     for (std::size_t i = 0; i < recording.scans.size(); ++i)
       eyes.add(session.path.T_local_sensor[i], recording.scans[i].points, session);
     seen.push_back(mine::seen(recording, 0.5, 30));
@@ -75,13 +73,14 @@ DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   return out;
 }
 
-DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot) {
+DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot,
+                                  const DescriptorFamily& family) {
   const auto folder = SessionFolder::open(recording / robot);
   if (!folder) throw std::runtime_error(folder.error().message);
   const std::string world = recording.filename();
   DrivenSession session{.name = world + "/" + robot, .world = world};
   session.path = test::read_true_path(recording, robot);
-  Robot eyes(Selection::by_spaciousness);
+  Robot eyes(Selection::by_spaciousness, family);
   for (std::size_t i = 0; i < folder->size(); ++i) {
     const auto scan = folder->load(i);
     if (!scan) throw std::runtime_error(scan.error().message);

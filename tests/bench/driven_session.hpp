@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
+#include "common/descriptor/family.hpp"
 #include "common/session/keyframe.hpp"
 #include "tests/mine/scenario.hpp"
 #include "tests/support/truth.hpp"
@@ -29,6 +30,7 @@ enum class Selection { by_spaciousness, every_scan };
 DrivenMine drive_mine(const mine::Request& request, Selection selection = Selection::by_spaciousness);
 
 /// A recorded session folder; with no truth its true path is empty. Throws when it cannot be read.
-DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot);
+DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot,
+                                  const DescriptorFamily& family);
 
 }  // namespace headframe::bench

@@ -1,14 +1,15 @@
 // ./run bench: figures as ratios against a reference in the same run, as a table and as JSON.
 
-#include <algorithm>
-#include <chrono>
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
+#include "tests/bench/descriptors/descriptors.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
@@ -39,46 +40,83 @@ nlohmann::json walls() {
   return {{"wall_search_ms", ms}};
 }
 
+struct Options {
+  std::string what = "all";
+  std::filesystem::path recordings = "../shared/data", out = "build/bench";
+  std::optional<int> mines;
+  std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
+};
+
+int fail(const std::string& message, int status) {
+  std::fprintf(stderr, "headframe-bench: %s\n", message.c_str());
+  return status;
+}
+
+nlohmann::json merges(const Options& options) {
+  nlohmann::json figures;
+  figures["recordings"] = recordings_crossed(options.recordings);
+  figures["merges"] = campaign(options.mines.value_or(56), options.out / "merges");
+  figures["merge"] = merge_times();
+  return figures;
+}
+
+nlohmann::json descriptor_families(const Options& options) {
+  DescriptorBench bench{options.families, options.recordings, options.out / "descriptors"};
+  bench.mines = options.mines.value_or(bench.mines);
+  auto figures = descriptors(bench);
+  if (!figures) throw std::runtime_error(figures.error().message);
+  return std::move(*figures);
+}
+
+int run(const Options& options) {
+  std::filesystem::create_directories(options.out);
+  bool known = false, missing = false;
+  const auto part = [&](const char* name, bool in_all, auto&& measure) {
+    if (options.what != name && !(in_all && options.what == "all")) return;
+    known = true;
+    nlohmann::json figures = measure();
+    missing = missing || figures.is_null();
+    if (!figures.contains(name)) figures = {{name, figures}};
+    std::ofstream(options.out / (std::string(name) + ".json")) << figures.dump(1) << "\n";
+  };
+  part("registration", true, [&] {
+    nlohmann::json figures;
+    figures["registration"] = registration(options.recordings);
+    figures["sampling"] = sampling();
+    return figures;
+  });
+  part("places", true, walls);
+  // Minutes: only when asked for.
+  part("merges", false, [&] { return merges(options); });
+  part("recordings", false, [&] { return recordings_crossed(options.recordings); });
+  part("merge-times", false, merge_times);
+  part("basin", false, [&] { return basin(options.out); });
+  part("descriptors", false, [&] { return descriptor_families(options); });
+  if (known) return missing ? 1 : 0;
+  return fail("no bench '" + options.what +
+                  "'; there are: registration, places, all; minutes each: basin, merges, recordings, merge-times, "
+                  "descriptors, link",
+              2);
+}
+
 }  // namespace
 }  // namespace headframe::bench
 
 int main(int argc, char** argv) {
   using namespace headframe::bench;
-  const std::string what = argc > 1 ? argv[1] : "all";
-  const std::filesystem::path recordings = argc > 2 ? argv[2] : "../shared/data", out = "build/bench";
-  std::filesystem::create_directories(out);
-  bool known = false, missing = false;
-  const auto part = [&](const char* name, auto&& measure) {
-    if (what != "all" && what != name) return;
-    known = true;
-    nlohmann::json figures = measure();
-    missing = missing || figures.is_null();
-    if (!figures.contains(name)) figures = {{name, figures}};
-    std::ofstream(out / (std::string(name) + ".json")) << figures.dump(1) << "\n";
-  };
-  part("registration", [&] {
-    nlohmann::json figures;
-    figures["registration"] = registration(recordings);
-    figures["sampling"] = sampling();
-    return figures;
-  });
-  part("places", [] { return walls(); });
-  if (what == "merges")  // minutes: only when asked for
-    part("merges", [&] {
-      nlohmann::json figures;
-      const int mines = argc > 3 ? std::atoi(argv[3]) : 56;
-      figures["recordings"] = recordings_crossed(recordings);
-      figures["merges"] = campaign(mines, out / "merges");
-      figures["merge"] = merge_times();
-      return figures;
-    });
-  if (what == "recordings") part("recordings", [&] { return recordings_crossed(recordings); });
-  if (what == "merge-times") part("merge-times", merge_times);
-  if (what == "basin") part("basin", [&] { return basin(out); });  // minutes: only when asked for
-  if (!known)
-    std::fprintf(stderr,
-                 "headframe-bench: no bench '%s'; there are: registration, places, all; minutes each: basin, merges, "
-                 "recordings, merge-times, link\n",
-                 what.c_str());
-  return !known ? 2 : missing ? 1 : 0;
+  Options options;
+  CLI::App app{"Measures; the figures also land in build/bench/WHAT.json"};
+  app.add_option("WHAT", options.what,
+                 "registration, places, basin, merges, recordings, merge-times, descriptors; all");
+  app.add_option("RECORDINGS", options.recordings, "folder of the data sets");
+  app.add_option("MINES", options.mines, "of merges: mines in all; of descriptors: of each kind")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--families", options.families, "of descriptors: comma separated, as robots take them")
+      ->delimiter(',');
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(options);
+  } catch (const std::exception& error) {
+    return fail(error.what(), 1);
+  }
 }

@@ -28,11 +28,12 @@ std::vector<DrivenSession> read_sessions(const std::filesystem::path& recordings
                               {"tunnel-two", {"r1", "r2"}},
                               {"tunnel-four", {"s1", "s2", "s3", "s4"}},
                               {"tunnel-apart", {"r1", "r2"}}};
+  const auto family = make_family(default_family_name).value();
   std::vector<DrivenSession> sessions;
   for (const Set& set : sets)
     for (const char* robot : set.robots)
       if (std::filesystem::exists(recordings / set.name / robot)) {
-        sessions.push_back(read_driven_session(recordings / set.name, robot));
+        sessions.push_back(read_driven_session(recordings / set.name, robot, *family));
         sessions.back().world = world_of(sessions.back().world);
       }
   return sessions;

@@ -61,6 +61,71 @@ TEST(DescriptorIndex, FlannFindsWhatTheExactIndexFinds) {
   EXPECT_EQ(exact->nearest(q, 5000).size(), 2000U);
 }
 
+/// Distances by the book, all sorted: what an exact index has to say.
+std::vector<PlaceNeighbour> sorted_all(const std::vector<std::vector<float>>& rows, const std::vector<float>& q) {
+  std::vector<PlaceNeighbour> out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    float sum = 0;
+    for (std::size_t d = 0; d < q.size(); ++d) sum += (rows[i][d] - q[d]) * (rows[i][d] - q[d]);
+    out.push_back({{1, i}, sum});
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& n, const auto& m) { return n.squared_distance < m.squared_distance; });
+  return out;
+}
+
+TEST(DescriptorIndex, ExactIndexIsExactForAnySizeAndAnswersManyAsOne) {
+  std::mt19937 rng(3);
+  std::uniform_int_distribution<int> coarse(-3, 3);  // so that many lie equally far
+  std::normal_distribution<float> fine;
+  for (const std::size_t length : {1U, 7U, 64U})
+    for (const std::size_t count : {1U, 15U, 16U, 17U, 500U}) {
+      const auto draw = [&](bool rough) {
+        std::vector<float> q(length);
+        for (float& v : q) v = rough ? static_cast<float>(coarse(rng)) : fine(rng);
+        return q;
+      };
+      const auto index = make_exact_index(length);
+      std::vector<std::vector<float>> rows, questions;
+      for (std::size_t i = 0; i < count; ++i) index->add({1, i}, rows.emplace_back(draw(i % 2 == 0)));
+      for (int i = 0; i < 101; ++i) questions.push_back(draw(i % 2 == 0));
+      const std::vector<std::span<const float>> qs(questions.begin(), questions.end());
+      for (const std::size_t k : {0U, 1U, 5U, 20U, 1000U}) {
+        const auto answers = index->nearest_of_each(qs, k, 2);
+        ASSERT_EQ(answers.size(), questions.size());
+        for (std::size_t i = 0; i < answers.size(); ++i) {
+          const auto truth = sorted_all(rows, questions[i]);
+          ASSERT_EQ(answers[i].size(), std::min(k, count));
+          for (std::size_t n = 0; n < answers[i].size(); ++n) {
+            EXPECT_EQ(answers[i][n].keyframe, truth[n].keyframe) << length << " " << count << " " << k;
+            EXPECT_EQ(answers[i][n].squared_distance, truth[n].squared_distance);
+          }
+          const auto alone = index->nearest(questions[i], k);
+          ASSERT_EQ(alone.size(), answers[i].size());
+          for (std::size_t n = 0; n < alone.size(); ++n) EXPECT_EQ(alone[n].keyframe, truth[n].keyframe);
+        }
+      }
+    }
+}
+
+TEST(DescriptorMatches, FiveNearestOfEachWithAPlaceVector) {
+  std::vector<Keyframe> a(8), b(3);
+  for (std::size_t i = 0; i < a.size(); ++i) a[i].descriptor.q = {static_cast<float>(i)};
+  a[0].descriptor.q = {};      // none
+  a[2].descriptor.q = {1, 1};  // of another length
+  b[0].descriptor.q = {4.25F};
+  b[2].descriptor.q = {1, 1};
+  const auto matches = match_descriptors(a, b, 2);
+  std::vector<std::size_t> of_a;
+  for (const MatchedPair& m : matches) {
+    EXPECT_EQ(m.b, 0U);
+    of_a.push_back(m.a);
+  }
+  EXPECT_EQ(of_a, (std::vector<std::size_t>{4, 5, 3, 6, 7}));
+  EXPECT_TRUE(match_descriptors({}, b, 1).empty());
+  EXPECT_TRUE(match_descriptors(a, {}, 1).empty());
+}
+
 TEST(Hypotheses, PiecesCoverThePathAndOverlapByHalf) {
   std::vector<Keyframe> line(101);
   for (std::size_t i = 0; i < line.size(); ++i) line[i].T_local_sensor.translation().x() = 3.0 * static_cast<double>(i);

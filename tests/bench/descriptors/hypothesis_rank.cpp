@@ -1,0 +1,26 @@
+#include "tests/bench/descriptors/hypothesis_rank.hpp"
+
+#include "server/merge_config.hpp"
+#include "server/place/hypotheses.hpp"
+#include "tests/support/truth.hpp"
+
+namespace headframe::bench {
+namespace {
+
+constexpr double near_m = 4, near_deg = 20;
+
+}  // namespace
+
+std::size_t rank_of_right_hypothesis(const DrivenSession& a, const DrivenSession& b) {
+  const MergeConfig config;
+  HypothesisFinder finder({.most = static_cast<std::size_t>(config.hypotheses), .threads = config.threads});
+  const Found* found = finder.find({1, a.keyframes}, {2, b.keyframes},
+                                   [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
+  for (std::size_t i = 0; i < found->hypotheses.size(); ++i) {
+    const auto error = test::overlap_error(a.path, b.path, found->hypotheses[i].T_a_b);
+    if (error.pairs > 0 && error.translation_m < near_m && error.rotation_deg < near_deg) return i + 1;
+  }
+  return 0;
+}
+
+}  // namespace headframe::bench
