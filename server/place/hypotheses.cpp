@@ -125,6 +125,21 @@ void best_first(std::vector<Lead>& leads) {
                    [](const Lead& l, const Lead& m) { return l.match.score > m.match.score; });
 }
 
+/// Where b's level could lie on a's. A long one is laid piece by piece: over hundreds of metres half a step of a turn,
+/// and drift, put a right placement's ends off the walls.
+void search_level(const SessionWalls::Level& a, const SessionWalls::Level& b, const HypothesisFinder::Config& config,
+                  std::vector<Lead>& leads) {
+  constexpr std::size_t laid_whole = 5;  // pieces: 360 m of path
+  if (b.parts.size() <= laid_whole) {
+    for (const WallMatch& m : search_walls(a.map, a.field, b.map, config.refined, config.threads))
+      leads.push_back(best_part(a, b, m));
+    return;
+  }
+  for (const auto& part : b.parts)
+    for (const WallMatch& m : search_walls(a.map, a.field, part.map, config.refined, config.threads))
+      leads.push_back({&a, &part, m, false});
+}
+
 /// The levels of both sessions on each other, and the descriptors' transforms on every level they fit: refined by the
 /// walls, a few metres first, then the best to half a cell.
 std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::span<const Pose> proposed,
@@ -132,8 +147,7 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
   std::vector<Lead> leads;
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
-      for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, config.refined, config.threads))
-        leads.push_back(best_part(level_a, level_b, m));
+      search_level(level_a, level_b, config, leads);
       for (std::size_t i = 0; i < proposed.size(); ++i) {
         const Pose& T = proposed[i];
         leads.push_back(best_part(level_a, level_b, {yaw_rad(T), T.translation().head<2>(), 0}));
