@@ -14,6 +14,7 @@
 #include "client/keyframe/sweeps.hpp"
 #include "client/transforms.hpp"
 #include "common/cloud/point_cloud.hpp"
+#include "common/descriptor/family.hpp"
 #include "common/result.hpp"
 #include "common/session/cloud_policy.hpp"
 #include "common/session/keyframe.hpp"
@@ -39,7 +40,7 @@ struct RobotConfig {
   bool insecure = false;             // plain TCP without credential, to a server that runs so: nothing is protected
   Sensor sensor;
 
-  std::string family = "scan_context";            // of add_scan: see make_family (common/descriptor/family.hpp)
+  std::string family{default_family_name};        // of add_scan: see make_family
   std::optional<OwnDescriptors> own_descriptors;  // set: add_keyframe only
   CloudPolicy clouds = CloudPolicy::all;
   double bytes_per_s = 0;                         // budget of what is sent; 0: no limit

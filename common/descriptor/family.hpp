@@ -43,6 +43,6 @@ Result<void> enough_points(const Points& points);
 /// default_family_name.
 Result<std::unique_ptr<DescriptorFamily>> make_family(std::string_view name);
 
-inline constexpr std::string_view default_family_name = "scan_context";
+inline constexpr std::string_view default_family_name = "learned";
 
 }  // namespace headframe

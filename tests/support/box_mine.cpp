@@ -23,7 +23,8 @@ Keyframe make_keyframe(std::uint64_t sequence, const Pose& T_local_sensor, const
   Points level;
   for (const auto& p : scan) level.push_back((T_level_sensor * p.cast<double>()).cast<float>());
   keyframe.walls = wall_profile(level);
-  if (auto d = (*make_family(default_family_name))->extract(level)) keyframe.descriptor = *d;
+  static const auto family = make_family(default_family_name).value();
+  if (auto d = family->extract(level)) keyframe.descriptor = *d;
   return keyframe;
 }
 
