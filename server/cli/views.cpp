@@ -1,7 +1,10 @@
 #include "server/cli/views.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "server/cli/table.hpp"
 
@@ -75,6 +78,26 @@ std::string alignment_table(const Json& alignments, std::size_t width) {
                           value("freespace_violation", 3), value("rmse_m", 2), value("runner_up", 2)});
   }
   return "\nalignments\n" + table.text(width);
+}
+
+/// Empty where all are of one family and version: then all can meet.
+std::string families_text(const Json& sessions) {
+  constexpr std::size_t named = 8;
+  std::map<std::string, std::vector<std::string>> of_family;
+  for (const Json& row : sessions) {
+    const Json& family = row.at("family");
+    const auto key = printable(family.at("name").get<std::string>()) + " version " + family.at("version").dump();
+    of_family[key].push_back(name(row));
+  }
+  if (of_family.size() < 2) return {};
+  std::string out = "not compared across these descriptor families\n";
+  for (const auto& [family, names] : of_family) {
+    out.append("  ").append(family).append(": ");
+    for (std::size_t i = 0; i < std::min(named, names.size()); ++i) out.append(i == 0 ? "" : ", ").append(names[i]);
+    if (names.size() > named) out.append(" and ").append(std::to_string(names.size() - named)).append(" more");
+    out.append("\n");
+  }
+  return out;
 }
 
 }  // namespace
@@ -161,7 +184,7 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
                           ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-",
                           printable(row.at("sensor").at("model").get<std::string>())});
   }
-  return table.text(width);
+  return table.text(width) + families_text(rows);
 }
 
 std::string atlas_view(const Json& atlas, std::size_t width) {

@@ -61,6 +61,20 @@ class HeadframeCommand : public testing::Test {
   fs::path folder;
 };
 
+TEST_F(HeadframeCommand, SessionsSaysWhichCanNotMeetForTheirFamilies) {
+  server.station.rows[1].family.version = 2;
+  server.station.rows[2].family = {"lidar_iris", 1};
+  const Outcome sessions = run("sessions");
+  EXPECT_NE(sessions.out.find("not compared across these descriptor families\n"
+                              "  lidar_iris version 1: gamma \"3\"/run/1\n"
+                              "  scan_context version 1: alpha/run/1\n"
+                              "  scan_context version 2: beta/run/1\n"),
+            std::string::npos)
+      << sessions.out;
+  for (int i = 0; i < 8; ++i) server.station.rows.push_back(server.station.rows[0]);
+  EXPECT_NE(run("sessions").out.find("alpha/run/1 and 1 more\n"), std::string::npos);
+}
+
 TEST_F(HeadframeCommand, ShowsStatusSessionsAndAtlas) {
   const Outcome status = run("status");
   EXPECT_EQ(status.code, 0) << status.err;
@@ -74,6 +88,8 @@ TEST_F(HeadframeCommand, ShowsStatusSessionsAndAtlas) {
   EXPECT_NE(sessions.out.find("?[31mred/run/1"), std::string::npos) << "names do not reach the terminal raw";
   EXPECT_NE(sessions.out.find("live"), std::string::npos);
   EXPECT_NE(sessions.out.find("1.0 kB"), std::string::npos);
+
+  EXPECT_EQ(sessions.out.find("not compared"), std::string::npos) << "all of one family";
 
   const Outcome atlas = run("atlas");
   EXPECT_EQ(atlas.code, 0) << atlas.err;
