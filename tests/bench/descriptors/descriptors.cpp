@@ -13,6 +13,7 @@ namespace headframe::bench {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
+constexpr double off_grid_deg = 0.43;  // added to every yaw shift: whole degrees only move the sectors of some families
 
 /// A data set and its pairs of robots that overlap.
 struct RecordedSet {
@@ -62,7 +63,7 @@ void try_shifts(FamilyFigures& f, const std::string& row, const std::vector<Desc
   auto& by_shift = f.by_shift[row];
   by_shift.resize(shift_last_deg / shift_step_deg + 1);
   for (std::size_t k = 0; k < by_shift.size(); ++k) {
-    const double shift_rad = shift_step_deg * degree * static_cast<double>(k);
+    const double shift_rad = k == 0 ? 0 : (shift_step_deg * static_cast<double>(k) + off_grid_deg) * degree;
     const Answers answers = ask(*f.family, a, describe(*f.family, queries, shift_rad), asked);
     by_shift[k].insert(by_shift[k].end(), answers.begin(), answers.end());
   }

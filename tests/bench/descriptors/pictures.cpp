@@ -42,6 +42,7 @@ std::vector<ChartPanel> panels_of(const std::vector<FamilyFigures>& families, Cu
 
 std::vector<Eigen::Vector2d> recall_over_shift(const std::vector<Answers>& by_shift) {
   std::vector<Eigen::Vector2d> points;
+  points.reserve(by_shift.size());
   for (const Answers& answers : by_shift)
     points.emplace_back(shift_step_deg * static_cast<double>(points.size()), recall(answers, 1));
   return points;
