@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 21> fields{{
+constexpr std::array<EvidenceField, 22> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -29,6 +29,7 @@ constexpr std::array<EvidenceField, 21> fields{{
     {"own_violation", &Evidence::own_violation},
     {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},
+    {"end_on_match", &Evidence::end_on_match},
     {"tilt_deg", &Evidence::tilt_deg},
     {"support", &Evidence::support},
     {"runner_up", &Evidence::runner_up},

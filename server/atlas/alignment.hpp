@@ -39,9 +39,10 @@ struct Evidence {
   double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
-  double tilt_deg = 0;     // gravity disagreement after registration
-  double support = 0;      // wall map score of the hypothesis it came from
-  double runner_up = 0;    // probability of the best different hypothesis
+  double end_on_match = 0;  // share of b's surfaces that face along the weakest axis and meet one of a's that does
+  double tilt_deg = 0;      // gravity disagreement after registration
+  double support = 0;       // wall map score of the hypothesis it came from
+  double runner_up = 0;     // probability of the best different hypothesis
 };
 
 /// Overlap, along b's path, that is asked for where the mine repeats itself: 30 m for each alias, about a tile and a

@@ -10,8 +10,8 @@ namespace headframe::bench {
 /// how far off; a table by kind and by overlap. Draws the five worst into `pictures`.
 nlohmann::json campaign(int mines, const std::filesystem::path& pictures);
 
-/// All pairs of the recordings, within and across their sets, with the evidence: as they are, with every frame turned, and
-/// with 5 % of the keyframes noise besides. Null, and a line that says so, where there are none.
+/// All pairs of the recordings, within and across their sets, with the evidence: as they are, with every frame turned,
+/// and with 5 % of the keyframes noise besides. Null, and a line that says so, where there are none.
 nlohmann::json recordings_crossed(const std::filesystem::path& recordings);
 
 /// From the trigger to the published transform, by stage; two sessions of 300 keyframes, then with others in the
