@@ -104,7 +104,7 @@ def main():
     options.add_argument("--minutes", type=float, default=0, help="stop after so long; 0: after --steps")
     options.add_argument("--steps", type=int, default=9000)
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--threads", type=int, default=2)
+    options.add_argument("--threads", type=int, default=1)
     options.add_argument("--bf16", action="store_true", help="half the time on a processor that has bfloat16")
     given = options.parse_args()
     global BF16
