@@ -11,7 +11,7 @@ import torch.nn.functional as F
 
 import views
 from export import export
-from model import COLUMNS, Learned, W
+from model import Learned, W
 from validate import validate
 
 SHARP = 256  # bins of yaw in the loss
@@ -45,13 +45,13 @@ class Batches:
         self.random, self.rng = random.Random(seed), torch.Generator().manual_seed(seed)
         self.pool, self.alike = [], {}
 
-    def look(self, net, mines_at_once):
+    def look(self, net, mines_at_once, bf16):
         """Draws new mines and finds the look-alikes in them."""
         self.pool = self.random.sample(range(len(self.mines)), min(mines_at_once, len(self.mines)))
         self.alike = {}
         for k in self.pool:
             mine = self.mines[k]
-            q = embed(net, mine)[0]
+            q = embed(net, mine, bf16)[0]
             score = (q @ q.T).masked_fill(~mine.negative(), -2)
             self.alike[k] = (score.topk(12, 1).indices, mine.positive())
 
@@ -85,75 +85,85 @@ class Batches:
         return torch.cat(images), torch.cat(yaws), torch.cat(ways), same, away
 
 
-def embed(net, mine, size=512):
+def embed(net, mine, bf16, size=512):
     net.eval()
-    with torch.no_grad(), torch.autocast("cpu", dtype=torch.bfloat16, enabled=BF16):
+    with torch.no_grad(), torch.autocast("cpu", dtype=torch.bfloat16, enabled=bf16):
         out = [net(views.planes(part).to(memory_format=torch.channels_last)) for part in mine.image.split(size)]
     net.train()
     return [torch.cat(parts).float() for parts in zip(*out)]
 
 
-BF16 = False
-
-
-def main():
+def arguments():
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--views", required=True, help="folder of training views")
     options.add_argument("--validation", required=True, help="folder of views of other mines")
     options.add_argument("--out", required=True, help="the ONNX file")
-    options.add_argument("--minutes", type=float, default=0, help="stop after so long; 0: after --steps")
-    options.add_argument("--steps", type=int, default=9000)
+    options.add_argument("--steps", type=int, default=6000)
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--threads", type=int, default=1)
     options.add_argument("--bf16", action="store_true", help="half the time on a processor that has bfloat16")
-    given = options.parse_args()
-    global BF16
-    BF16 = given.bf16
-    torch.manual_seed(given.seed)
-    torch.set_num_threads(given.threads)
-    mines, unseen = views.load(given.views), views.load(given.validation)
-    print(f"{len(mines)} mines, {sum(map(len, mines))} views; validation: {len(unseen)}, {sum(map(len, unseen))}", flush=True)
-    net = Learned().to(memory_format=torch.channels_last)
-    calm = copy.deepcopy(net).eval()  # the mean of the weights over the last steps
-    batches = Batches(mines, given.seed)
-    optimiser = torch.optim.AdamW(net.parameters(), lr=2e-3, weight_decay=1e-4)
-    begun = time.time()
-    means = torch.zeros(3)
-    step = 0
-    while True:
-        done = (time.time() - begun) / (60 * given.minutes) if given.minutes else step / given.steps
-        if step % 100 == 0:
-            batches.look(net, 12)
-        if done >= 1 or step % 1000 == 0 and step > 0:
-            print(f"step {step}, {(time.time() - begun) / 60:.1f} min: {validate(lambda m: embed(calm, m), unseen)}", flush=True)
-            export(calm, given.out)
-            torch.save(calm.state_dict(), given.out + ".pt")  # to look at, and to go on from
-        if done >= 1:
-            break
-        rate = 2e-3 * min(1, (step + 1) / 200) * 0.5 * (1 + math.cos(math.pi * min(1, done)))
-        for group in optimiser.param_groups:
+    return options.parse_args()
+
+
+class Training:
+    def __init__(self, mines, given):
+        self.given, self.begun, self.step = given, time.time(), 0
+        self.net = Learned().to(memory_format=torch.channels_last)
+        self.calm = copy.deepcopy(self.net).eval()  # the mean of the weights over the last steps
+        self.batches = Batches(mines, given.seed)
+        self.optimiser = torch.optim.AdamW(self.net.parameters(), lr=2e-3, weight_decay=1e-4)
+
+    def take_step(self):
+        """The three losses: place, yaw, junction."""
+        rate = 2e-3 * min(1, (self.step + 1) / 200) * 0.5 * (1 + math.cos(math.pi * self.step / self.given.steps))
+        for group in self.optimiser.param_groups:
             group["lr"] = rate
-        image, yaw, ways, same, away = batches.draw(min(0.8, step / 1500))
-        x, yaw = views.disturbed(views.planes(image), yaw, batches.rng)
-        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=given.bf16):
-            q, w, junction = net(x.to(memory_format=torch.channels_last))
+        image, yaw, ways, same, away = self.batches.draw(min(0.8, self.step / 1500))
+        x, yaw = views.disturbed(views.planes(image), yaw, self.batches.rng)
+        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=self.given.bf16):
+            q, w, junction = self.net(x.to(memory_format=torch.channels_last))
         q, w, junction = q.float(), w.float(), junction.float()
         i, j = same.nonzero(as_tuple=True)
         losses = torch.stack([contrast(q, same, away, 0.07), yaw_loss(w, i, j, yaw[j] - yaw[i]),
                               F.binary_cross_entropy_with_logits(junction[:, 0], (ways >= 3).float())])
-        optimiser.zero_grad()
+        self.optimiser.zero_grad()
         (losses * torch.tensor([1.0, 0.3, 0.3])).sum().backward()
-        torch.nn.utils.clip_grad_norm_(net.parameters(), 5)
-        optimiser.step()
-        keep = min(0.998, step / (step + 20))
+        torch.nn.utils.clip_grad_norm_(self.net.parameters(), 5)
+        self.optimiser.step()
+        self.follow(min(0.998, self.step / (self.step + 20)))
+        self.step += 1
+        return losses.detach()
+
+    def follow(self, keep):
         with torch.no_grad():
-            for mean, now in zip(calm.state_dict().values(), net.state_dict().values()):
+            for mean, now in zip(self.calm.state_dict().values(), self.net.state_dict().values()):
                 mean.mul_(keep).add_(now, alpha=1 - keep) if mean.is_floating_point() else mean.copy_(now)
-        means = 0.98 * means + 0.02 * losses.detach()
-        step += 1
-        if step % 50 == 0:
-            print(f"step {step}: {' '.join(f'{v:.3f}' for v in means / (1 - 0.98 ** step))}, batch {len(x)}, {rate:.5f}, "
-                  f"{(time.time() - begun) / step:.2f} s a step", flush=True)
+
+    def save(self, unseen):
+        minutes = (time.time() - self.begun) / 60
+        figures = validate(lambda mine: embed(self.calm, mine, self.given.bf16), unseen)
+        print(f"step {self.step}, {minutes:.1f} min: {figures}", flush=True)
+        export(self.calm, self.given.out)
+        torch.save(self.calm.state_dict(), self.given.out + ".pt")  # to look at, and to go on from
+
+
+def main():
+    given = arguments()
+    torch.manual_seed(given.seed)
+    torch.set_num_threads(given.threads)
+    mines, unseen = views.load(given.views), views.load(given.validation)
+    print(f"{len(mines)} mines, {sum(map(len, mines))} views; validation: {len(unseen)}, {sum(map(len, unseen))}", flush=True)
+    training = Training(mines, given)
+    means = torch.zeros(3)
+    while training.step < given.steps:
+        if training.step % 100 == 0:
+            training.batches.look(training.net, 12, given.bf16)
+        means = 0.98 * means + 0.02 * training.take_step()
+        if training.step % 50 == 0:
+            print(f"step {training.step} of {given.steps}: {' '.join(f'{v:.3f}' for v in means / (1 - 0.98 ** training.step))}, "
+                  f"{(time.time() - training.begun) / training.step:.2f} s a step", flush=True)
+        if training.step % 1000 == 0 or training.step == given.steps:
+            training.save(unseen)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@ import math
 
 import torch
 
-W = 64
+from model import W
 
 
 def turns(a, b):
@@ -59,11 +59,11 @@ def validate(embed, mines):
         said.append(junction[:, 0] > 0)
     errors, second, truth, said = (torch.cat(v) for v in (errors, second, truth, said))
     f1 = 2 * (truth & said).sum() / (truth.sum() + said.sum())
-    recall = {k: torch.cat([F20(v) for v in hits[k]]).mean(0) for k in hits}
+    recall = {k: torch.cat([to_twenty(v) for v in hits[k]]).mean(0) for k in hits}
     return (" ".join(f"{k} r@1 {v[0]:.3f} r@5 {v[4]:.3f} r@20 {v[-1]:.3f}," for k, v in recall.items()) +
             f" yaw p50 {errors.median():.2f} p95 {errors.quantile(0.95):.1f} top2<10 {(second < 10).float().mean():.3f}, F1 {f1:.3f}")
 
 
-def F20(hits):
+def to_twenty(hits):
     """Rows of fewer than 20 answers go on as they end."""
     return torch.cat([hits, hits[:, -1:].expand(-1, 20 - hits.shape[1])], 1)
