@@ -1,6 +1,7 @@
 #pragma once
 // Surfaces that face along a drift: niches, corners, fronts. In a drift whose ribs or rings repeat, the walls fit at
-// every period; only these tell one place of it from the next.
+// every period; only these tell one place of it from the next. Not to be asked where the walls hold nothing at all:
+// single scan lines round the corners of a bare drift look like such surfaces, and lie where the robot stood.
 
 #include <span>
 

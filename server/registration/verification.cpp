@@ -186,7 +186,7 @@ Pose align_overlap(const Overlap& overlap, const Pose& T_0, const JudgeConfig& c
 Pose settled(const Overlap& overlap, const Pose& T_a_b, const JudgeConfig& config, double& end_on_match) {
   const EndOnSurfaces here(overlap.joined, T_a_b, overlap.weakest);
   end_on_match = here.match(0);
-  if (overlap.weakest_hold >= config.held_well) return T_a_b;
+  if (overlap.weakest_hold >= config.held_well || overlap.weakest_hold < config.held_by_nothing) return T_a_b;
   const double slide_m = here.best_slide_m(config.slide_m);
   if (slide_m == 0 || here.match(slide_m) < config.ends_meet) return T_a_b;
   const Pose T = align_overlap(overlap, Eigen::Translation3d(slide_m * overlap.weakest) * T_a_b, config);
@@ -285,7 +285,9 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
   out.evidence.pairs = static_cast<double>(shared.size());
   out.evidence.overlap_m = shared_path_m(shared);
   out.status = first.place.registration.status;
-  if (out.evidence.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= config.ends_meet)
+  if (overlap.weakest_hold < config.held_by_nothing)
+    out.status = RegistrationStatus::degenerate;
+  else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= config.ends_meet)
     out.status = RegistrationStatus::converged;
   out.evidence.probability = probability(out.status, out.evidence);
   return out;

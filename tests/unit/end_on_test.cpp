@@ -55,14 +55,6 @@ TEST(EndOnSurfaces, WhereNothingIsOutOfPlaceNothingSlides) {
   EXPECT_EQ(EndOnSurfaces(p.pairs(), slid(3), along).best_slide_m(2), 0) << "beyond the reach";
 }
 
-TEST(EndOnSurfaces, ABareDriftMatchesNowhere) {
-  const BoxMine bare({drift});
-  const Pair p = pair_of(bare, bare);
-  const EndOnSurfaces surfaces(p.pairs(), slid(0.5), along);
-  EXPECT_EQ(surfaces.best_slide_m(4), 0);
-  EXPECT_LT(surfaces.match(0), 0.05);
-}
-
 TEST(EndOnSurfaces, ANicheThatTheOtherHasNotMatchesNowhere) {
   const Pair p = pair_of(BoxMine({drift}), with_niche);
   const EndOnSurfaces surfaces(p.pairs(), slid(0), along);
