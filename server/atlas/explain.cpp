@@ -11,7 +11,7 @@ namespace {
 // Where a figure begins to speak against a placement: what the verdict (server/registration/verification.cpp) weighs.
 constexpr double few_pairs = 3, few_points = 6000, good_inliers = 0.6, free_to_slide = 0.012, hardly_held = 0.03;
 constexpr double violation_ratio = 1.5, violation_floor = 0.001;  // against what each session does to itself
-constexpr double slid_as_well = 0.97, tilted_deg = 1.5, thin_overlap = 0.1;
+constexpr double slid_as_well = 0.97, tilted_deg = 1.5, ends_meet = 0.12, thin_overlap = 0.1;
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -53,6 +53,8 @@ std::vector<Finding> findings_of(const Evidence& e) {
   if (e.slide_ratio > 0)
     add("slide_ratio", e.slide_ratio, side(e.slide_ratio > slid_as_well),
         text("slid a few metres along its weakest direction it fits %.0f %% as well", 100 * e.slide_ratio));
+  add("end_on_match", e.end_on_match, side(e.weakest_hold < hardly_held && e.end_on_match < ends_meet),
+      text("of the surfaces that face along it %.0f %% meet", 100 * e.end_on_match));
   add("tilt_deg", e.tilt_deg, side(e.tilt_deg > tilted_deg),
       text("the two disagree on gravity by %.2f deg", e.tilt_deg));
   add("runner_up", e.runner_up, Speaks::neither,

@@ -310,7 +310,7 @@ Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const Jud
 double best_probability(const Glance& glance) {
   Evidence e;
   e.worst_place_violation = glance.place.between().violation();
-  e.places = e.places_agreeing = e.inlier_fraction = e.end_on_match = 1;
+  e.places = e.places_agreeing = e.inlier_fraction = e.weakest_hold = e.end_on_match = 1;
   e.pairs = e.overlap_m = std::numeric_limits<double>::max();
   return probability(RegistrationStatus::converged, e);
 }
@@ -329,10 +329,11 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double asked_m = asked_overlap_m(e);
   const double short_overlap = asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
-  // A drift that hardly holds: of what faces along it, wrong placements match 0.01 to 0.07, right ones 0.2 and more.
-  const double unmet =
-      e.weakest_hold < JudgeConfig{}.held_well ? std::min(0.0, e.end_on_match / JudgeConfig{}.ends_meet - 1) : 0;
-  const double z = 6 + 6 * unmet - 6 * contradiction - 12 * misfit -
+  // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong
+  // placements match 0.01 to 0.07, right ones 0.2 and more), and a contradiction counts twice.
+  const bool hardly_held = e.weakest_hold < JudgeConfig{}.held_well;
+  const double unmet = hardly_held ? std::min(0.0, e.end_on_match / JudgeConfig{}.ends_meet - 1) : 0;
+  const double z = 6 + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
                    12 * (1 - e.places_agreeing / std::max(1.0, e.places)) + 4 * few_pairs + fit + 12 * short_overlap +
                    6 * tiny_overlap;
   const double p = 1 / (1 + std::exp(-z));

@@ -12,7 +12,7 @@ namespace headframe::bench {
 namespace {
 
 constexpr double bar_overlap_pct = 18;
-constexpr std::uint64_t first_seed = 5000;  // weights were set on seeds 1000 to 1059
+constexpr std::uint64_t first_seed = 8000;  // weights were set on seeds 1000 to 1059, one with 5020 in sight
 
 struct PairResult {
   std::string kind, a, b;

@@ -206,5 +206,21 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_EQ(p(longer), p(good)) << "a longer overlap makes up for copies";
 }
 
+TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
+  const auto p = [](double hold, double end_on_match, double violation) {
+    Evidence e = convincing();
+    e.weakest_hold = hold;
+    e.end_on_match = end_on_match;
+    e.worst_place_violation = violation;
+    return probability(RegistrationStatus::converged, e);
+  };
+  const JudgeConfig config;
+  EXPECT_EQ(p(config.held_well, 0, 0), p(0.1, 0, 0)) << "what holds needs no ends";
+  EXPECT_LT(p(0.9 * config.held_well, 0, 0), 0.8);
+  EXPECT_EQ(p(0.9 * config.held_well, config.ends_meet, 0), p(0.1, 0, 0));
+  EXPECT_LT(p(0.9 * config.held_well, 0.9 * config.ends_meet, 0), p(0.1, 0, 0));
+  EXPECT_LT(p(0.9 * config.held_well, config.ends_meet, 0.005), p(0.1, 0, 0.005)) << "a contradiction counts twice";
+}
+
 }  // namespace
 }  // namespace headframe

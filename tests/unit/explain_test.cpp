@@ -81,6 +81,16 @@ TEST(Explain, EachPieceOfEvidenceHasTwoSides) {
   }
 }
 
+TEST(Explain, EndsThatDoNotMeetSpeakOnlyWhereTheWallsHardlyHold) {
+  Alignment k = good();
+  k.evidence.end_on_match = 0.11;
+  EXPECT_EQ(side(explained(k), "end_on_match"), Speaks::in_favour);
+  k.evidence.weakest_hold = 0.029;
+  EXPECT_EQ(side(explained(k), "end_on_match"), Speaks::against);
+  k.evidence.end_on_match = 0.13;
+  EXPECT_EQ(side(explained(k), "end_on_match"), Speaks::in_favour);
+}
+
 TEST(Explain, WhatTheVerdictAsksForIsNamedWithBothFigures) {
   Alignment k = good();
   k.state = AlignmentState::candidate;

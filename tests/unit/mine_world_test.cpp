@@ -60,8 +60,8 @@ TEST(World, MeshesAreClosed) {
 }
 
 TEST(World, EveryKindIsConnectedAndOpenAlongItsDrifts) {
-  for (const Kind kind :
-       {Kind::junctions, Kind::grid, Kind::room_and_pillar, Kind::ramp, Kind::straight, Kind::look_alike, Kind::varied}) {
+  for (const Kind kind : {Kind::junctions, Kind::grid, Kind::room_and_pillar, Kind::ramp, Kind::straight,
+                          Kind::look_alike, Kind::varied}) {
     const Plan plan = make_plan(kind, 2);
     std::set<std::size_t> reached{0};
     for (std::size_t before = 0; before != reached.size();) {
