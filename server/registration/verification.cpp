@@ -1,13 +1,11 @@
 #include "server/registration/verification.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "server/registration/end_on.hpp"
+#include "server/registration/overlap.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
@@ -35,8 +33,6 @@ Stands near_other(std::span<const Stand> a, std::span<const Stand> b, const Pose
   return out;
 }
 
-bool usable(const Registration& r) { return r.status != RegistrationStatus::too_little_overlap; }
-
 /// Stands as far from each other as can be, none nearer than 4 m to the first place, which is taken already.
 Stands spread(const Eigen::Vector3d& first, const Stands& candidates, std::size_t most) {
   constexpr double same_place_m = 4;
@@ -57,46 +53,6 @@ Stands spread(const Eigen::Vector3d& first, const Stands& candidates, std::size_
     chosen.push_back(*next);
   }
   return chosen;
-}
-
-Eigen::Matrix3d hold_matrix(const Registration& r) { return r.information.bottomRightCorner<3, 3>(); }
-
-/// One T for all places: each pulls its p_b to where its own registration put it, as firmly as its points hold each
-/// direction, and its rotation as a body of 8 m would.
-Pose combine(const std::vector<PlaceCheck>& places, const std::vector<bool>& agrees, const Pose& T_0) {
-  Pose T = T_0;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    double count = 0;
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (agrees[i]) {
-        centre += T * places[i].p_b;
-        count += 1;
-      }
-    centre /= count;
-    Matrix6d H = Matrix6d::Zero();
-    Vector6d g = Vector6d::Zero();
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (!agrees[i]) continue;
-      Eigen::Matrix3d W = hold_matrix(places[i].registration);
-      W /= W.trace();
-      const Eigen::Vector3d p = T * places[i].p_b, e = p - places[i].p_a;
-      Eigen::Matrix<double, 3, 6> J;
-      J << -skew(p - centre), Eigen::Matrix3d::Identity();
-      H += J.transpose() * W * J;
-      g += J.transpose() * W * e;
-      const double firmness = 64.0 / 3;
-      const Eigen::AngleAxisd turn(T.linear() * places[i].registration.T_target_source.linear().transpose());
-      H.topLeftCorner<3, 3>() += firmness * Eigen::Matrix3d::Identity();
-      g.head<3>() += firmness * turn.angle() * turn.axis();
-    }
-    H.diagonal().array() += 1e-9;
-    const Vector6d d = -H.ldlt().solve(g);
-    if (!d.allFinite()) return T_0;
-    T = Eigen::Translation3d(centre) * se3_exp(d) * Eigen::Translation3d(-centre) * T;
-    if (d.norm() < 1e-7) break;
-  }
-  return orthonormalised(T);
 }
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
@@ -136,66 +92,6 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
-/// A place of the overlap as each session knows it.
-struct Pair {
-  PlacePtr a, b;
-};
-
-/// The agreeing places as one map.
-struct Overlap {
-  std::vector<VgicpPair> joined;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();    // in b's frame
-  Eigen::Vector3d weakest = Eigen::Vector3d::UnitX();  // direction in a's frame that holds least
-  double weakest_hold = 0;
-};
-
-Overlap overlap_of(const std::vector<Pair>& pairs, const std::vector<PlaceCheck>& places,
-                   const std::vector<bool>& agrees) {
-  Overlap out;
-  Eigen::Matrix3d hold = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (!agrees[i]) continue;
-    out.joined.push_back({&pairs[i].a->target, &pairs[i].b->source.points, &pairs[i].b->source.normals});
-    out.centre += pairs[i].b->p;
-    hold += hold_matrix(places[i].registration);
-  }
-  out.centre /= static_cast<double>(out.joined.size());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> held(hold / hold.trace());
-  out.weakest = held.eigenvectors().col(0);
-  out.weakest_hold = held.eigenvalues()[0];
-  return out;
-}
-
-/// All registered at once from T_0: pulls out a slide along a drift that each by itself allows. T_0 when that does not
-/// converge nearby.
-Pose align_overlap(const Overlap& overlap, const Pose& T_0, const JudgeConfig& config) {
-  VgicpConfig vgicp;
-  vgicp.levels = {{1.0F, 4000}, {0.5F, 12000}};
-  vgicp.iterations = 25;
-  vgicp.least_inliers = 0.05;
-  vgicp.threads = config.threads;
-  const Eigen::Vector3d& centre = overlap.centre;
-  const Registration r = align(overlap.joined, T_0, vgicp);
-  const bool near = (r.T_target_source * centre - T_0 * centre).norm() < config.place_drift_m &&
-                    rotation_angle_rad(T_0.inverse() * r.T_target_source) < config.place_drift_rad;
-  return usable(r) && near ? r.T_target_source : T_0;
-}
-
-/// Where a drift hardly holds the overlap along its axis, ribs that repeat catch a registration at any period: it is
-/// slid to where the surfaces that face along the axis meet, and registered again there.
-Pose settled(const Overlap& overlap, const Pose& T_a_b, const JudgeConfig& config, double& end_on_match) {
-  const EndOnSurfaces here(overlap.joined, T_a_b, overlap.weakest);
-  end_on_match = here.match(0);
-  if (overlap.weakest_hold >= config.held_well || overlap.weakest_hold < config.held_by_nothing) return T_a_b;
-  const double slide_m = here.best_slide_m(config.slide_m);
-  if (slide_m == 0 || here.match(slide_m) < config.ends_meet) return T_a_b;
-  const Pose T = align_overlap(overlap, Eigen::Translation3d(slide_m * overlap.weakest) * T_a_b, config);
-  const double there = EndOnSurfaces(overlap.joined, T, overlap.weakest).match(0);
-  if (there <= end_on_match) return T_a_b;
-  end_on_match = there;
-  return T;
-}
-
 /// Path of b, in metres, along which its keyframes lie within reach of a's.
 double shared_path_m(const Stands& near) {
   double path = 0;
@@ -205,7 +101,7 @@ double shared_path_m(const Stands& near) {
 }
 
 /// The first place's pair stands for itself: it is in `first` already.
-std::vector<Pair> other_places(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
+std::vector<PlacePair> other_places(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
   const Pose& T = first.place.registration.T_target_source;
   const Stands chosen = spread(first.place.p_b, near_other(a.stands, b.stands, T, config.meet_m), config.places - 1);
   std::vector<std::size_t> of_a, of_b;
@@ -214,7 +110,7 @@ std::vector<Pair> other_places(const Scene& a, const Scene& b, const Glance& fir
     of_b.push_back(s.keyframe);
   }
   const auto places_a = a.places(of_a), places_b = b.places(of_b);
-  std::vector<Pair> pairs;
+  std::vector<PlacePair> pairs;
   pairs.reserve(chosen.size() + 1);
   pairs.push_back({first.a, first.b});
   for (std::size_t i = 0; i < chosen.size(); ++i) pairs.push_back({places_a[i], places_b[i]});
@@ -226,6 +122,13 @@ bool within_drift(const PlaceCheck& place, const PlaceCheck& first, const Pose& 
   const double allowed_m = config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
   return usable(place.registration) && (T * place.p_b - place.p_a).norm() < allowed_m &&
          rotation_angle_rad(T.inverse() * place.registration.T_target_source) < config.place_drift_rad;
+}
+
+std::vector<bool> agreeing(const std::vector<PlaceCheck>& places, const Pose& T, const JudgeConfig& config) {
+  std::vector<bool> out;
+  out.reserve(places.size());
+  for (const PlaceCheck& p : places) out.push_back(within_drift(p, places[0], T, config));
+  return out;
 }
 
 }  // namespace
@@ -262,23 +165,32 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
-  const std::vector<Pair> pairs = other_places(a, b, first, config);
+  const std::vector<PlacePair> pairs = other_places(a, b, first, config);
   std::vector<PlaceCheck> places(pairs.size());
-  for_blocks(pairs.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    places[i] = i == 0 ? first.place : register_place(*pairs[i].a, *pairs[i].b, T_0, config.place);
-  });
-  std::vector<bool> agrees;
-  agrees.reserve(places.size());
-  for (const PlaceCheck& p : places) agrees.push_back(within_drift(p, places[0], T_0, config));
+  const auto register_all = [&](const Pose& from, std::size_t first_one) {
+    for_blocks(pairs.size() - first_one, 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+      places[first_one + i] = register_place(*pairs[first_one + i].a, *pairs[first_one + i].b, from, config.place);
+    });
+  };
+  places[0] = first.place;
+  register_all(T_0, 1);
+  std::vector<bool> agrees = agreeing(places, T_0, config);
   const Overlap overlap = overlap_of(pairs, places, agrees);
-  out.T_a_b =
-      settled(overlap, align_overlap(overlap, combine(places, agrees, T_0), config), config, out.evidence.end_on_match);
+  const Pose T_joined = align_overlap(overlap, combine(places, agrees, T_0), config);
+  out.T_a_b = settled(overlap, T_joined, config, out.evidence.end_on_match);
   out.evidence.weakest_hold = overlap.weakest_hold;
+  const bool slid = out.T_a_b.matrix() != T_joined.matrix();
+  if (slid) {  // each place was caught at a period of its own
+    register_all(out.T_a_b, 0);
+    agrees = agreeing(places, out.T_a_b, config);
+    if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return out;
+  }
   // Each place is looked at where its own registration put it: drift is not a contradiction, other rock is.
-  for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    if (i > 0)
-      look_at_place(places[i], *pairs[i].a, *pairs[i].b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b,
-                    config.place);
+  const std::size_t seen = slid ? 0 : 1;
+  for_blocks(places.size() - seen, 1, config.threads, [&](std::size_t k, std::size_t, std::size_t) {
+    const std::size_t i = seen + k;
+    look_at_place(places[i], *pairs[i].a, *pairs[i].b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b,
+                  config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
   const Stands shared = near_other(a.stands, b.stands, out.T_a_b, config.meet_m);
