@@ -108,7 +108,11 @@ export async function open(browser, url, { allowed, ...options } = {}) {
   return page;
 }
 
-/** What the view shows, by the page's own count. */
-export const shown = (page) => page.evaluate(() => ({ ...window.headframe.shown, keyframes: [...window.headframe.shown.keyframes.values()] }));
+/** What the view shows, by the page's own count; nothing before the page's script has run. */
+export const shown = (page) =>
+  page.evaluate(() => {
+    const { shown = { points: 0, keyframes: new Map() } } = window.headframe ?? {};
+    return { ...shown, keyframes: [...shown.keyframes.values()] };
+  });
 
 export const picture = (page, name) => page.screenshot({ path: join(outputs, `${name}.png`) });
