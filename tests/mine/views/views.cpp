@@ -88,7 +88,7 @@ Views take_views(Kind kind, std::uint64_t seed, int routes, double length_m, dou
   std::vector<Seen> seen;
   for (int k = 0; k < 2 * routes; ++k) {
     const Rng own = rng.fork(static_cast<std::uint64_t>(k));
-    Route route = random_route(world.regions.front(), length_m, rng.fork(static_cast<std::uint64_t>(1000 + k / 2)));
+    Route route = random_route(world.regions.front(), length_m, rng.fork(1000 + static_cast<std::uint64_t>(k / 2)));
     if (Rng turn = own.fork(1); k % 2 == 1 && turn.chance(0.5)) std::reverse(route.begin(), route.end());
     const Robot robot = drawn_robot(std::move(route), spacing_m, own.fork(2));
     const Drive drive = drive_along(robot.route, robot.style, world.caster, own.fork(3));
