@@ -47,7 +47,7 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
 
-double asked_overlap_m(const Evidence& e) { return 30 * e.aliases; }
+double asked_overlap_m(const Evidence& e) { return 33 * e.aliases; }
 
 double runner_up_share(const Evidence& e) {
   constexpr double certain = 1 - 1e-9;

@@ -45,7 +45,7 @@ struct Evidence {
   double runner_up = 0;     // probability of the best different hypothesis
 };
 
-/// Overlap, along b's path, that is asked for where the mine repeats itself: 30 m for each alias, about a tile and a
+/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias, about a tile and a
 /// half.
 double asked_overlap_m(const Evidence& evidence);
 

@@ -88,7 +88,7 @@ Pose settled(const Overlap& overlap, const Pose& T_a_b, const JudgeConfig& confi
   if (overlap.weakest_hold >= config.held_well || overlap.weakest_hold < config.held_by_nothing) return T_a_b;
   const double slide_m = here.best_slide_m(config.slide_m);
   if (slide_m == 0 || here.match(slide_m) < config.ends_meet) return T_a_b;
-  const Pose T = align_overlap(overlap, Eigen::Translation3d(slide_m * overlap.weakest) * T_a_b, config);
+  Pose T = align_overlap(overlap, Eigen::Translation3d(slide_m * overlap.weakest) * T_a_b, config);
   const double there = EndOnSurfaces(overlap.everywhere, T, overlap.weakest).match(0);
   if (there <= end_on_match) return T_a_b;
   end_on_match = there;
