@@ -27,7 +27,7 @@ Result<double> wire_bytes_per_keyframe(const std::vector<Keyframe>& keyframes) {
   const test::FaultyProxy proxy((*server)->robots().port, {1, 0, 0});
   auto config = drive_config("ant", scratch.path() / "spool", "127.0.0.1", proxy.port(), *enrolled);
   const Descriptor& first = keyframes.front().descriptor;
-  config.own_descriptors = OwnDescriptors{{"scan_context", 1}, first.q.size(), first.w.size()};
+  config.own_descriptors = OwnDescriptors{{std::string(default_family_name), 1}, first.q.size(), first.w.size()};
   config.clouds = CloudPolicy::never;
   const auto robot = RobotClient::open(config);
   if (!robot) return tl::unexpected(robot.error());
