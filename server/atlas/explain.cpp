@@ -9,9 +9,9 @@ namespace headframe {
 namespace {
 
 // Where a figure begins to speak against a placement: what the verdict (server/registration/verification.cpp) weighs.
-constexpr double few_pairs = 3, few_points = 6000, good_inliers = 0.6, free_to_slide = 0.012, hardly_held = 0.03;
+constexpr double few_pairs = 3, few_points = 6000, good_inliers = 0.6, free_to_slide = 0.012;
 constexpr double violation_ratio = 1.5, violation_floor = 0.001;  // against what each session does to itself
-constexpr double slid_as_well = 0.97, tilted_deg = 1.5, ends_meet = 0.12, thin_overlap = 0.1;
+constexpr double slid_as_well = 0.97, tilted_deg = 1.5, thin_overlap = 0.1;
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -46,14 +46,14 @@ std::vector<Finding> findings_of(const Evidence& e) {
     add("places_agreeing", e.places_agreeing, side(e.places_agreeing < e.places),
         text("%.0f of %.0f places along the overlap, registered each by itself, agree; they would move by %.2f m",
              e.places_agreeing, e.places, e.spread_m));
-  add("weakest_hold", e.weakest_hold, side(e.weakest_hold < hardly_held),
+  add("weakest_hold", e.weakest_hold, side(e.weakest_hold < held_well),
       e.weakest_hold < free_to_slide ? "the walls do not hold the position along the drift"
-      : e.weakest_hold < hardly_held ? "the walls hardly hold the position along the drift"
+      : e.weakest_hold < held_well   ? "the walls hardly hold the position along the drift"
                                      : "the walls hold the position in every direction");
   if (e.slide_ratio > 0)
     add("slide_ratio", e.slide_ratio, side(e.slide_ratio > slid_as_well),
         text("slid a few metres along its weakest direction it fits %.0f %% as well", 100 * e.slide_ratio));
-  add("end_on_match", e.end_on_match, side(e.weakest_hold < hardly_held && e.end_on_match < ends_meet),
+  add("end_on_match", e.end_on_match, side(e.weakest_hold < held_well && e.end_on_match < ends_meet),
       text("of the surfaces that face along it %.0f %% meet", 100 * e.end_on_match));
   add("tilt_deg", e.tilt_deg, side(e.tilt_deg > tilted_deg),
       text("the two disagree on gravity by %.2f deg", e.tilt_deg));
@@ -122,7 +122,7 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
           "a different placement is nearly as good (its odds are %.2f of this one's, must be below %.2f): drive on "
           "to where the two would differ",
           runner_up_share(e), config.runner_up_share));
-    if (e.weakest_hold < hardly_held)
+    if (e.weakest_hold < held_well)
       missing.push_back("the position along the drift is held by nothing: drive on to a junction or a bend");
     if (e.overlap_m < asked_overlap_m(e))
       missing.push_back(

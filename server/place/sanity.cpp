@@ -15,7 +15,8 @@ constexpr double slack_m = 0.8, slack_share = 0.1;  // a profile's sector is 2 d
 constexpr int least_asked = 15;
 // Of what the neighbours agree on with each other, over simulated mines and recordings: underground, where they agree
 // well, a sound keyframe has 0.72 or more, a scan from elsewhere mostly less than 0.65; in the open one in ten sound
-// ones has less than 0.65 and one in forty less than 0.35. Noise has 0.3 or less anywhere.
+// ones has less than 0.65 and one in forty less than 0.35. Noise is found underground, and in the open three times in
+// four.
 constexpr double agree_well = 0.7, least_share_underground = 0.65, least_share_open = 0.35;
 
 double sector_rad(std::size_t i) {

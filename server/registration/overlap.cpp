@@ -85,9 +85,9 @@ Pose align_overlap(const Overlap& overlap, const Pose& T_0, const JudgeConfig& c
 Pose settled(const Overlap& overlap, const Pose& T_a_b, const JudgeConfig& config, double& end_on_match) {
   const EndOnSurfaces here(overlap.everywhere, T_a_b, overlap.weakest);
   end_on_match = here.match(0);
-  if (overlap.weakest_hold >= config.held_well || overlap.weakest_hold < config.held_by_nothing) return T_a_b;
+  if (overlap.weakest_hold >= held_well || overlap.weakest_hold < config.held_by_nothing) return T_a_b;
   const double slide_m = here.best_slide_m(config.slide_m);
-  if (slide_m == 0 || here.match(slide_m) < config.ends_meet) return T_a_b;
+  if (slide_m == 0 || here.match(slide_m) < ends_meet) return T_a_b;
   Pose T = align_overlap(overlap, Eigen::Translation3d(slide_m * overlap.weakest) * T_a_b, config);
   const double there = EndOnSurfaces(overlap.everywhere, T, overlap.weakest).match(0);
   if (there <= end_on_match) return T_a_b;

@@ -199,7 +199,7 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
   out.status = first.place.registration.status;
   if (overlap.weakest_hold < config.held_by_nothing)
     out.status = RegistrationStatus::degenerate;
-  else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= config.ends_meet)
+  else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= ends_meet)
     out.status = RegistrationStatus::converged;
   out.evidence.probability = probability(out.status, out.evidence);
   return out;
@@ -243,8 +243,8 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong
   // placements match 0.01 to 0.07, right ones 0.2 and more), and a contradiction counts twice.
-  const bool hardly_held = e.weakest_hold < JudgeConfig{}.held_well;
-  const double unmet = hardly_held ? std::min(0.0, e.end_on_match / JudgeConfig{}.ends_meet - 1) : 0;
+  const bool hardly_held = e.weakest_hold < held_well;
+  const double unmet = hardly_held ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0;
   const double z = 6 + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
                    12 * (1 - e.places_agreeing / std::max(1.0, e.places)) + 4 * few_pairs + fit + 12 * short_overlap +
                    6 * tiny_overlap;

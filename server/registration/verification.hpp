@@ -17,9 +17,7 @@ struct JudgeConfig {
   double place_drift_share = 0.02;  // ... and this much of its distance from the first place
   double place_drift_rad = 0.07;
   double held_by_nothing = 0.009;  // weakest hold of a bare drift: 0.007 is the noise of its scan lines
-  double held_well = 0.03;         // weakest hold from which on nothing slides along the drift; below ...
   double slide_m = 3;              // ... so far each way the drift is searched for where its ends meet
-  double ends_meet = 0.12;         // end-on match from which on that place is told from its neighbours
   double hopeless_inliers = 0.2;   // at the first place: not looked at any closer
   double hopeless_violation = 0.08;
   PlaceConfig place;

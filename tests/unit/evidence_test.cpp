@@ -214,12 +214,11 @@ TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
     e.worst_place_violation = violation;
     return probability(RegistrationStatus::converged, e);
   };
-  const JudgeConfig config;
-  EXPECT_EQ(p(config.held_well, 0, 0), p(0.1, 0, 0)) << "what holds needs no ends";
-  EXPECT_LT(p(0.9 * config.held_well, 0, 0), 0.8);
-  EXPECT_NEAR(p(0.9 * config.held_well, config.ends_meet, 0), p(0.1, 0, 0), 1e-4);
-  EXPECT_LT(p(0.9 * config.held_well, 0.9 * config.ends_meet, 0), p(0.1, 0, 0) - 1e-4);
-  EXPECT_LT(p(0.9 * config.held_well, config.ends_meet, 0.005), p(0.1, 0, 0.005)) << "a contradiction counts twice";
+  EXPECT_EQ(p(held_well, 0, 0), p(0.1, 0, 0)) << "what holds needs no ends";
+  EXPECT_LT(p(0.9 * held_well, 0, 0), 0.8);
+  EXPECT_NEAR(p(0.9 * held_well, ends_meet, 0), p(0.1, 0, 0), 1e-4);
+  EXPECT_LT(p(0.9 * held_well, 0.9 * ends_meet, 0), p(0.1, 0, 0) - 1e-4);
+  EXPECT_LT(p(0.9 * held_well, ends_meet, 0.005), p(0.1, 0, 0.005)) << "a contradiction counts twice";
 }
 
 }  // namespace
