@@ -5,6 +5,7 @@
 
 #include "tests/mine/picture_of.hpp"
 #include "tests/mine/session_folder.hpp"
+#include "tests/mine/tool.hpp"
 
 namespace headframe::mine {
 namespace {
@@ -60,10 +61,5 @@ int run(int argc, char** argv) {
 }  // namespace headframe::mine
 
 int main(int argc, char** argv) {
-  try {
-    return headframe::mine::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "headframe-mine: %s\n", error.what());
-    return 1;
-  }
+  return headframe::mine::run_tool("headframe-mine", headframe::mine::run, argc, argv);
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "tests/mine/tool.hpp"
 #include "tests/mine/views/views.hpp"
 
 namespace headframe::mine {
@@ -21,10 +22,10 @@ int run(int argc, char** argv) {
   double length_m = 110, spacing_m = 2;
   std::string dir;
   app.add_option("--seed", seed, "of the first mine; the others follow");
-  app.add_option("--mines", mines, "how many");
-  app.add_option("--routes", routes, "in each mine; every one is driven twice");
-  app.add_option("--length", length_m, "metres of each drive");
-  app.add_option("--spacing", spacing_m, "metres between scans");
+  app.add_option("--mines", mines, "how many")->check(CLI::PositiveNumber);
+  app.add_option("--routes", routes, "in each mine; every one is driven twice")->check(CLI::PositiveNumber);
+  app.add_option("--length", length_m, "metres of each drive")->check(CLI::PositiveNumber);
+  app.add_option("--spacing", spacing_m, "metres between scans")->check(CLI::PositiveNumber);
   app.add_option("--out", dir, "folder to write to")->required();
   CLI11_PARSE(app, argc, argv);
   std::filesystem::create_directories(dir);
@@ -54,10 +55,5 @@ int run(int argc, char** argv) {
 }  // namespace headframe::mine
 
 int main(int argc, char** argv) {
-  try {
-    return headframe::mine::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "headframe-mine-views: %s\n", error.what());
-    return 1;
-  }
+  return headframe::mine::run_tool("headframe-mine-views", headframe::mine::run, argc, argv);
 }

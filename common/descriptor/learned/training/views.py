@@ -15,9 +15,11 @@ class Mine:
     def __init__(self, path):
         with open(path, "rb") as file:
             raw = bytearray(file.read())
-        if raw[:4] != b"HFV1":
+        if raw[:4] != b"HFV1" or len(raw) < 20:
             raise SystemExit(f"{path} holds no views; write them anew with headframe-mine-views")
         n, rows, columns, pairs = struct.unpack("<4I", raw[4:20])
+        if len(raw) != 20 + n * (28 + 2 * rows * columns) + 12 * pairs:
+            raise SystemExit(f"{path} is cut short; delete it and run headframe-mine-views again")
         meta = torch.frombuffer(raw, dtype=torch.float32, offset=20, count=7 * n).view(n, 7)
         kinds = torch.frombuffer(raw, dtype=torch.int32, offset=20, count=7 * n).view(n, 7)
         at = 20 + 28 * n
