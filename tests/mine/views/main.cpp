@@ -22,10 +22,10 @@ int run(int argc, char** argv) {
   double length_m = 110, spacing_m = 2;
   std::string dir;
   app.add_option("--seed", seed, "of the first mine; the others follow");
-  app.add_option("--mines", mines, "how many")->check(CLI::PositiveNumber);
-  app.add_option("--routes", routes, "in each mine; every one is driven twice")->check(CLI::PositiveNumber);
-  app.add_option("--length", length_m, "metres of each drive")->check(CLI::PositiveNumber);
-  app.add_option("--spacing", spacing_m, "metres between scans")->check(CLI::PositiveNumber);
+  app.add_option("--mines", mines, "how many")->check(CLI::Range(1, 100000));
+  app.add_option("--routes", routes, "in each mine; every one is driven twice")->check(CLI::Range(1, 1000));
+  app.add_option("--length", length_m, "metres of each drive")->check(CLI::Range(10.0, 1000.0));
+  app.add_option("--spacing", spacing_m, "metres between scans")->check(CLI::Range(0.5, 10.0));
   app.add_option("--out", dir, "folder to write to")->required();
   CLI11_PARSE(app, argc, argv);
   std::filesystem::create_directories(dir);
