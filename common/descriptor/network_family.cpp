@@ -64,7 +64,7 @@ Result<void> NetworkFamily::know_outputs(const std::string& name) {
                                            "junction (1), by these names and no others");
 }
 
-Result<std::unique_ptr<DescriptorFamily>> NetworkFamily::make(FamilyId id, Network network, const NetworkImage& image,
+Result<std::unique_ptr<NetworkFamily>> NetworkFamily::make(FamilyId id, Network network, const NetworkImage& image,
                                                               QLength q_length, const std::string& name) {
   if (network.input() != image.shape())
     return failure(ErrorCode::bad_input, name + ": it takes an image of " + to_string(network.input()) +
@@ -86,7 +86,10 @@ std::size_t NetworkFamily::w_size() const { return w_ ? network_.outputs()[*w_].
 
 Result<Descriptor> NetworkFamily::extract(const Points& points_level) const {
   if (auto enough = enough_points(points_level); !enough) return tl::unexpected(enough.error());
-  const RangeImage image = image_.draw(points_level);
+  return describe(image_.draw(points_level));
+}
+
+Result<Descriptor> NetworkFamily::describe(const RangeImage& image) const {
   if (seen_share(image) == 0)
     return failure(ErrorCode::bad_input,
                    "no point of the scan lies within " + bounds() + ", where " + id_.name + " looks");

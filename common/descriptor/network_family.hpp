@@ -15,7 +15,7 @@ class NetworkFamily : public DescriptorFamily {
 
   /// bad_input when the network takes another image, has no `q`, or an output that is none of these or has a wrong
   /// size. name: of the network, for messages.
-  static Result<std::unique_ptr<DescriptorFamily>> make(FamilyId id, Network network, const NetworkImage& image,
+  static Result<std::unique_ptr<NetworkFamily>> make(FamilyId id, Network network, const NetworkImage& image,
                                                         QLength q_length, const std::string& name);
 
   FamilyId id() const override { return id_; }
@@ -23,6 +23,10 @@ class NetworkFamily : public DescriptorFamily {
   std::size_t w_size() const override;
   Result<Descriptor> extract(const Points& points_level) const override;
   std::string unfamiliar(const Points& points_level) const override;
+
+  /// The steps of extract(), but for looking whether there are points enough.
+  RangeImage draw(const Points& points_level) const { return image_.draw(points_level); }
+  Result<Descriptor> describe(const RangeImage& image) const;
 
  private:
   NetworkFamily(FamilyId id, Network network, const NetworkImage& image, QLength q_length)
@@ -37,7 +41,8 @@ class NetworkFamily : public DescriptorFamily {
   std::optional<std::size_t> q_, w_, junction_;  // among the network's outputs
 };
 
-/// The network that is part of this program: version 1, q of 64, w of 64, with the class.
+/// The network that is part of this program: q of 64, w of 64, with the class; q goes on with what counts under the open
+/// sky (open_sky.hpp).
 Result<std::unique_ptr<DescriptorFamily>> make_learned();
 
 /// A network of the user's own; FILE.json says how its image is made (parse_network_image). The name is made of the

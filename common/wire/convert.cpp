@@ -29,6 +29,11 @@ Result<std::string> to_half(const std::vector<float>& values, const char* what) 
   return bytes;
 }
 
+/// But for the first number: a q is never empty.
+void leave_out_last_zeros(std::string& half) {
+  while (half.size() > 2 && half[half.size() - 1] == 0 && half[half.size() - 2] == 0) half.resize(half.size() - 2);
+}
+
 Result<std::vector<float>> from_half(const std::string& bytes, const char* what) {
   if (bytes.size() % 2 != 0 || bytes.size() / 2 > limits::descriptor_floats)
     return bad(std::string(what) + ": " + std::to_string(bytes.size()) + " bytes are not up to " +
@@ -187,6 +192,7 @@ Result<v1::Keyframe> to_proto(const Keyframe& k) {
   auto q = to_half(k.descriptor.q, "q"), w = to_half(k.descriptor.w, "w");
   if (!q) return tl::unexpected(q.error());
   if (!w) return tl::unexpected(w.error());
+  leave_out_last_zeros(*q);
   v1::Keyframe m;
   m.set_sequence(k.sequence);
   m.set_stamp_s(k.stamp_s);
@@ -231,11 +237,13 @@ Result<Keyframe> from_proto(const v1::Keyframe& m) {
   return k;
 }
 
-Result<void> matches(const Keyframe& k, const FamilySpec& family) {
-  if (k.descriptor.q.size() == family.q_size && k.descriptor.w.size() == family.w_size) return {};
-  return bad("keyframe " + std::to_string(k.sequence) + ": q and w of " + std::to_string(k.descriptor.q.size()) +
-             " and " + std::to_string(k.descriptor.w.size()) + " numbers, the hello announced " +
-             std::to_string(family.q_size) + " and " + std::to_string(family.w_size));
+Result<void> complete(Keyframe& k, const FamilySpec& family) {
+  if (k.descriptor.q.size() > family.q_size || k.descriptor.w.size() != family.w_size)
+    return bad("keyframe " + std::to_string(k.sequence) + ": q and w of " + std::to_string(k.descriptor.q.size()) +
+               " and " + std::to_string(k.descriptor.w.size()) + " numbers, the hello announced " +
+               std::to_string(family.q_size) + " and " + std::to_string(family.w_size));
+  k.descriptor.q.resize(family.q_size, 0);
+  return {};
 }
 
 }  // namespace headframe

@@ -53,11 +53,12 @@ v1::Hello to_proto(const Hello& hello);  // states protocol_version
 Result<Hello> from_proto(const v1::Hello& message);
 
 /// q and w travel as binary16: a value beyond +-65504 is an error in both directions (invalid_argument, bad_input).
-/// The sizes of q and w are compared with the family's by the caller: matches().
+/// Zeros at the end of q do not travel: the reader, who knows the family, puts them back with complete().
 Result<v1::Keyframe> to_proto(const Keyframe& keyframe);
 Result<Keyframe> from_proto(const v1::Keyframe& message);
 
-/// bad_input unless the keyframe's q and w have the sizes the hello announced.
-Result<void> matches(const Keyframe& keyframe, const FamilySpec& family);
+/// Puts back the zeros at the end of q that did not travel. bad_input when q is longer than the hello announced, or w
+/// has another size.
+Result<void> complete(Keyframe& keyframe, const FamilySpec& family);
 
 }  // namespace headframe

@@ -87,7 +87,7 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
   auto keyframe = from_proto(message);
   const std::string name = "keyframe " + std::to_string(message.sequence()) + ": ";
   if (!keyframe) return bad_message(name + keyframe.error().message);
-  if (auto fits = matches(*keyframe, family_); !fits) return bad_message(name + fits.error().message);
+  if (auto fits = complete(*keyframe, family_); !fits) return bad_message(name + fits.error().message);
   if (keyframe->sequence <= received_) {  // a repeat; what is not durable yet is acknowledged when it is
     outbox_.acknowledge_keyframes(durable_);
     return std::nullopt;

@@ -37,6 +37,8 @@ class Robot {
     cloud = decode_cloud(encode_cloud(cloud).value()).value();
     keyframe.point_count = static_cast<std::uint32_t>(point_count(cloud));
     out.keyframes.push_back(from_proto(to_proto(keyframe).value()).value());
+    if (auto ok = complete(out.keyframes.back(), {family_.id(), family_.q_size(), family_.w_size()}); !ok)
+      throw std::logic_error(ok.error().message);
     out.clouds.push_back(std::move(cloud));
   }
 

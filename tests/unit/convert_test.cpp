@@ -145,10 +145,25 @@ TEST(Convert, HelloIsCheckedFieldByField) {
 }
 
 TEST(Convert, SizesOfADescriptorMatchTheHello) {
-  const Keyframe k = some_keyframe();
-  EXPECT_TRUE(matches(k, {{"f", 1}, 2, 1}));
-  EXPECT_FALSE(matches(k, {{"f", 1}, 3, 1}));
-  EXPECT_FALSE(matches(k, {{"f", 1}, 2, 0}));
+  const auto completed = [](std::size_t q_size, std::size_t w_size) {
+    Keyframe k = some_keyframe();
+    return complete(k, {{"f", 1}, q_size, w_size}).has_value();
+  };
+  EXPECT_TRUE(completed(2, 1));
+  EXPECT_FALSE(completed(1, 1));
+  EXPECT_FALSE(completed(2, 0));
+}
+
+TEST(Convert, ZerosAtTheEndOfQDoNotTravelAndComeBack) {
+  for (const std::vector<float>& q : {std::vector<float>{1, 0, 2, 0, 0}, {1, 2}, {0, 0, 0}, {0, -1}}) {
+    Keyframe k = some_keyframe();
+    k.descriptor.q = q;
+    const auto sent = to_proto(k).value();
+    EXPECT_EQ(sent.q().size(), q.size() == 5 ? 6U : q.size() == 3 ? 2U : 4U);
+    auto received = from_proto(sent).value();
+    ASSERT_TRUE(complete(received, {{"f", 1}, q.size(), k.descriptor.w.size()}));
+    EXPECT_EQ(received.descriptor.q, q);
+  }
 }
 
 }  // namespace

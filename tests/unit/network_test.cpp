@@ -227,10 +227,10 @@ TEST(OnnxFamily, AScanThatTheNetworkMakesNothingOfIsLostAlone) {
 
 TEST(Learned, GivesAVectorOfLengthOneASignatureAndAClass) {
   const auto family = make_family("learned").value();
-  EXPECT_EQ(family->id(), (FamilyId{"learned", 1}));
+  EXPECT_EQ(family->id(), (FamilyId{"learned", 2}));
   EXPECT_EQ(family->w_size(), 64U);
   const Descriptor d = family->extract(crossing_scan(0.2)).value();
-  ASSERT_EQ(d.q.size(), 64U);
+  ASSERT_EQ(d.q.size(), family->q_size());
   EXPECT_NEAR(std::inner_product(d.q.begin(), d.q.end(), d.q.begin(), 0.0F), 1, 1e-4);
   EXPECT_NE(d.place_class, PlaceClass::unknown);
 }

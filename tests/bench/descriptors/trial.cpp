@@ -22,7 +22,8 @@ Descriptor after_the_wire(const Descriptor& descriptor) {
   const auto sent = message_of(descriptor);
   if (!sent) return {};
   auto received = from_proto(*sent);
-  return received ? std::move(received->descriptor) : Descriptor{};
+  if (!received || !complete(*received, {{}, descriptor.q.size(), descriptor.w.size()})) return {};
+  return std::move(received->descriptor);
 }
 
 /// Errors of the best yaw, and of the better of the two best.
