@@ -65,7 +65,7 @@ Result<void> NetworkFamily::know_outputs(const std::string& name) {
 }
 
 Result<std::unique_ptr<NetworkFamily>> NetworkFamily::make(FamilyId id, Network network, const NetworkImage& image,
-                                                              QLength q_length, const std::string& name) {
+                                                           QLength q_length, const std::string& name) {
   if (network.input() != image.shape())
     return failure(ErrorCode::bad_input, name + ": it takes an image of " + to_string(network.input()) +
                                              " (channels x rows x columns), and is to be given one of " +

@@ -16,7 +16,7 @@ class NetworkFamily : public DescriptorFamily {
   /// bad_input when the network takes another image, has no `q`, or an output that is none of these or has a wrong
   /// size. name: of the network, for messages.
   static Result<std::unique_ptr<NetworkFamily>> make(FamilyId id, Network network, const NetworkImage& image,
-                                                        QLength q_length, const std::string& name);
+                                                     QLength q_length, const std::string& name);
 
   FamilyId id() const override { return id_; }
   std::size_t q_size() const override { return network_.outputs()[*q_].size; }
@@ -41,8 +41,8 @@ class NetworkFamily : public DescriptorFamily {
   std::optional<std::size_t> q_, w_, junction_;  // among the network's outputs
 };
 
-/// The network that is part of this program: q of 64, w of 64, with the class; q goes on with what counts under the open
-/// sky (open_sky.hpp).
+/// The network that is part of this program: q of 64, w of 64, with the class; q goes on with what counts under the
+/// open sky (open_sky.hpp).
 Result<std::unique_ptr<DescriptorFamily>> make_learned();
 
 /// A network of the user's own; FILE.json says how its image is made (parse_network_image). The name is made of the

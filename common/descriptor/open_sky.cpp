@@ -23,7 +23,8 @@ constexpr std::size_t groups = 20, of_a_group = 4;  // of LiDAR-Iris' q: energie
 std::vector<float> resampled(const std::vector<float>& w, std::size_t length) {
   std::vector<float> out(length);
   for (std::size_t s = 0; s < length; ++s) {
-    const double at = (static_cast<double>(s) + 0.5) * static_cast<double>(w.size()) / static_cast<double>(length) - 0.5;
+    const double at =
+        (static_cast<double>(s) + 0.5) * static_cast<double>(w.size()) / static_cast<double>(length) - 0.5;
     const double before = std::floor(at);
     const auto share = static_cast<float>(at - before);
     const std::size_t i = (static_cast<std::size_t>(before + static_cast<double>(w.size()))) % w.size();

@@ -7,8 +7,8 @@
 namespace headframe {
 
 /// How far the sky is open, 0 to 1: from the share of azimuths where more than half of what is above the horizon is
-/// empty, ahead and behind. (A lidar off level sees nothing there on one side only.) 0 underground. The image's rows are
-/// to lie about the horizon, its columns are to be even in number.
+/// empty, ahead and behind. (A lidar off level sees nothing there on one side only.) 0 underground. The image's rows
+/// are to lie about the horizon, its columns are to be even in number.
 double openness(const RangeImage& image);
 
 constexpr std::size_t open_sky_q_size = 60;

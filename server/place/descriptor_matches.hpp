@@ -15,7 +15,7 @@ struct MatchedPair {
   float squared_distance = 0;
 };
 
-/// What votes on where b lies on a: for each keyframe of b its five nearest of a by place vector, nearest first; ties
+/// What proposes where b lies on a: for each keyframe of b its five nearest of a by place vector, nearest first; ties
 /// go to the earlier. Keyframes without a place vector, or with another length than a's first, match nothing.
 std::vector<MatchedPair> match_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b, int threads);
 

@@ -6,13 +6,14 @@
 #include <numbers>
 
 #include "common/descriptor/circular.hpp"
+#include "server/place/descriptor_agreement.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
 namespace {
 
-constexpr std::size_t votes_kept = 5;
-constexpr double same_vote_m = 4, same_vote_rad = 0.26;  // 15 deg
+constexpr std::size_t pairs_tried = 128, proposals = 6;
+constexpr double same_m = 4, same_rad = 0.26;  // 15 deg
 
 Eigen::Vector3d place(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
 
@@ -32,72 +33,39 @@ double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const 
 }
 
 bool same(const Pose& T, const Pose& U, const Eigen::Vector3d& at) {
-  return (T * at - U * at).norm() < same_vote_m && std::abs(wrap_rad(yaw_rad(T) - yaw_rad(U))) < same_vote_rad;
+  return (T * at - U * at).norm() < same_m && std::abs(wrap_rad(yaw_rad(T) - yaw_rad(U))) < same_rad;
 }
 
-/// Of two angles that were wrapped.
-bool near_yaw(double difference_rad) {
-  const double d = std::abs(difference_rad);
-  return std::min(d, 2 * std::numbers::pi - d) < same_vote_rad;
-}
-
-struct Vote {
-  Pose T;
-  Eigen::Vector3d at;
-  double weight, yaw_rad;
-};
-
-/// For each vote those that propose the same placement, itself among them.
-std::vector<std::vector<std::uint32_t>> supporters_of(const std::vector<Vote>& votes, int threads) {
-  std::vector<std::vector<std::uint32_t>> out(votes.size());
-  for_blocks(votes.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
-    const Vote& v = votes[i];
-    for (std::size_t j = 0; j < votes.size(); ++j)
-      if (const Vote& w = votes[j];
-          near_yaw(v.yaw_rad - w.yaw_rad) && (v.T * w.at - w.T * w.at).squaredNorm() < same_vote_m * same_vote_m)
-        out[i].push_back(static_cast<std::uint32_t>(j));
-  });
-  return out;
-}
-
-/// Votes of matched pairs: each T_0 weighs 1 / (1 + how many of b's matches meet the same keyframe of a), since a place
-/// that looks like many others says little. The best clusters come first; a winner's votes count for no other.
-std::vector<Pose> vote(std::span<const Keyframe> a, std::span<const Keyframe> b, std::span<const MatchedPair> matches,
-                       int threads) {
-  std::vector<int> popular(a.size(), 0);
-  for (const MatchedPair& m : matches) ++popular[m.a];
-  std::vector<Vote> votes;
-  for (const MatchedPair& m : matches)
-    for (const Pose& T : initial_transforms(a[m.a], b[m.b], 2))
-      votes.push_back({T, place(b[m.b]), 1.0 / popular[m.a], yaw_rad(T)});
-  const auto supporters = supporters_of(votes, threads);
-  std::vector<Pose> best;
-  std::vector<bool> used(votes.size(), false);
-  while (best.size() < votes_kept) {
-    double most = 0;
-    std::size_t winner = votes.size();
-    for (std::size_t i = 0; i < votes.size(); ++i) {
-      if (used[i]) continue;
-      double sum = 0;
-      for (const std::uint32_t j : supporters[i]) sum += used[j] ? 0 : votes[j].weight;
-      if (sum <= most) continue;
-      most = sum;
-      winner = i;
-    }
-    if (winner == votes.size()) break;
-    best.push_back(votes[winner].T);
-    for (const std::uint32_t j : supporters[winner]) used[j] = true;
-  }
-  return best;
-}
-
+/// Placements that the descriptors propose: those of single matched pairs, the rarest and nearest first, that bring the
+/// most keyframes together whose descriptors agree. The best of each kind only.
 std::vector<Pose> from_descriptors(std::span<const Keyframe> a, std::span<const Keyframe> b,
-                                   std::span<const MatchedPair> matches, int threads) {
-  const auto argmin = std::min_element(matches.begin(), matches.end(), [](const auto& m, const auto& n) {
-    return m.squared_distance < n.squared_distance;
+                                   std::vector<MatchedPair> matches, const DescriptorAgreement& agreement,
+                                   int threads) {
+  std::vector<float> popular(a.size(), 0);
+  for (const MatchedPair& m : matches) ++popular[m.a];
+  std::stable_sort(matches.begin(), matches.end(), [&](const auto& m, const auto& n) {
+    return m.squared_distance * popular[m.a] < n.squared_distance * popular[n.a];
   });
-  std::vector<Pose> found = vote(a, b, matches, threads);
-  for (const Pose& T : initial_transforms(a[argmin->a], b[argmin->b], 1)) found.push_back(T);
+  if (matches.size() > pairs_tried) matches.resize(pairs_tried);
+  struct Candidate {
+    Pose T;
+    Eigen::Vector3d at;
+    double support = 0;
+  };
+  std::vector<Candidate> candidates;
+  for (const MatchedPair& m : matches)
+    for (const Pose& T : initial_transforms(a[m.a], b[m.b], 2)) candidates.push_back({T, place(b[m.b])});
+  for_blocks(candidates.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
+    candidates[i].support = agreement.support(candidates[i].T);
+  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& c, const Candidate& d) { return c.support > d.support; });
+  std::vector<Pose> found;
+  for (const Candidate& c : candidates) {
+    if (found.size() == proposals) break;
+    if (std::none_of(found.begin(), found.end(), [&](const Pose& T) { return same(T, c.T, c.at); }))
+      found.push_back(c.T);
+  }
   return found;
 }
 
@@ -185,7 +153,8 @@ const SessionWalls& HypothesisFinder::walls(const SessionView& session) {
 }
 
 std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
-                                                 const std::vector<Pose>& proposed) {
+                                                 const std::vector<Pose>& proposed,
+                                                 const DescriptorAgreement& agreement) {
   const SessionWalls &walls_a = walls(a), &walls_b = walls(b);
   std::vector<Hypothesis> out;
   for (const Lead& lead : leads_of(walls_a, walls_b, proposed, config_)) {
@@ -195,16 +164,21 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
                  lead.match.score, place(b.keyframes[(piece_b.begin + piece_b.end) / 2])};
     h.T_a_b.translation().z() = height_m(a.keyframes.subspan(piece_a.begin, piece_a.end - piece_a.begin),
                                          b.keyframes.subspan(piece_b.begin, piece_b.end - piece_b.begin), h.T_a_b);
-    if (std::none_of(out.begin(), out.end(), [&](const auto& g) { return same(g.T_a_b, h.T_a_b, h.place_b); }))
-      out.push_back(h);
+    if (std::any_of(out.begin(), out.end(), [&](const auto& g) { return same(g.T_a_b, h.T_a_b, h.place_b); })) continue;
+    h.agreement = agreement.at(h.T_a_b);
+    out.push_back(h);
   }
+  // Squared: of two that fit the walls, the descriptors' agreement is the better judge.
+  const auto promise = [](const Hypothesis& h) { return std::max(0.0, h.score) * h.agreement * h.agreement; };
+  std::stable_sort(out.begin(), out.end(), [&](const auto& g, const auto& h) { return promise(g) > promise(h); });
   return out;
 }
 
 const Found* HypothesisFinder::find_within(const SessionView& session) {
   Found& known = found_[{session.id, session.id}];
   known = {};
-  if (!session.keyframes.empty()) known.hypotheses = search(session, session, {});
+  if (!session.keyframes.empty())
+    known.hypotheses = search(session, session, {}, DescriptorAgreement(session.keyframes, session.keyframes));
   return &known;
 }
 
@@ -217,10 +191,11 @@ const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
   if (a.keyframes.empty() || b.keyframes.empty()) return &known;
   if (allowed_ == 0) return nullptr;
   --allowed_;
+  const DescriptorAgreement agreement(a.keyframes, b.keyframes);
   std::vector<Pose> proposed;
   if (const auto matched = matches(); !matched.empty())
-    proposed = from_descriptors(a.keyframes, b.keyframes, matched, config_.threads);
-  known = {known.version + 1, search(a, b, proposed), path_a, path_b};
+    proposed = from_descriptors(a.keyframes, b.keyframes, matched, agreement, config_.threads);
+  known = {known.version + 1, search(a, b, proposed, agreement), path_a, path_b};
   return &known;
 }
 

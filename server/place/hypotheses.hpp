@@ -1,5 +1,6 @@
 #pragma once
-// Where could two sessions lie on each other? One list from several sources, best first, for the registration to judge.
+// Where could two sessions lie on each other? One list from several sources, for the registration to judge: best first
+// by the walls' score times the descriptors' agreement.
 
 #include <functional>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "common/session/keyframe.hpp"
+#include "server/place/descriptor_agreement.hpp"
 #include "server/place/descriptor_index.hpp"
 #include "server/place/descriptor_matches.hpp"
 #include "server/place/session_walls.hpp"
@@ -20,6 +22,7 @@ struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
   double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
   Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of that piece of b's path, in b's frame
+  double agreement = 0.5;  // of the descriptors along both paths, 0 to 1 (DescriptorAgreement)
 };
 
 /// A session as the finder sees it.
@@ -61,7 +64,8 @@ class HypothesisFinder {
 
  private:
   const SessionWalls& walls(const SessionView& session);
-  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<Pose>& proposed);
+  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<Pose>& proposed,
+                                 const DescriptorAgreement& agreement);
 
   Config config_;
   std::size_t allowed_ = std::numeric_limits<std::size_t>::max();

@@ -38,8 +38,8 @@ Result<std::unique_ptr<DescriptorFamily>> make_learned() {
   const auto size = static_cast<std::size_t>(headframe_learned_end - headframe_learned);
   auto network = Network::from_bytes({headframe_learned, size}, "learned");
   if (!network) return tl::unexpected(network.error());
-  auto family = NetworkFamily::make({"learned", 2}, std::move(*network), NetworkImage{}, NetworkFamily::QLength::one,
-                                    "learned");
+  auto family =
+      NetworkFamily::make({"learned", 2}, std::move(*network), NetworkImage{}, NetworkFamily::QLength::one, "learned");
   if (!family) return tl::unexpected(family.error());
   return std::make_unique<Learned>(std::move(*family));
 }
