@@ -202,6 +202,12 @@ std::vector<Glance> MergePipeline::State::glance_at(SessionId a, SessionId b, co
   return glances;
 }
 
+void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
+  const Agreement found = agreement.at(judgement.T_a_b);
+  judgement.evidence.descriptors_compared = found.count;
+  judgement.evidence.descriptors_alike = found.mean();
+}
+
 std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b, const std::vector<Case>& cases,
                                                        CloudSource& clouds, bool all, AttemptReport& report) {
   const double self = self_aliases(a, clouds) + self_aliases(b, clouds);
@@ -216,6 +222,7 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t i, std::size_t j) { return promise(glances[i]) > promise(glances[j]); });
   const Stopwatch watch(report.times.verification_ms);
+  const DescriptorAgreement agreement(sessions[a].keyframes, sessions[b].keyframes);
   std::vector<Verdict> verdicts;
   for (const std::size_t i : order) {
     const PlaceCheck& place = glances[i].place;
@@ -228,6 +235,7 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
                     place.p_b};
     Evidence& e = verdict.judgement.evidence;
     e.support = cases[i].hypothesis.score;
+    compare_descriptors(agreement, verdict.judgement);
     e.aliases = self + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
                   return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b,
                                                  g.place.p_b, same_placement_m, same_placement_rad);

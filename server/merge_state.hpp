@@ -97,6 +97,9 @@ struct MergePipeline::State {
   PlaceRequest place_at(SessionId id, std::size_t keyframe) const;
 };
 
+/// Fills in what the descriptors say of the judged placement.
+void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement);
+
 /// Adds the time of a scope to a total.
 class Stopwatch {
  public:

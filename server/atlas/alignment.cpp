@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 22> fields{{
+constexpr std::array<EvidenceField, 24> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -30,6 +30,8 @@ constexpr std::array<EvidenceField, 22> fields{{
     {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},
     {"end_on_match", &Evidence::end_on_match},
+    {"descriptors_compared", &Evidence::descriptors_compared},
+    {"descriptors_alike", &Evidence::descriptors_alike},
     {"tilt_deg", &Evidence::tilt_deg},
     {"support", &Evidence::support},
     {"runner_up", &Evidence::runner_up},
@@ -47,7 +49,11 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
 
-double asked_overlap_m(const Evidence& e) { return 33 * e.aliases; }
+double told_from_copies(const Evidence& e) {
+  return std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0) * std::min(1.0, e.descriptors_compared / 6);
+}
+
+double asked_overlap_m(const Evidence& e) { return 33 * e.aliases * (1 - told_from_copies(e)); }
 
 double runner_up_share(const Evidence& e) {
   constexpr double certain = 1 - 1e-9;

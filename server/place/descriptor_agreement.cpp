@@ -43,19 +43,9 @@ DescriptorAgreement::DescriptorAgreement(std::span<const Keyframe> a, std::span<
   usual_ = *middle;
 }
 
-double DescriptorAgreement::at(const Pose& T_a_b) const {
-  const Sum all = sum(T_a_b);
-  return (all.alike + 0.5) / (all.count + 1);
-}
-
-double DescriptorAgreement::support(const Pose& T_a_b) const {
-  const Sum all = sum(T_a_b);
-  return all.alike - 0.5 * all.count;
-}
-
-DescriptorAgreement::Sum DescriptorAgreement::sum(const Pose& T_a_b) const {
+Agreement DescriptorAgreement::at(const Pose& T_a_b) const {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
-  Sum out;
+  Agreement out;
   for (const Spot& b : b_) {
     const Eigen::Vector3f p = T * b.place;
     float nearest = near_m * near_m;
@@ -67,7 +57,7 @@ DescriptorAgreement::Sum DescriptorAgreement::sum(const Pose& T_a_b) const {
       partner = &a;
     }
     if (!partner) continue;
-    out.alike += usual_ > 0 ? std::max(0.0F, 1 - squared_distance(*partner->q, *b.q) / usual_) : 0.5F;
+    out.sum += usual_ > 0 ? std::max(0.0F, 1 - squared_distance(*partner->q, *b.q) / usual_) : 0.5F;
     out.count += 1;
   }
   return out;

@@ -56,7 +56,7 @@ std::vector<Pose> from_descriptors(std::span<const Keyframe> a, std::span<const 
   for (const MatchedPair& m : matches)
     for (const Pose& T : initial_transforms(a[m.a], b[m.b], 2)) candidates.push_back({T, place(b[m.b])});
   for_blocks(candidates.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
-    candidates[i].support = agreement.support(candidates[i].T);
+    candidates[i].support = agreement.at(candidates[i].T).support();
   });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& c, const Candidate& d) { return c.support > d.support; });
@@ -165,7 +165,7 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
     h.T_a_b.translation().z() = height_m(a.keyframes.subspan(piece_a.begin, piece_a.end - piece_a.begin),
                                          b.keyframes.subspan(piece_b.begin, piece_b.end - piece_b.begin), h.T_a_b);
     if (std::any_of(out.begin(), out.end(), [&](const auto& g) { return same(g.T_a_b, h.T_a_b, h.place_b); })) continue;
-    h.agreement = agreement.at(h.T_a_b);
+    h.agreement = agreement.at(h.T_a_b).cautious();
     out.push_back(h);
   }
   // Squared: of two that fit the walls, the descriptors' agreement is the better judge.

@@ -239,13 +239,16 @@ double probability(RegistrationStatus status, const Evidence& e) {
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
   // It costs at most 0.27 an alias: with one, an overlap of half the length still passes when all else is good.
   const double asked_m = asked_overlap_m(e);
-  const double short_overlap = asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
+  const double most = 0.27 * e.aliases * (1 - told_from_copies(e));
+  const double short_overlap = asked_m > 0 ? std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong
   // placements match 0.01 to 0.07, right ones 0.2 and more), and a contradiction counts twice.
   const bool hardly_held = e.weakest_hold < held_well;
   const double unmet = hardly_held ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0;
-  const double z = 6 + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
+  // The descriptors along the whole shared path; ten keyframes say it all, for neighbours say the same.
+  const double unlike = std::min(10.0, e.descriptors_compared) * std::min(0.0, e.descriptors_alike - descriptors_agree);
+  const double z = 6 + 4 * unlike + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
                    12 * (1 - e.places_agreeing / std::max(1.0, e.places)) + 4 * few_pairs + fit + 12 * short_overlap +
                    6 * tiny_overlap;
   const double p = 1 / (1 + std::exp(-z));

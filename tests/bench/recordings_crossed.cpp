@@ -69,7 +69,7 @@ nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* ho
   for (SessionId id = 1; id <= count; ++id) run.attempt(id);
   std::printf(
       "recordings %s, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, "
-      "error\n",
+      "descriptors, error\n",
       how, sessions.size());
   nlohmann::json out{{"false", 0}, {"true_pairs", 0}, {"merged", 0}};
   for (const Alignment& k : run.pipeline.alignments()) {
@@ -82,9 +82,9 @@ nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* ho
     out["false"] = out["false"].get<int>() + (outcome.merged && !outcome.right);
     const auto error = near ? overlap_error(a.path, b.path, k.T_a_b) : test::OverlapError{};
     if (near || e.probability > 0.01)
-      std::printf("  %-20s %-20s %-9s %.3f %.3f  %.4f %.3f m %4.0f m %2.0f  %s %.3f m %.2f deg\n", a.name.c_str(),
+      std::printf("  %-20s %-20s %-9s %.3f %.3f  %.4f %.3f m %4.0f m %2.0f %.2f  %s %.3f m %.2f deg\n", a.name.c_str(),
                   b.name.c_str(), std::string(to_string(k.state)).c_str(), e.probability, e.runner_up,
-                  e.freespace_violation, e.residual_m, e.overlap_m, e.aliases, near ? "true pair" : "-",
+                  e.freespace_violation, e.residual_m, e.overlap_m, e.aliases, e.descriptors_alike, near ? "true pair" : "-",
                   error.translation_m, error.rotation_deg);
   }
   std::printf("  %d true pairs, %d merged rightly, %d false\n", out["true_pairs"].get<int>(), out["merged"].get<int>(),
