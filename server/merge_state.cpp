@@ -46,7 +46,7 @@ void Session::set_aside_odd() {
     if (fits_neighbours(keyframes, asked)) continue;
     k.walls = {};
     k.point_count = 0;
-    k.descriptor.w.clear();
+    k.descriptor = {};
   }
 }
 

@@ -49,6 +49,8 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
 
+double asked_alike(const Evidence& e) { return 0.65 + 0.2 * std::min(1.0, e.aliases); }
+
 double told_from_copies(const Evidence& e) {
   return std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0) * std::min(1.0, e.descriptors_compared / 6);
 }

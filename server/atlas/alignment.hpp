@@ -51,9 +51,9 @@ struct Evidence {
 /// holds less is told from its neighbours: in the recordings right placements match 0.22 and more, wrong ones 0.07.
 inline constexpr double held_well = 0.03, ends_meet = 0.12;
 
-/// From here on the descriptors of two stretches of path look alike: right placements underground have .76
-/// and more, on a campus .67.
-inline constexpr double descriptors_agree = 0.65;
+/// How alike the descriptors have to be: .65; .85 where the mine repeats itself. At right placements underground they
+/// are .76 and more, .84 in mines of copies, on a campus .67.
+double asked_alike(const Evidence& evidence);
 
 /// How well the descriptors tell this placement from a copy of the place, 0 to 1: copies end somewhere, and where they
 /// do the descriptors stop being alike. Of wrong placements in mines of copies none had more than .76 over six

@@ -55,6 +55,10 @@ std::vector<Finding> findings_of(const Evidence& e) {
         text("slid a few metres along its weakest direction it fits %.0f %% as well", 100 * e.slide_ratio));
   add("end_on_match", e.end_on_match, side(e.weakest_hold < held_well && e.end_on_match < ends_meet),
       text("of the surfaces that face along it %.0f %% meet", 100 * e.end_on_match));
+  if (e.descriptors_compared > 0)
+    add("descriptors_alike", e.descriptors_alike, side(e.descriptors_alike < asked_alike(e)),
+        text("%.0f keyframes stand where one of the other's stood; what they describe is %.0f %% alike",
+             e.descriptors_compared, 100 * e.descriptors_alike));
   add("tilt_deg", e.tilt_deg, side(e.tilt_deg > tilted_deg),
       text("the two disagree on gravity by %.2f deg", e.tilt_deg));
   add("runner_up", e.runner_up, Speaks::neither,

@@ -46,6 +46,7 @@ DescriptorAgreement::DescriptorAgreement(std::span<const Keyframe> a, std::span<
 Agreement DescriptorAgreement::at(const Pose& T_a_b) const {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   Agreement out;
+  if (!(usual_ > 0)) return out;  // all the same: they tell nothing
   for (const Spot& b : b_) {
     const Eigen::Vector3f p = T * b.place;
     float nearest = near_m * near_m;
@@ -57,7 +58,7 @@ Agreement DescriptorAgreement::at(const Pose& T_a_b) const {
       partner = &a;
     }
     if (!partner) continue;
-    out.sum += usual_ > 0 ? std::max(0.0F, 1 - squared_distance(*partner->q, *b.q) / usual_) : 0.5F;
+    out.sum += std::max(0.0F, 1 - squared_distance(*partner->q, *b.q) / usual_);
     out.count += 1;
   }
   return out;

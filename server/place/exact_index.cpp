@@ -40,8 +40,7 @@ float bound(const std::vector<float>& least_of_panel, std::size_t k) {
 
 class ExactIndex : public DescriptorIndex {
  public:
-  explicit ExactIndex(std::size_t q_size)
-      : slack_(1 + 8 * static_cast<float>(q_size) * std::numeric_limits<float>::epsilon()), store_(q_size) {}
+  explicit ExactIndex(std::size_t q_size) : store_(q_size) {}
 
   void add(const KeyframeRef& keyframe, const std::vector<float>& q) override {
     store_.add(q);
@@ -77,7 +76,7 @@ class ExactIndex : public DescriptorIndex {
     std::vector<float> least_of_panel(store_.panels());
     for (std::size_t p = 0; p < least_of_panel.size(); ++p)
       least_of_panel[p] = least(distances + p * PanelStore::width);
-    const float limit = bound(least_of_panel, k) * slack_;
+    const float limit = bound(least_of_panel, k) + 2 * store_.rounding_of(q);
     std::vector<Candidate> candidates;
     candidates.reserve(2 * k);
     for (std::size_t p = 0; p < least_of_panel.size(); ++p) {
@@ -92,7 +91,6 @@ class ExactIndex : public DescriptorIndex {
     return out;
   }
 
-  float slack_;  // what rounding may make of one distance against another, twice over
   PanelStore store_;
   std::vector<KeyframeRef> keyframes_;
 };

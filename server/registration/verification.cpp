@@ -247,8 +247,8 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const bool hardly_held = e.weakest_hold < held_well;
   const double unmet = hardly_held ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0;
   // The descriptors along the whole shared path; ten keyframes say it all, for neighbours say the same.
-  const double unlike = std::min(10.0, e.descriptors_compared) * std::min(0.0, e.descriptors_alike - descriptors_agree);
-  const double z = 6 + 4 * unlike + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
+  const double unlike = std::min(10.0, e.descriptors_compared) * std::min(0.0, e.descriptors_alike - asked_alike(e));
+  const double z = 6 + 6 * unlike + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
                    12 * (1 - e.places_agreeing / std::max(1.0, e.places)) + 4 * few_pairs + fit + 12 * short_overlap +
                    6 * tiny_overlap;
   const double p = 1 / (1 + std::exp(-z));

@@ -206,6 +206,38 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_EQ(p(longer), p(good)) << "a longer overlap makes up for copies";
 }
 
+TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
+  const auto p = [](double compared, double alike) {
+    Evidence e = convincing();
+    e.descriptors_compared = compared;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  const double asked = asked_alike(convincing());
+  EXPECT_EQ(p(0, 0), p(12, asked)) << "nothing compared, nothing said";
+  EXPECT_EQ(p(12, asked), p(12, 1));
+  EXPECT_LT(p(12, asked - 0.01), p(12, asked));
+  EXPECT_LT(p(12, 0.5), 0.5);
+  EXPECT_GT(p(2, 0.5), 0.9) << "two keyframes are few";
+  EXPECT_EQ(p(10, 0.5), p(100, 0.5));
+}
+
+TEST(Probability, AlikeDescriptorsTellAPlaceFromItsCopies) {
+  const auto p = [](double aliases, double compared, double alike) {
+    Evidence e = convincing();
+    e.aliases = aliases;
+    e.descriptors_compared = compared;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(4, 12, 0.76), 0.5);
+  EXPECT_LT(p(1, 12, 0.76), p(0, 12, 0.76)) << "a mine of copies asks for more";
+  EXPECT_LT(p(4, 12, 0.76), p(4, 12, 0.83));
+  EXPECT_EQ(p(4, 12, 0.9), p(0, 12, 0.9));
+  EXPECT_EQ(p(4, 6, 0.9), p(0, 6, 0.9));
+  EXPECT_LT(p(4, 3, 0.9), p(0, 3, 0.9)) << "three keyframes are few";
+}
+
 TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
   const auto p = [](double hold, double end_on_match, double violation) {
     Evidence e = convincing();

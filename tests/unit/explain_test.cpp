@@ -27,6 +27,8 @@ Alignment good() {
   e.freespace_violation = e.own_violation = 0.001;
   e.weakest_hold = 0.1;
   e.slide_ratio = 0.7;
+  e.descriptors_compared = 8;
+  e.descriptors_alike = 0.65;
   e.tilt_deg = 0.2;
   return k;
 }
@@ -62,15 +64,16 @@ TEST(Explain, EachPieceOfEvidenceHasTwoSides) {
     std::string_view evidence;
     const char* missing;  // empty: nothing the operator could do
   };
-  for (const Case& c :
-       {Case{&Evidence::inlier_fraction, 0.59, "inlier_fraction", ""},
-        Case{&Evidence::freespace_violation, 0.01, "freespace_violation", "sees through walls"},
-        Case{&Evidence::overlap_b, 0.05, "overlap_a", ""},
-        Case{&Evidence::seen_points, 5999, "seen_points", "overlap is small"},
-        Case{&Evidence::pairs, 2, "pairs", "overlap is small"},
-        Case{&Evidence::places_agreeing, 4, "places_agreeing", ""},
-        Case{&Evidence::weakest_hold, 0.01, "weakest_hold", "held by nothing: drive on to a junction"},
-        Case{&Evidence::slide_ratio, 0.99, "slide_ratio", ""}, Case{&Evidence::tilt_deg, 2, "tilt_deg", ""}}) {
+  for (const Case& c : {Case{&Evidence::inlier_fraction, 0.59, "inlier_fraction", ""},
+                        Case{&Evidence::freespace_violation, 0.01, "freespace_violation", "sees through walls"},
+                        Case{&Evidence::overlap_b, 0.05, "overlap_a", ""},
+                        Case{&Evidence::seen_points, 5999, "seen_points", "overlap is small"},
+                        Case{&Evidence::pairs, 2, "pairs", "overlap is small"},
+                        Case{&Evidence::places_agreeing, 4, "places_agreeing", ""},
+                        Case{&Evidence::weakest_hold, 0.01, "weakest_hold", "held by nothing: drive on to a junction"},
+                        Case{&Evidence::slide_ratio, 0.99, "slide_ratio", ""},
+                        Case{&Evidence::descriptors_alike, 0.64, "descriptors_alike", ""},
+                        Case{&Evidence::tilt_deg, 2, "tilt_deg", ""}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
     EXPECT_EQ(side(explained(k), c.evidence), Speaks::in_favour) << c.evidence;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -13,6 +14,7 @@
 
 #include "common/descriptor/family.hpp"
 #include "common/descriptor/network_family.hpp"
+#include "common/descriptor/open_sky.hpp"
 #include "tests/support/box_mine.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -232,6 +234,7 @@ TEST(Learned, GivesAVectorOfLengthOneASignatureAndAClass) {
   const Descriptor d = family->extract(crossing_scan(0.2)).value();
   ASSERT_EQ(d.q.size(), family->q_size());
   EXPECT_NEAR(std::inner_product(d.q.begin(), d.q.end(), d.q.begin(), 0.0F), 1, 1e-4);
+  EXPECT_EQ(std::count(d.q.end() - open_sky_q_size, d.q.end(), 0.0F), open_sky_q_size) << "underground";
   EXPECT_NE(d.place_class, PlaceClass::unknown);
 }
 

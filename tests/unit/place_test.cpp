@@ -5,6 +5,7 @@
 #include <random>
 
 #include "common/descriptor/wall_profile.hpp"
+#include "server/place/descriptor_agreement.hpp"
 #include "server/place/descriptor_index.hpp"
 #include "server/place/fft2.hpp"
 #include "server/place/hypotheses.hpp"
@@ -61,6 +62,49 @@ TEST(DescriptorIndex, FlannFindsWhatTheExactIndexFinds) {
   EXPECT_EQ(exact->nearest(q, 5000).size(), 2000U);
 }
 
+/// Keyframes every 2 m along x from x_m on; place vectors of two numbers that turn once in 37 m.
+std::vector<Keyframe> drift(double x_m, std::size_t count, float scale = 1) {
+  std::vector<Keyframe> out(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = x_m + 2 * static_cast<double>(i), turn = 2 * std::numbers::pi * x / 37;
+    out[i].T_local_sensor.translation().x() = x;
+    out[i].descriptor.q = {scale * static_cast<float>(std::cos(turn)), scale * static_cast<float>(std::sin(turn))};
+  }
+  return out;
+}
+
+TEST(DescriptorAgreement, IsGreatWhereThePathsTrulyLieAndTheUnitDoesNotMatter) {
+  const auto a = drift(0, 40), b = drift(30, 40);
+  const DescriptorAgreement agreement(a, b);
+  const auto moved = [](double x) { return pose_from_yaw(0, {x, 0, 0}); };
+  const Agreement right = agreement.at(moved(0)), wrong = agreement.at(moved(18)), apart = agreement.at(moved(200));
+  EXPECT_EQ(right.count, 26) << "the last that comes within 3 m is one beyond the end";
+  EXPECT_GT(right.mean(), 0.99);
+  EXPECT_LT(wrong.mean(), 0.1);
+  EXPECT_GT(right.support(), 10);
+  EXPECT_LT(wrong.support(), -5);
+  EXPECT_EQ(apart.count, 0);
+  EXPECT_EQ(apart.mean(), 0);
+  EXPECT_EQ(apart.cautious(), 0.5);
+  const auto a_scaled = drift(0, 40, 9), b_scaled = drift(30, 40, 9);
+  EXPECT_NEAR(DescriptorAgreement(a_scaled, b_scaled).at(moved(3)).mean(), agreement.at(moved(3)).mean(), 1e-5);
+}
+
+TEST(DescriptorAgreement, SaysNothingWithoutDescriptorsOrOfOtherLengths) {
+  auto a = drift(0, 10), b = drift(0, 10);
+  for (Keyframe& k : b) k.descriptor.q.push_back(0);
+  EXPECT_EQ(DescriptorAgreement(a, b).at(Pose::Identity()).count, 0);
+  for (Keyframe& k : a) k.descriptor.q.clear();
+  EXPECT_EQ(DescriptorAgreement(a, b).at(Pose::Identity()).count, 0);
+  EXPECT_EQ(DescriptorAgreement({}, {}).at(Pose::Identity()).cautious(), 0.5);
+}
+
+TEST(DescriptorAgreement, SessionsThatLookTheSameEverywhereAreNotCompared) {
+  auto a = drift(0, 10);
+  for (Keyframe& k : a) k.descriptor.q = {1, 0};
+  EXPECT_EQ(DescriptorAgreement(a, a).at(Pose::Identity()).count, 0);
+}
+
 /// Distances by the book, all sorted: what an exact index has to say.
 std::vector<PlaceNeighbour> sorted_all(const std::vector<std::vector<float>>& rows, const std::vector<float>& q) {
   std::vector<PlaceNeighbour> out;
@@ -80,9 +124,10 @@ TEST(DescriptorIndex, ExactIndexIsExactForAnySizeAndAnswersManyAsOne) {
   std::normal_distribution<float> fine;
   for (const std::size_t length : {1U, 7U, 64U})
     for (const std::size_t count : {1U, 15U, 16U, 17U, 500U}) {
+      const float far = count == 17 ? 1000 : 0;  // long vectors near each other: lengths say little of distances
       const auto draw = [&](bool rough) {
         std::vector<float> q(length);
-        for (float& v : q) v = rough ? static_cast<float>(coarse(rng)) : fine(rng);
+        for (float& v : q) v = far + (rough ? static_cast<float>(coarse(rng)) : fine(rng));
         return q;
       };
       const auto index = make_exact_index(length);
@@ -152,7 +197,9 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
   const Eigen::Vector3d at = found[0].place_b;
   EXPECT_LT((found[0].T_a_b * at - truth * at).norm(), 1.0);
   EXPECT_LT(rotation_angle_rad(found[0].T_a_b.inverse() * truth), 3 * degree);
-  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i].score, found[i - 1].score);
+  for (std::size_t i = 1; i < found.size(); ++i)
+    EXPECT_LE(found[i].score * std::pow(found[i].agreement, 2),
+              found[i - 1].score * std::pow(found[i - 1].agreement, 2));
 }
 
 TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
