@@ -34,9 +34,16 @@ class DescriptorAgreement {
     const std::vector<float>* q;
   };
   static std::vector<Spot> spots(std::span<const Keyframe> keyframes, std::size_t q_size);
+  void sort_into_cells();
+  const Spot* nearest(const Eigen::Vector3f& p) const;  // of a's, within 3 m
 
   std::vector<Spot> a_, b_;
   float usual_ = 0;
+  // Seen from above, a's spots lie in cells of 3 m or more, row by row: those of cell i are [cells_[i], cells_[i + 1]).
+  Eigen::Vector2f low_ = Eigen::Vector2f::Zero();
+  float cell_m_ = 0;
+  Eigen::Index columns_ = 0, rows_ = 0;
+  std::vector<std::size_t> cells_;
 };
 
 }  // namespace headframe

@@ -90,6 +90,34 @@ TEST(DescriptorAgreement, IsGreatWhereThePathsTrulyLieAndTheUnitDoesNotMatter) {
   EXPECT_NEAR(DescriptorAgreement(a_scaled, b_scaled).at(moved(3)).mean(), agreement.at(moved(3)).mean(), 1e-5);
 }
 
+TEST(DescriptorAgreement, MeetsTheNearestAsBruteForceDoes) {
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> place(-20, 20);
+  std::normal_distribution<float> value;
+  const auto scattered = [&](std::size_t count, double scale) {
+    std::vector<Keyframe> out(count);
+    for (Keyframe& k : out) {
+      k.T_local_sensor.translation() = scale * Eigen::Vector3d(place(rng), place(rng), place(rng) / 10);
+      k.descriptor.q = {value(rng), value(rng), value(rng)};
+    }
+    return out;
+  };
+  for (const double scale : {1.0, 1000.0, 1e6}) {  // 1000 and more: cells that are wider than 3 m
+    auto a = scattered(200, scale), b = scattered(150, 1);
+    for (std::size_t i = 0; i < 50; ++i) a[i].T_local_sensor.translation() = b[i].T_local_sensor.translation();
+    const DescriptorAgreement agreement(a, b);
+    for (int trial = 0; trial < 20; ++trial) {
+      const Pose T = pose_from_yaw(place(rng), {place(rng) / 10, place(rng) / 10, 0});
+      double count = 0;
+      for (const Keyframe& k : b)
+        count += std::any_of(a.begin(), a.end(), [&](const Keyframe& l) {
+          return (T * k.T_local_sensor.translation() - l.T_local_sensor.translation()).norm() < 3;
+        });
+      EXPECT_EQ(agreement.at(T).count, count);
+    }
+  }
+}
+
 TEST(DescriptorAgreement, SaysNothingWithoutDescriptorsOrOfOtherLengths) {
   auto a = drift(0, 10), b = drift(0, 10);
   for (Keyframe& k : b) k.descriptor.q.push_back(0);
