@@ -65,7 +65,8 @@ void DescriptorAgreement::sort_into_cells() {
   std::partial_sum(cells_.begin(), cells_.end(), cells_.begin());
 }
 
-const DescriptorAgreement::Spot* DescriptorAgreement::nearest(const Eigen::Vector3f& p) const {
+const DescriptorAgreement::Spot* DescriptorAgreement::nearest(const Eigen::Vector3f& p, Heights heights) const {
+  const Eigen::Vector3f counts(1, 1, heights == Heights::any ? 0 : 1);
   const Eigen::Vector2f at = (p.head<2>() - low_) / cell_m_;
   if (!(at.x() > -1 && at.y() > -1 && at.x() < static_cast<float>(columns_ + 1) &&
         at.y() < static_cast<float>(rows_ + 1)))
@@ -79,7 +80,7 @@ const DescriptorAgreement::Spot* DescriptorAgreement::nearest(const Eigen::Vecto
     const std::size_t begin = cells_[static_cast<std::size_t>(row * columns_ + left)],
                       end = cells_[static_cast<std::size_t>(row * columns_ + right) + 1];
     for (std::size_t i = begin; i < end; ++i) {
-      const float squared = (a_[i].place - p).squaredNorm();
+      const float squared = (a_[i].place - p).cwiseProduct(counts).squaredNorm();
       if (squared >= least) continue;
       least = squared;
       found = &a_[i];
@@ -88,12 +89,12 @@ const DescriptorAgreement::Spot* DescriptorAgreement::nearest(const Eigen::Vecto
   return found;
 }
 
-Agreement DescriptorAgreement::at(const Pose& T_a_b) const {
+Agreement DescriptorAgreement::at(const Pose& T_a_b, Heights heights) const {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   Agreement out;
   if (!(usual_ > 0)) return out;  // all the same: they tell nothing
   for (const Spot& b : b_) {
-    const Spot* a = nearest(T * b.place);
+    const Spot* a = nearest(T * b.place, heights);
     if (!a) continue;
     out.sum += std::max(0.0F, 1 - squared_distance(*a->q, *b.q) / usual_);
     out.count += 1;

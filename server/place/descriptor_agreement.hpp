@@ -20,13 +20,15 @@ struct Agreement {
   double support() const { return sum - 0.5 * count; }
 };
 
+enum class Heights { as_placed, any };  // any: keyframes meet whatever lies between their heights
+
 /// Compares the descriptors of two sessions under placements. One neighbour among thousands is easily a look-alike; a
 /// whole stretch of path is not. Holds views of the keyframes; thread safe.
 class DescriptorAgreement {
  public:
   DescriptorAgreement(std::span<const Keyframe> a, std::span<const Keyframe> b);
 
-  Agreement at(const Pose& T_a_b) const;
+  Agreement at(const Pose& T_a_b, Heights heights = Heights::as_placed) const;
 
  private:
   struct Spot {
@@ -35,7 +37,7 @@ class DescriptorAgreement {
   };
   static std::vector<Spot> spots(std::span<const Keyframe> keyframes, std::size_t q_size);
   void sort_into_cells();
-  const Spot* nearest(const Eigen::Vector3f& p) const;  // of a's, within 3 m
+  const Spot* nearest(const Eigen::Vector3f& p, Heights heights) const;  // of a's, within 3 m
 
   std::vector<Spot> a_, b_;
   float usual_ = 0;

@@ -75,7 +75,13 @@ struct Lead {
   const SessionWalls::Part* part = nullptr;
   WallMatch match;
   bool trusted = false;  // the descriptors speak for it: stays whatever the walls say
+  double promise = 0;
 };
+
+/// Squared: of two that fit the walls, the descriptors' agreement is the better judge.
+double promise(double score, const Agreement& agreement) {
+  return std::max(0.0, score) * agreement.cautious() * agreement.cautious();
+}
 
 Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match) {
   Lead best{&a, nullptr, match, false};
@@ -88,10 +94,7 @@ Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const
   return best;
 }
 
-void best_first(std::vector<Lead>& leads) {
-  std::stable_sort(leads.begin(), leads.end(),
-                   [](const Lead& l, const Lead& m) { return l.match.score > m.match.score; });
-}
+Pose placement(const WallMatch& m) { return pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), 0}); }
 
 /// Where b's level could lie on a's. A long one is laid piece by piece: over hundreds of metres half a step of a turn,
 /// and drift, put a right placement's ends off the walls.
@@ -111,7 +114,7 @@ void search_level(const SessionWalls::Level& a, const SessionWalls::Level& b, co
 /// The levels of both sessions on each other, and the descriptors' transforms on every level they fit: refined by the
 /// walls, a few metres first, then the best to half a cell.
 std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::span<const Pose> proposed,
-                           const HypothesisFinder::Config& config) {
+                           const DescriptorAgreement& agreement, const HypothesisFinder::Config& config) {
   std::vector<Lead> leads;
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
@@ -125,9 +128,11 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
   std::erase_if(leads, [](const Lead& l) { return l.part == nullptr; });
   const auto refine = [&](WallField::Step step) {
     for_blocks(leads.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-      leads[i].match = leads[i].a->field.refine(leads[i].part->map, leads[i].match, step);
+      Lead& lead = leads[i];
+      lead.match = lead.a->field.refine(lead.part->map, lead.match, step);
+      lead.promise = promise(lead.match.score, agreement.at(placement(lead.match), Heights::any));
     });
-    best_first(leads);
+    std::stable_sort(leads.begin(), leads.end(), [](const Lead& l, const Lead& m) { return l.promise > m.promise; });
   };
   refine(WallField::Step::coarse);
   std::size_t kept = 0;
@@ -157,20 +162,19 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
                                                  const DescriptorAgreement& agreement) {
   const SessionWalls &walls_a = walls(a), &walls_b = walls(b);
   std::vector<Hypothesis> out;
-  for (const Lead& lead : leads_of(walls_a, walls_b, proposed, config_)) {
+  for (const Lead& lead : leads_of(walls_a, walls_b, proposed, agreement, config_)) {
     if (out.size() >= config_.most && !lead.trusted) continue;
     const Piece piece_a = lead.a->piece, piece_b = lead.part->piece;
-    Hypothesis h{pose_from_yaw(lead.match.yaw_rad, {lead.match.shift_m.x(), lead.match.shift_m.y(), 0}),
-                 lead.match.score, place(b.keyframes[(piece_b.begin + piece_b.end) / 2])};
+    Hypothesis h{placement(lead.match), lead.match.score, place(b.keyframes[(piece_b.begin + piece_b.end) / 2])};
     h.T_a_b.translation().z() = height_m(a.keyframes.subspan(piece_a.begin, piece_a.end - piece_a.begin),
                                          b.keyframes.subspan(piece_b.begin, piece_b.end - piece_b.begin), h.T_a_b);
     if (std::any_of(out.begin(), out.end(), [&](const auto& g) { return same(g.T_a_b, h.T_a_b, h.place_b); })) continue;
-    h.agreement = agreement.at(h.T_a_b).cautious();
+    h.descriptors = agreement.at(h.T_a_b);
     out.push_back(h);
   }
-  // Squared: of two that fit the walls, the descriptors' agreement is the better judge.
-  const auto promise = [](const Hypothesis& h) { return std::max(0.0, h.score) * h.agreement * h.agreement; };
-  std::stable_sort(out.begin(), out.end(), [&](const auto& g, const auto& h) { return promise(g) > promise(h); });
+  std::stable_sort(out.begin(), out.end(), [](const Hypothesis& g, const Hypothesis& h) {
+    return promise(g.score, g.descriptors) > promise(h.score, h.descriptors);
+  });
   return out;
 }
 

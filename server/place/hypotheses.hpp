@@ -22,7 +22,7 @@ struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
   double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
   Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of that piece of b's path, in b's frame
-  double agreement = 0.5;                             // of the descriptors along both paths (Agreement::cautious)
+  Agreement descriptors = {};                         // along both paths
 };
 
 /// A session as the finder sees it.

@@ -226,8 +226,8 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
   EXPECT_LT((found[0].T_a_b * at - truth * at).norm(), 1.0);
   EXPECT_LT(rotation_angle_rad(found[0].T_a_b.inverse() * truth), 3 * degree);
   for (std::size_t i = 1; i < found.size(); ++i)
-    EXPECT_LE(found[i].score * std::pow(found[i].agreement, 2),
-              found[i - 1].score * std::pow(found[i - 1].agreement, 2));
+    EXPECT_LE(found[i].score * std::pow(found[i].descriptors.cautious(), 2),
+              found[i - 1].score * std::pow(found[i - 1].descriptors.cautious(), 2));
 }
 
 TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
