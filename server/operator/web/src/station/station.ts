@@ -149,6 +149,9 @@ export class Station {
           this.log.add('plain', `${event.robot} finished its session: ${event.keyframes} keyframes.`, { session: event.id });
         this.takeSession(event);
         break;
+      case 'renamed':
+        this.takeSession(event);
+        break;
       case 'alignment':
         this.onAlignment(event.alignment);
         break;

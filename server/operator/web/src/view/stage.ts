@@ -6,6 +6,8 @@ import { MapControls } from 'three/addons/controls/MapControls.js';
 export type Way = 'top' | 'free';
 
 const fieldOfView_deg = 45;
+const tools_px = 62; // lie over the picture's upper and lower edge
+const beside_px = 28;
 
 export class Stage {
   readonly scene = new Scene();
@@ -117,8 +119,8 @@ export class Stage {
     if (box.isEmpty()) return;
     const centre = box.getCenter(new Vector3());
     const span = box.getSize(new Vector3());
-    const aspect = this.size.x / this.size.y;
-    const height = 1.12 * Math.max(span.y, span.x / aspect, 10);
+    const room = { x: Math.max(this.size.x - 2 * beside_px, 1), y: Math.max(this.size.y - 2 * tools_px, 1) };
+    const height = this.size.y * Math.max(span.y / room.y, span.x / room.x, 10 / this.size.y);
     this.target.copy(centre);
     if (this.way === 'top') {
       this.top.position.set(centre.x, centre.y, 1000);
