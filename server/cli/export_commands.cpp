@@ -38,7 +38,7 @@ Result<std::string> format_of(const std::string& file, const std::string& asked)
 /// "[##########----------]  50 %  1.0 MB of 2.0 MB"; without a total only what came.
 std::string transfer_text(std::size_t received_bytes, std::uint64_t total_bytes) {
   constexpr std::size_t cells = 20;
-  const std::string received = bytes_text(static_cast<double>(received_bytes));
+  std::string received = bytes_text(static_cast<double>(received_bytes));
   if (total_bytes == 0) return received;
   const double share = std::min(static_cast<double>(received_bytes) / static_cast<double>(total_bytes), 1.0);
   const auto done = static_cast<std::size_t>(share * cells);

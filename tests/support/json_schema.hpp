@@ -49,7 +49,8 @@ class JsonSchema {
     const Json properties = schema.value("properties", Json::object());
     const Json others = schema.value("additionalProperties", Json(true));
     for (const auto& [name, member] : value.items()) {
-      const std::string path = where + "." + name;
+      std::string path = where;
+      path.append(".").append(name);
       if (properties.contains(name)) {
         check(member, properties[name], path, out);
       } else if (others.is_object()) {
