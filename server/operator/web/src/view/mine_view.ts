@@ -49,6 +49,7 @@ export class MineView {
   private framedByHand = false;
   private lastFrame = 0;
   private dirty = true;
+  private lastTold = '';
   private readonly begun = performance.now();
 
   constructor(
@@ -74,7 +75,12 @@ export class MineView {
       this.dirty = true;
       this.stage.draw();
     };
-    station.onChange(mark);
+    station.onChange(() => {
+      const told = this.told();
+      if (told === this.lastTold) return; // the panels show more of the station, such as how long ago a robot was heard
+      this.lastTold = told;
+      mark();
+    });
     ui.onChange(mark);
     canvas.addEventListener('click', (event) => this.onClick(event.offsetX, event.offsetY));
   }
@@ -131,6 +137,14 @@ export class MineView {
     this.lastFrame = now;
     this.note();
     return moving;
+  }
+
+  /** All that the view shows of the station, to be compared. */
+  private told(): string {
+    const { epoch, link, revision, sessions, paths, alignments } = this.station;
+    const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
+    const pairs = [...alignments.values()].map(({ id, state, decision, T_a_b }) => [id, state, decision, T_a_b]);
+    return JSON.stringify([epoch, link, revision, rows, pairs]);
   }
 
   /** The first points are drawn alone: the programs of lines and arrows would hold them up. */
