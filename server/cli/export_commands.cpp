@@ -1,9 +1,12 @@
 // Files of what the server knows.
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <iomanip>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "server/cli/commands.hpp"
 #include "server/cli/part_file.hpp"
@@ -32,6 +35,19 @@ Result<std::string> format_of(const std::string& file, const std::string& asked)
                  file + " ends in none of .ply, .pcd, .las and .png; the ending, or --format, chooses the format");
 }
 
+/// "[##########----------]  50 %  1.0 MB of 2.0 MB"; without a total only what came.
+std::string transfer_text(std::size_t received_bytes, std::uint64_t total_bytes) {
+  constexpr std::size_t cells = 20;
+  std::string received = bytes_text(static_cast<double>(received_bytes));
+  if (total_bytes == 0) return received;
+  const double share = std::min(static_cast<double>(received_bytes) / static_cast<double>(total_bytes), 1.0);
+  const auto done = static_cast<std::size_t>(share * cells);
+  std::ostringstream line;
+  line << '[' << std::string(done, '#') << std::string(cells - done, '-') << "] " << std::setw(3)
+       << static_cast<int>(100 * share) << " %  " << received << " of " << bytes_text(static_cast<double>(total_bytes));
+  return line.str();
+}
+
 std::string in_frame(const std::string& frame) { return frame.empty() ? "" : "&frame=" + percent_encoded(frame); }
 
 }  // namespace
@@ -40,19 +56,19 @@ Result<std::size_t> Commands::download(const std::string& target, const std::str
   auto part = PartFile::create(file);
   if (!part) return tl::unexpected(part.error());
   std::size_t received_bytes = 0;
-  std::string of_total;
+  std::uint64_t total_bytes = 0;
   Progress line(isatty(STDERR_FILENO) != 0);
   HttpWatch watch;
   watch.waiting = [&](double waited_s) {
     if (received_bytes == 0) line.show("the server prepares the file: " + fixed(waited_s, 0) + " s");
   };
-  watch.length = [&](std::uint64_t bytes) { of_total = " of " + bytes_text(static_cast<double>(bytes)); };
+  watch.length = [&](std::uint64_t bytes) { total_bytes = bytes; };
   const auto response = HttpClient(endpoint_, {5, export_s})
                             .get(
                                 target,
                                 [&](std::string_view piece) {
                                   received_bytes += piece.size();
-                                  line.show(bytes_text(static_cast<double>(received_bytes)) + of_total);
+                                  line.show(transfer_text(received_bytes, total_bytes));
                                   return part->write(piece);
                                 },
                                 watch);

@@ -150,8 +150,8 @@ std::string status_view(const Json& status) {
   out += "atlas       revision " + std::to_string(count("revision")) + ", " +
          counted(count("components"), "component") + " of " + counted(count("sessions"), "session") + "\n";
   out += "robots      " + std::to_string(count("connected")) + " connected\n";
-  out += "received    " + counted(count("keyframes"), "keyframe") + ", " + counted(count("clouds"), "cloud") + ", " +
-         bytes_text(static_cast<double>(count("bytes_received"))) + "\n";
+  out += "received    " + counted(count("keyframes"), "keyframe") + ", " + counted(count("clouds"), "cloud") + "; " +
+         bytes_text(static_cast<double>(count("bytes_received"))) + " since the server began\n";
   if (const Json hold = status.value("links", Json::object()).value("hold", Json()); hold.is_string())
     out += "ON HOLD     " + printable(hold.get<std::string>()) + "\n";
   out += "alignments  " + (alignments.empty() ? "none" : alignments) + "\n";
@@ -165,7 +165,7 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
                {"state"},
                {"keyframes", true},
                {"clouds", true, 2},
-               {"received", true, 5},
+               {"since start", true, 5},
                {"backlog", true, 1},
                {"rate", true, 3},
                {"heard", true, 4},

@@ -5,7 +5,6 @@
 #include <regex>
 
 #include "server/cli/http_client.hpp"
-#include "server/operator/router.hpp"
 #include "tests/support/operator_server.hpp"
 
 namespace headframe {
@@ -101,34 +100,6 @@ TEST_F(OperatorApiTest, IsReadyUnlessTheDiskRefuses) {
   server.station.change([&] { server.station.work.disk_error = "disk is full"; });
   expect_error(get("/readyz"), 503, "unavailable", "disk is full");
   EXPECT_EQ(get("/healthz").status, 200) << "alive all the same";
-}
-
-TEST_F(OperatorApiTest, TheOpenApiFileNamesJustTheRoutesThereAre) {
-  const Json api = Json::parse(get("/api/v1/openapi.json").body);
-  std::set<std::string> described, served;
-  for (const auto& [path, operations] : api["paths"].items())
-    for (const auto& [method, operation] : operations.items()) {
-      std::string line = method;
-      line.append(" ").append(path);
-      std::set<std::string> parameters;
-      for (const Json& parameter : operation.value("parameters", Json::array())) {
-        const auto name = parameter["name"].get<std::string>();
-        if (parameter["in"] == "query") parameters.insert(name);
-        if (parameter["in"] == "path") {
-          EXPECT_NE(path.find("{" + name + "}"), std::string::npos) << line;
-        }
-      }
-      for (const auto& name : parameters) line += " " + name;
-      described.insert(line);
-    }
-  for (const RouteName& route : route_names()) {
-    std::string line;
-    for (const char c : route.method) line += static_cast<char>(std::tolower(c));
-    line.append(" ").append(route.path);
-    for (const auto& name : std::set<std::string>(route.parameters.begin(), route.parameters.end())) line += " " + name;
-    served.insert(line);
-  }
-  EXPECT_EQ(described, served);
 }
 
 TEST_F(OperatorApiTest, HasAPageOrSaysThatItHasNone) {

@@ -9,7 +9,7 @@ import { browserArguments, browserPath, finished, open, outputs, scratchFolder, 
 const robots = 20;
 const seconds = 30;
 const long_s = 1800; // a load that is ended by hand
-const rounds = 2; // with and without a page, in turn: the machine is not the same from minute to minute
+const rounds = 4; // with and without a page, in turn: the machine is not the same from minute to minute
 const firstPictures = 20;
 const pages = 10;
 const poll_ms = 20;
@@ -68,10 +68,11 @@ async function underLoad(load_s, meanwhile) {
 
 const launch = (executablePath = browserPath) => chromium.launch({ executablePath, args: browserArguments });
 
-/** The browser is another computer: here it gets what the server and the robots leave. */
+/** The browser is another computer: here it gets what the server and the robots leave. As root it would give itself priority. */
 function launchAside() {
   const wrapper = join(scratch, 'aside');
-  writeFileSync(wrapper, `#!/bin/sh\nexec nice -n 10 ${browserPath} "$@"\n`);
+  const humbly = process.getuid() === 0 ? 'setpriv --bounding-set=-sys_nice ' : '';
+  writeFileSync(wrapper, `#!/bin/sh\nexec ${humbly}nice -n 10 ${browserPath} "$@"\n`);
   chmodSync(wrapper, 0o755);
   return launch(wrapper);
 }
@@ -177,16 +178,17 @@ await underLoad(null, async (server) => {
   const files = ['', 'page.js', 'page.css', 'page.woff2'];
   figures.bundle_kb = (await Promise.all(files.map((name) => transferred(server.url + name)))).reduce((sum, bytes) => sum + bytes, 0) / 1000;
   const page = await openPage(browser, server);
-  await firstPicture(page);
+  await firstPicture(page); // and the graphics process of the browser has been started
   const lag = await liveLag(page, server, seconds / 2);
   Object.assign(figures, { live_lag_keyframes: lag.length, live_lag_p50_ms: quantile(lag, 0.5), live_lag_p95_ms: quantile(lag, 0.95) });
+  await page.context().close();
   const times = [];
   for (let at = 0; at < firstPictures; at++) {
-    await page.reload();
-    times.push(await firstPicture(page));
+    const opened = await openPage(browser, server); // with nothing in its cache
+    times.push(await firstPicture(opened));
+    await opened.context().close();
   }
   Object.assign(figures, { first_picture_p50_ms: quantile(times, 0.5), first_picture_p95_ms: quantile(times, 0.95) });
-  await page.context().close();
 });
 save();
 say(`memory of the server with ${pages} pages`);

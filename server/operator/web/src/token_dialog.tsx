@@ -17,11 +17,11 @@ export async function askForToken(fault: string): Promise<void> {
           </p>
         )}
         <label class="field">
-          The server made it at its first start
+          Token
           <input name="token" type="password" required autocomplete="off" data-first />
         </label>
         <p class="muted">
-          It is in <code>operator.token</code> in the server's data directory. This page keeps it until its tab is closed.
+          The server made it at its first start: it is in <code>operator.token</code> in its data directory. This page keeps it until its tab is closed.
         </p>
       </>
     ),

@@ -5,10 +5,10 @@ import { bytes } from '../parts/format';
 import { toast, told } from '../parts/toast';
 import { ask, askJson } from '../station/api';
 import type { Station } from '../station/station';
-import type { Alignment, Session } from '../station/types';
-import { ExportForm, exportPath } from './export_form';
+import type { Alignment, Session, Survey, SurveyBody } from '../station/types';
+import { ExportForm, exportPath, showProgress } from './export_form';
 import { Enrolment } from './enrolment';
-import { SurveyForm, surveyBody, surveyText } from './survey_form';
+import { bodyOf, SurveyForm, surveyBody, surveyText } from './survey_form';
 import { download } from './download';
 
 export type Decision = 'confirm' | 'refuse' | 'retract';
@@ -61,6 +61,9 @@ const decisions: Record<Decision, { title: string; action: string; what: string;
 };
 
 export class Actions {
+  /** Lines that offer to undo a decision; each goes when it was undone elsewhere. */
+  private readonly offers = new Map<number, () => void>();
+
   constructor(private readonly station: Station) {}
 
   async decide(alignment: Alignment, decision: Decision): Promise<void> {
@@ -83,7 +86,8 @@ export class Actions {
     });
     if (!acted) return;
     this.note(`You: ${pair} ${done}.`, { alignment: alignment.id });
-    toast(`${pair}: ${done}.`, { offer: { word: 'Undo', run: () => void this.undo(alignment) } });
+    this.offers.get(alignment.id)?.();
+    this.offers.set(alignment.id, toast(`${pair}: ${done}.`, { offer: { word: 'Undo', run: () => void this.undo(alignment) } }));
   }
 
   /** One click: what is undone can be decided again. */
@@ -91,6 +95,7 @@ export class Actions {
     await told(async () => {
       await ask(`/api/v1/alignments/${alignment.id}/undo`, { method: 'POST' });
       await this.station.refreshAtlas();
+      this.offers.get(alignment.id)?.();
       this.note(`You: the decision on ${this.pairOf(alignment)} was undone.`, { alignment: alignment.id });
       toast(`${this.pairOf(alignment)}: your decision was undone.`);
     });
@@ -164,11 +169,10 @@ export class Actions {
       title: 'Export a map',
       action: 'Export',
       body: <ExportForm station={this.station} component={component} />,
-      run: async (form) => {
+      run: async (form, left) => {
         const { path, name } = exportPath(form, this.station);
-        const output = document.querySelector<HTMLOutputElement>('#export-progress');
-        const total = await download(path, name, (sofar) => output && (output.value = `${bytes(sofar)} so far`));
-        done = `${name}: ${bytes(total)}`;
+        showProgress(null);
+        done = `${name}: ${bytes(await download(path, name, showProgress, left))}`;
       },
     });
     if (!acted) return;
@@ -179,19 +183,20 @@ export class Actions {
   async survey(session: Session): Promise<void> {
     const title = this.station.titleOf(session);
     let done = '';
-    const acted = await confirmed({
-      title: `Survey of ${title}`,
-      action: 'Place in the mine grid',
-      wide: true,
-      body: <SurveyForm />,
-      run: async (form) => {
-        done = surveyText(await askJson(`/api/v1/survey?session=${session.id}`, { method: 'POST', body: surveyBody(form) }));
-      },
-    });
-    if (!acted) return;
-    this.note(`You: ${title} was placed in the mine grid. ${done}`, { session: session.id });
-    toast(`${title} lies in the mine grid. ${done}`, {
-      offer: { word: 'Undo', run: () => void told(async () => void (await ask(`/api/v1/survey?session=${session.id}`, { method: 'DELETE' }))) },
+    await told(async () => {
+      const { surveys } = await askJson<{ surveys: Survey[] }>('/api/v1/survey');
+      const before = surveys.find(({ session_id }) => session_id === session.id);
+      const acted = await confirmed({
+        title: `Survey of ${title}`,
+        action: 'Place in the mine grid',
+        wide: true,
+        body: <SurveyForm before={before} />,
+        run: async (form) => void (done = surveyText(await this.setSurvey(session.id, surveyBody(form)))),
+      });
+      if (!acted) return;
+      this.note(`You: ${title} was placed in the mine grid. ${done}`, { session: session.id });
+      const undo = () => void told(() => this.restoreSurvey(session.id, before));
+      toast(`${title} lies in the mine grid. ${done}`, { offer: { word: 'Undo', run: undo } });
     });
   }
 
@@ -215,6 +220,15 @@ export class Actions {
     if (!acted) return;
     this.note(`You: invited ${robot}.`);
     await confirmed({ title: `${robot} is invited`, body: <Enrolment robot={robot} enrolment={enrolment} />, wide: true });
+  }
+
+  private setSurvey(session: number, body: SurveyBody): Promise<Survey> {
+    return askJson(`/api/v1/survey?session=${session}`, { method: 'POST', body });
+  }
+
+  private async restoreSurvey(session: number, before: Survey | undefined): Promise<void> {
+    if (before) await this.setSurvey(session, bodyOf(before));
+    else await ask(`/api/v1/survey?session=${session}`, { method: 'DELETE' });
   }
 
   private async setAnchor(session: number): Promise<void> {

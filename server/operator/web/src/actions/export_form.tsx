@@ -1,21 +1,21 @@
 // Which map, as what, how dense.
 
 import { useState } from 'preact/hooks';
+import { bytes, percent } from '../parts/format';
 import type { Station } from '../station/station';
 import { nameOf } from '../station/station';
+import type { Progress } from './download';
 
 const formats: Record<string, string> = {
   ply: 'PLY cloud',
   pcd: 'PCD cloud',
   las: 'LAS cloud',
-  laz: 'LAZ cloud',
-  e57: 'E57 cloud',
   png: 'PNG plan from above',
   atlas: 'Atlas as JSON',
   tum: 'Trajectory, TUM',
   csv: 'Trajectory, CSV',
 };
-const clouds = ['ply', 'pcd', 'las', 'laz', 'e57'];
+const clouds = ['ply', 'pcd', 'las'];
 
 /** The formats that this server writes. */
 function available(station: Station): string[] {
@@ -90,9 +90,24 @@ export function ExportForm({ station, component }: { station: Station; component
           </select>
         </label>
       )}
-      <output id="export-progress" class="muted" aria-live="off" />
+      <div id="export-progress" class="export-progress" hidden>
+        <progress aria-label="Export" />
+        <output class="muted" aria-live="off" />
+      </div>
     </div>
   );
+}
+
+/** Nothing came yet: the server counts the points, for a file's head says how many there are. */
+export function showProgress(at: Progress | null): void {
+  const row = document.querySelector<HTMLElement>('#export-progress');
+  if (!row) return;
+  row.hidden = false;
+  const [bar, words] = [row.querySelector('progress')!, row.querySelector('output')!];
+  if (at === null || at.total_bytes === null) bar.removeAttribute('value');
+  else bar.value = at.received_bytes / Math.max(at.total_bytes, 1);
+  words.value =
+    at === null ? 'The server counts the points…' : at.total_bytes === null ? bytes(at.received_bytes) : `${percent(bar.value)} of ${bytes(at.total_bytes)}`;
 }
 
 export function exportPath(form: FormData, station: Station): { path: string; name: string } {

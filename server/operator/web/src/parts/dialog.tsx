@@ -9,8 +9,8 @@ export interface Asked {
   /** The word on the button that does it; none: there is only "Close". */
   action?: string;
   tone?: 'plain' | 'danger';
-  /** Runs when the button is pressed; the dialog stays open with the message when it throws. */
-  run?: (form: FormData) => Promise<void>;
+  /** Runs when the button is pressed; the dialog stays open with the message when it throws. `left`: it was cancelled meanwhile. */
+  run?: (form: FormData, left: AbortSignal) => Promise<void>;
   /** The dialog may not be left without an answer. */
   insist?: boolean;
   wide?: boolean;
@@ -20,6 +20,11 @@ function Dialog({ asked, done }: { asked: Asked; done: (acted: boolean) => void 
   const dialog = useRef<HTMLDialogElement>(null);
   const fault = useRef<HTMLParagraphElement>(null);
   const button = useRef<HTMLButtonElement>(null);
+  const left = useRef(new AbortController());
+  const cancel = () => {
+    left.current.abort();
+    done(false);
+  };
   useEffect(() => {
     dialog.current!.showModal();
     const wanted = dialog.current!.querySelector<HTMLElement>('[data-first]') ?? button.current;
@@ -30,9 +35,10 @@ function Dialog({ asked, done }: { asked: Asked; done: (acted: boolean) => void 
     fault.current!.textContent = '';
     button.current!.disabled = true;
     try {
-      await asked.run?.(new FormData(event.target as HTMLFormElement));
-      done(true);
+      await asked.run?.(new FormData(event.target as HTMLFormElement), left.current.signal);
+      if (!left.current.signal.aborted) done(true);
     } catch (error) {
+      if (left.current.signal.aborted) return;
       fault.current!.textContent = (error as Error).message;
       button.current!.disabled = false;
       button.current!.focus();
@@ -45,7 +51,7 @@ function Dialog({ asked, done }: { asked: Asked; done: (acted: boolean) => void 
       aria-labelledby="dialog-title"
       onCancel={(event) => {
         event.preventDefault();
-        if (!asked.insist) done(false);
+        if (!asked.insist) cancel();
       }}
     >
       <form onSubmit={(event) => void submit(event)}>
@@ -54,7 +60,7 @@ function Dialog({ asked, done }: { asked: Asked; done: (acted: boolean) => void 
         <p class="dialog-fault" role="alert" ref={fault} />
         <div class="dialog-buttons">
           {!asked.insist && (
-            <button type="button" class="button" onClick={() => done(false)}>
+            <button type="button" class="button" onClick={cancel}>
               {asked.action ? 'Cancel' : 'Close'}
             </button>
           )}

@@ -49,9 +49,9 @@ export async function askJson<T>(path: string, asked?: Asked): Promise<T> {
 let running = 0;
 const waiting: (() => void)[] = [];
 
-/** For what the view fetches by itself: only so many at a time, and a pause when the server says that it is too much. */
-export async function inTurn<T>(work: () => Promise<T>): Promise<T> {
-  if (running >= mostAtOnce) await new Promise<void>((resume) => waiting.push(resume));
+/** For what the view fetches by itself: only so many at a time, what is urgent first, and a pause when the server says that it is too much. */
+export async function inTurn<T>(work: () => Promise<T>, urgent = false): Promise<T> {
+  if (running >= mostAtOnce) await new Promise<void>((resume) => (urgent ? waiting.unshift(resume) : waiting.push(resume)));
   running++;
   try {
     return await work();
@@ -73,6 +73,9 @@ export async function trajectory(session: number, from: number): Promise<Keyfram
     quaternion: [qx, qy, qz, qw],
   }));
 }
+
+/** What is asked for of every session first: little, so that something is to be seen soon. */
+export const early = { level: 1, points: 5000 };
 
 export async function points(session: number, level: number, from: number, most: number): Promise<ArrayBuffer> {
   const path = `/api/v1/sessions/${session}/points?level=${level}&from=${from}&most=${most}`;

@@ -1,6 +1,6 @@
 // What the page knows of the server: kept by its events, and by a look now and then at what no event tells.
 
-import { ApiError, ask, askJson, inTurn, token, trajectory } from './api';
+import { ApiError, ask, askJson, early, inTurn, points, token, trajectory } from './api';
 import { Feed, type LinkState } from './feed';
 import { Log } from './log';
 import type { Alignment, Atlas, Component, Keyframe, Pending, Session, SessionName, StationEvent, Status, Transform } from './types';
@@ -34,6 +34,7 @@ export class Station {
   private readonly listeners: (() => void)[] = [];
   private readonly ids = new Map<string, number>();
   private readonly following = new Set<number>();
+  private readonly earlyPoints = new Map<number, Promise<ArrayBuffer>>();
 
   /** askForToken gets what was wrong with the last one, if there was one, and settles when there is another to try. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
@@ -82,6 +83,13 @@ export class Station {
     return this.routes.has(route);
   }
 
+  /** The first points of a session, asked for as soon as its path was known: the view takes longer to set up. To be had once. */
+  takeEarlyPoints(id: number): Promise<ArrayBuffer> | undefined {
+    const found = this.earlyPoints.get(id);
+    this.earlyPoints.delete(id);
+    return found;
+  }
+
   async refreshAtlas(): Promise<void> {
     this.takeAtlas(await askJson<Atlas>('/api/v1/atlas'));
     this.changed();
@@ -124,6 +132,7 @@ export class Station {
     if (state === 'live' && this.epoch > 0) this.log.add('good', 'The server is back.');
     if (state === 'away' && this.link === 'live') this.log.add('bad', 'The link to the server broke.');
     if (state === 'live') this.epoch++;
+    else this.earlyPoints.clear();
     this.link = state;
     this.changed();
   }
@@ -147,6 +156,9 @@ export class Station {
       case 'keyframes':
         if (event.complete && this.sessions.get(event.id)?.complete === false)
           this.log.add('plain', `${event.robot} finished its session: ${event.keyframes} keyframes.`, { session: event.id });
+        this.takeSession(event);
+        break;
+      case 'renamed':
         this.takeSession(event);
         break;
       case 'alignment':
@@ -217,6 +229,7 @@ export class Station {
         const more = await inTurn(() => trajectory(id, (known.at(-1)?.sequence ?? 0) + 1));
         if (more.length === 0) break;
         this.paths.set(id, [...known, ...more]);
+        if (known.length === 0) this.askEarlyPoints(id);
         this.changed();
       }
     } catch {
@@ -224,6 +237,13 @@ export class Station {
     } finally {
       this.following.delete(id);
     }
+  }
+
+  private askEarlyPoints(id: number): void {
+    if (!this.sessions.get(id)?.clouds) return;
+    const asked = inTurn(() => points(id, early.level, 0, early.points), true);
+    asked.catch(() => {}); // who takes them sees it
+    this.earlyPoints.set(id, asked);
   }
 
   private async lookAround(): Promise<void> {

@@ -94,6 +94,22 @@ export interface Overlay {
   runner_up: { T_a_b: Transform; probability: number } | null;
 }
 
+export interface SurveyPoint {
+  name: string;
+  p_session: number[];
+  p_grid: number[];
+}
+
+/** Control points, or the transform itself. */
+export type SurveyBody = { points: SurveyPoint[] } | { T_grid_session: Transform };
+
+export interface Survey {
+  session_id: number;
+  T_grid_session: Transform;
+  points: (SurveyPoint & { residual_m: number })[];
+  rms_m: number | null;
+}
+
 export interface Keyframe {
   sequence: number;
   stamp_s: number;
@@ -103,7 +119,7 @@ export interface Keyframe {
 
 export type StationEvent =
   | { type: 'snapshot'; sessions: { sessions: Session[] }; atlas: Atlas & { pending?: Pending } }
-  | ({ type: 'robot_connected' | 'robot_left' | 'keyframes' } & Session)
+  | ({ type: 'robot_connected' | 'robot_left' | 'keyframes' | 'renamed' } & Session)
   | { type: 'alignment'; alignment: Alignment }
   | { type: 'revision'; revision: number; components: number }
   | { type: 'pending'; pending: Pending };

@@ -1,6 +1,7 @@
 // All clouds: which level of detail each gets, and how many points are drawn of what is there.
 
 import { Frustum, Matrix4, Scene, Vector3 } from 'three';
+import { early } from '../station/api';
 import type { Station } from '../station/station';
 import type { Chunk } from './chunk';
 import { shared } from './cloud_material';
@@ -9,7 +10,6 @@ import { levelCube_m, SessionCloud } from './session_cloud';
 import type { Stage } from './stage';
 
 const pointsAtOnce = 60_000;
-const firstPoints = 5_000; // so that something is to be seen soon
 const growth = 4; // points of a level against the coarser one, about
 const growingLevel = 2; // while a session still grows: finer ones cost the server more than they show
 const settled_ms = 6000;
@@ -125,10 +125,11 @@ export class Clouds {
       return T && middle ? new Vector3(...middle.position).applyMatrix4(T).distanceTo(target) : Infinity;
     };
     for (const cloud of rows) {
+      if (!this.station.paths.has(cloud.id)) continue; // it would be drawn where it does not stay
       const { clouds } = this.station.sessions.get(cloud.id)!;
-      const level = Math.max(cloud.level, 0);
       const rested = now - (this.fetchedAt.get(cloud.id) ?? -again_ms) >= again_ms;
-      if (rested && cloud.lacks(cloud.level < 0 ? 1 : level, clouds, epoch)) this.fetch(cloud, cloud.level < 0 ? 1 : level, clouds);
+      const wanted = cloud.level < 0 ? early.level : cloud.level;
+      if (rested && cloud.lacks(wanted, clouds, epoch)) this.fetch(cloud, wanted, clouds);
     }
     if (rows.length < this.clouds.size) return; // other levels wait until nothing else is on its way
     if (this.loadedPoints > this.budget.loaded) {
@@ -152,7 +153,9 @@ export class Clouds {
 
   private fetch(cloud: SessionCloud, level: number, clouds: number): void {
     this.fetchedAt.set(cloud.id, performance.now());
-    const atOnce = cloud.level < 0 ? firstPoints : Math.min(pointsAtOnce, this.budget.loaded / 8);
-    void cloud.fetch(level, clouds, this.station.epoch, Math.ceil(atOnce), () => this.loadedPoints + atOnce <= this.budget.loaded);
+    const first = cloud.level < 0;
+    const atOnce = Math.ceil(first ? early.points : Math.min(pointsAtOnce, this.budget.loaded / 8));
+    const there = first ? this.station.takeEarlyPoints(cloud.id) : undefined;
+    void cloud.fetch(level, clouds, this.station.epoch, atOnce, () => this.loadedPoints + atOnce <= this.budget.loaded, there);
   }
 }

@@ -53,7 +53,7 @@ export class Edges {
       const line = new LineSegments2(new LineSegmentsGeometry(), material);
       line.renderOrder = 12;
       line.frustumCulled = false;
-      this.stage.scene.add(line);
+      this.stage.signs.add(line);
       edge = { alignment, basis: '', links: [], line, drawnAt: -1, badge: new Vector3() };
       this.edges.set(alignment.id, edge);
     }

@@ -4,7 +4,8 @@ import { Box3, BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSe
 import type { Station } from '../station/station';
 import type { Session } from '../station/types';
 import type { Ui } from '../ui';
-import { colourBy, shared, vector } from './cloud_material';
+import { Chunk } from './chunk';
+import { cloudMaterial, colourBy, shared, vector } from './cloud_material';
 import { type Budget, Clouds } from './clouds';
 import { Edges } from './edges';
 import { Frames } from './frames';
@@ -22,6 +23,7 @@ const themes = {
 // What the colours of heights span, from the lowest and highest path: a sensor rides about so high, walls end about there.
 const floor_m = 1.5;
 const wall_m = 3;
+const alone_ms = 1500; // at the most
 const mostFrameLabels = 12; // more lie over each other; the robots' own labels do then
 
 export interface Shown {
@@ -47,6 +49,8 @@ export class MineView {
   private framedByHand = false;
   private lastFrame = 0;
   private dirty = true;
+  private lastTold = '';
+  private readonly begun = performance.now();
 
   constructor(
     canvas: HTMLCanvasElement,
@@ -57,6 +61,7 @@ export class MineView {
     private readonly onPicked: () => void,
   ) {
     this.stage = new Stage(canvas, () => (this.framedByHand = true));
+    this.stage.prepare(new Chunk(cloudMaterial()).points);
     this.frames = new Frames(station);
     this.clouds = new Clouds(this.stage.scene, station, this.frames, this.stage, budget(this.stage.renderer.getContext()));
     this.robots = new Robots(station, this.frames, this.stage);
@@ -64,13 +69,18 @@ export class MineView {
     this.labels = new Labels(layer, this.stage);
     this.measure = new Measure(this.stage);
     this.outlines.frustumCulled = false;
-    this.stage.scene.add(this.outlines);
+    this.stage.signs.add(this.outlines);
     this.stage.onFrame(() => this.frame());
     const mark = () => {
       this.dirty = true;
       this.stage.draw();
     };
-    station.onChange(mark);
+    station.onChange(() => {
+      const told = this.told();
+      if (told === this.lastTold) return; // the panels show more of the station, such as how long ago a robot was heard
+      this.lastTold = told;
+      mark();
+    });
     ui.onChange(mark);
     canvas.addEventListener('click', (event) => this.onClick(event.offsetX, event.offsetY));
   }
@@ -118,6 +128,7 @@ export class MineView {
     if (!this.framedByHand && (moving || this.outlinesAt !== this.frames.version)) this.stage.frame(this.contents());
     if (this.outlinesAt !== this.frames.version) this.drawOutlines();
     this.clouds.beforeFrame();
+    this.stage.signs.visible = this.shown.firstPicture_ms !== null || !this.awaitsPoints(now);
     this.robots.beforeFrame();
     this.edges.beforeFrame();
     this.labels.set(this.allLabels());
@@ -128,11 +139,28 @@ export class MineView {
     return moving;
   }
 
+  /** All that the view shows of the station, to be compared. */
+  private told(): string {
+    const { epoch, link, revision, sessions, paths, alignments } = this.station;
+    const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
+    const pairs = [...alignments.values()].map(({ id, state, decision, T_a_b }) => [id, state, decision, T_a_b]);
+    return JSON.stringify([epoch, link, revision, rows, pairs]);
+  }
+
+  /** The first points are drawn alone: the programs of lines and arrows would hold them up. */
+  private awaitsPoints(now: number): boolean {
+    return now - this.begun < alone_ms && [...this.station.sessions.values()].some(({ clouds }) => clouds > 0);
+  }
+
   private note(): void {
     this.shown.points = this.clouds.loadedPoints;
     this.shown.drawn = this.clouds.drawnPoints;
     for (const [id, path] of this.station.paths) this.shown.keyframes.set(id, path.length);
-    if (this.shown.firstPicture_ms === null && this.shown.points > 0) this.shown.firstPicture_ms = performance.now();
+    if (this.shown.firstPicture_ms !== null || this.shown.drawn === 0) return;
+    requestAnimationFrame(() => {
+      this.shown.firstPicture_ms ??= performance.now(); // this frame has been drawn then
+      this.stage.draw();
+    });
   }
 
   private sync(): void {

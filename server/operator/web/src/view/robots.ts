@@ -98,7 +98,7 @@ export class Robots {
       if (!robot) {
         robot = new Robot();
         this.robots.set(id, robot);
-        this.stage.scene.add(robot.group);
+        this.stage.signs.add(robot.group);
       }
       robot.follow(this.station.paths.get(id) ?? []);
       const { colour, paper, rim, faded } = paint(session);

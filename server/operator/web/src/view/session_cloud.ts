@@ -94,14 +94,15 @@ export class SessionCloud {
   }
 
   /** Fetches what is new at the level that is shown, or all of another one, which then takes its place; given up, if
-   * finer, once there is no room. */
-  async fetch(level: number, clouds: number, epoch: number, pointsAtOnce: number, room: () => boolean): Promise<void> {
+   * finer, once there is no room. `there`: the first answer, if it was asked for before. */
+  async fetch(level: number, clouds: number, epoch: number, pointsAtOnce: number, room: () => boolean, there?: Promise<ArrayBuffer>): Promise<void> {
     this.busy = true;
     try {
       const anew = level !== this.level || epoch !== this.epoch;
       const into = anew ? this.begin(level) : this.shown!;
       for (;;) {
-        const bytes = await inTurn(() => points(this.id, into.level, into.blocks, pointsAtOnce));
+        const ask = () => inTurn(() => points(this.id, into.level, into.blocks, pointsAtOnce));
+        const bytes = await (into.blocks === 0 && there ? there : ask());
         const taken = into.take(bytes);
         this.onPoints();
         if (taken < pointsAtOnce) break;

@@ -1,14 +1,18 @@
 // The canvas: renderer, the two cameras and their controls. Draws when something changed, and only then.
 
-import { Box3, Color, OrthographicCamera, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer, LinearSRGBColorSpace } from 'three';
+import { Box3, Color, Group, type Object3D, OrthographicCamera, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer, LinearSRGBColorSpace } from 'three';
 import { MapControls } from 'three/addons/controls/MapControls.js';
 
 export type Way = 'top' | 'free';
 
 const fieldOfView_deg = 45;
+const tools_px = 62; // lie over the picture's upper and lower edge
+const beside_px = 28;
 
 export class Stage {
   readonly scene = new Scene();
+  /** What is drawn over the points: robots, edges, outlines. */
+  readonly signs = new Group();
   readonly renderer: WebGLRenderer;
   readonly size = new Vector2(1, 1);
   way: Way = 'top';
@@ -26,6 +30,7 @@ export class Stage {
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.scene.add(this.signs);
     this.top.up.set(0, 1, 0);
     this.top.position.set(0, 0, 1000);
     this.free.up.set(0, 0, 1);
@@ -59,6 +64,11 @@ export class Stage {
   /** Called before each frame; true: another frame is wanted. */
   onFrame(work: () => boolean | void): void {
     this.before.push(work);
+  }
+
+  /** Asks for the program that such an object needs: until one is drawn the graphics process has made it. */
+  prepare(sample: Object3D): void {
+    this.renderer.compile(sample, this.camera);
   }
 
   paint(background: string): void {
@@ -117,8 +127,8 @@ export class Stage {
     if (box.isEmpty()) return;
     const centre = box.getCenter(new Vector3());
     const span = box.getSize(new Vector3());
-    const aspect = this.size.x / this.size.y;
-    const height = 1.12 * Math.max(span.y, span.x / aspect, 10);
+    const room = { x: Math.max(this.size.x - 2 * beside_px, 1), y: Math.max(this.size.y - 2 * tools_px, 1) };
+    const height = this.size.y * Math.max(span.y / room.y, span.x / room.x, 10 / this.size.y);
     this.target.copy(centre);
     if (this.way === 'top') {
       this.top.position.set(centre.x, centre.y, 1000);
@@ -165,7 +175,9 @@ export class Stage {
 
   private fitCanvas(): void {
     const { clientWidth, clientHeight } = this.canvas.parentElement!;
-    this.size.set(Math.max(clientWidth, 1), Math.max(clientHeight, 1));
+    const size = new Vector2(Math.max(clientWidth, 1), Math.max(clientHeight, 1));
+    if (size.equals(this.size) && this.renderer.getPixelRatio() === Math.min(devicePixelRatio, 2)) return;
+    this.size.copy(size);
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(this.size.x, this.size.y, false);
     const half = 50;
