@@ -84,8 +84,8 @@ nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* ho
     if (near || e.probability > 0.01)
       std::printf("  %-20s %-20s %-9s %.3f %.3f  %.4f %.3f m %4.0f m %2.0f %.2f  %s %.3f m %.2f deg\n", a.name.c_str(),
                   b.name.c_str(), std::string(to_string(k.state)).c_str(), e.probability, e.runner_up,
-                  e.freespace_violation, e.residual_m, e.overlap_m, e.aliases, e.descriptors_alike, near ? "true pair" : "-",
-                  error.translation_m, error.rotation_deg);
+                  e.freespace_violation, e.residual_m, e.overlap_m, e.aliases, e.descriptors_alike,
+                  near ? "true pair" : "-", error.translation_m, error.rotation_deg);
   }
   std::printf("  %d true pairs, %d merged rightly, %d false\n", out["true_pairs"].get<int>(), out["merged"].get<int>(),
               out["false"].get<int>());
