@@ -319,6 +319,38 @@ TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
   }
 }
 
+TEST(Hypotheses, WhereCrossCutsRepeatTheDescriptorsAlongThePathSayWhich) {
+  std::vector<test::Box> boxes{BoxMine::drift(0, 0, 160, 0)};
+  for (double x = 10; x < 160; x += 20) boxes.push_back(BoxMine::drift(x, -12, x, 12));
+  const BoxMine mine(boxes);
+  auto a = drive(mine, {{20, 0}, {100, 0}}, 0, 1), b = drive(mine, {{60, 0}, {140, 0}}, 1.0, 2);
+  const auto describe = [](test::Drive& d) {  // slowly changing along x, never twice the same
+    for (Keyframe& k : d.keyframes) {
+      const double x = (d.T_mine_local * k.T_local_sensor.translation()).x();
+      k.descriptor.q.clear();
+      for (const double wave_m : {23.0, 41.0, 67.0, 130.0}) {
+        const double turn = 2 * std::numbers::pi * x / wave_m;
+        k.descriptor.q.push_back(static_cast<float>(std::cos(turn)));
+        k.descriptor.q.push_back(static_cast<float>(std::sin(turn)));
+      }
+    }
+  };
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  const auto error_of_first = [&] {
+    HypothesisFinder finder({});
+    const auto* found =
+        finder.find({1, a.keyframes}, {2, b.keyframes}, [&] { return match_descriptors(a.keyframes, b.keyframes, 1); });
+    const Hypothesis& first = found->hypotheses.at(0);
+    return (first.T_a_b * first.place_b - truth * first.place_b).norm();
+  };
+  for (test::Drive* d : {&a, &b})
+    for (Keyframe& k : d->keyframes) k.descriptor = {};
+  EXPECT_GT(error_of_first(), 10) << "the walls alone lay as many cross-cuts on each other as they can";
+  describe(a);
+  describe(b);
+  EXPECT_LT(error_of_first(), 1.5);
+}
+
 TEST(Hypotheses, ThreadsDoNotChangeThem) {
   const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30)});
   const auto a = drive(mine, {{0, 0}, {58, 0}}, 0, 1), b = drive(mine, {{30, 28}, {30, 0}}, 1, 2);
