@@ -8,7 +8,7 @@ namespace headframe {
 struct MergeConfig {
   int threads = 2;                     // of correlation and registration; results do not depend on it
   double accept_probability = 0.9;     // a merge is published at or above this ...
-  double runner_up_share = 0.33;       // ... when its runner-up's odds stay below this share of its own
+  double runner_up_share = 0.1;        // ... when its runner-up's odds stay below this share of its own
   double candidate_probability = 0.2;  // shown as a candidate at or above this
   double least_path_m = 50;            // a growing session waits until it has come so far, or its robot asks
   int hypotheses = 8;                  // glanced at for each pair of sessions in one attempt

@@ -23,11 +23,13 @@ std::size_t stored_clouds(const Session& session, SessionId id, const CloudSourc
 }
 
 /// Whether, with all else in its favour, it could neither beat nor cast doubt on what was judged already.
-bool hopeless_rival(const Glance& glance, const std::vector<Verdict>& judged) {
+bool hopeless_rival(const Glance& glance, const DescriptorAgreement& agreement, const std::vector<Verdict>& judged) {
+  Judgement rival{RegistrationStatus::converged, glance.place.registration.T_target_source, {}};
+  compare_descriptors(agreement, rival);
   constexpr double doubt = 0.1;  // of the odds that would leave two placements untold apart
   return std::any_of(judged.begin(), judged.end(), [&](const Verdict& v) {
     Evidence e = v.judgement.evidence;
-    e.runner_up = best_probability(glance);
+    e.runner_up = best_probability(glance, rival.evidence);
     return runner_up_share(e) < doubt;
   });
 }
@@ -230,7 +232,8 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
       return !differ(v.judgement.T_a_b, place.registration.T_target_source, place.p_b, same_placement_m,
                      same_placement_rad);
     });
-    if (known || verdicts.size() == judged_closely || (!all && hopeless_rival(glances[i], verdicts))) continue;
+    if (known || verdicts.size() == judged_closely || (!all && hopeless_rival(glances[i], agreement, verdicts)))
+      continue;
     Verdict verdict{judge(scene(a, cases[i].a, clouds), scene(b, cases[i].b, clouds), glances[i], judge_config()),
                     place.p_b};
     Evidence& e = verdict.judgement.evidence;

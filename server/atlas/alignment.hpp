@@ -55,13 +55,9 @@ inline constexpr double held_well = 0.03, ends_meet = 0.12;
 /// are .76 and more, .84 in mines of copies, on a campus .67.
 double asked_alike(const Evidence& evidence);
 
-/// How well the descriptors tell this placement from a copy of the place, 0 to 1: copies end somewhere, and where they
-/// do the descriptors stop being alike. Of wrong placements in mines of copies none had more than .76 over six
-/// keyframes.
-double told_from_copies(const Evidence& evidence);
-
-/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias, as far as the
-/// descriptors do not tell it from copies. With 30 m two mines of the same 20 m tiles were merged over 24 m.
+/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias. With 30 m two mines
+/// of the same 20 m tiles were merged over 24 m. (That descriptors are alike makes up for nothing here: so they are in
+/// copies.)
 double asked_overlap_m(const Evidence& evidence);
 
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told

@@ -219,8 +219,10 @@ Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const Jud
   return judge(a, b, glance(a.places({&at_a, 1}).front(), b.places({&at_b, 1}).front(), T_0, config), config);
 }
 
-double best_probability(const Glance& glance) {
+double best_probability(const Glance& glance, const Evidence& known) {
   Evidence e;
+  e.descriptors_compared = known.descriptors_compared;
+  e.descriptors_alike = known.descriptors_alike;
   e.worst_place_violation = glance.place.between().violation();
   e.places = e.places_agreeing = e.inlier_fraction = e.weakest_hold = e.end_on_match = 1;
   e.pairs = e.overlap_m = std::numeric_limits<double>::max();
@@ -239,8 +241,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
   // It costs at most 0.27 an alias: with one, an overlap of half the length still passes when all else is good.
   const double asked_m = asked_overlap_m(e);
-  const double most = 0.27 * e.aliases * (1 - told_from_copies(e));
-  const double short_overlap = asked_m > 0 ? std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
+  const double short_overlap = asked_m > 0 ? std::max(-0.27 * e.aliases, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong
   // placements match 0.01 to 0.07, right ones 0.2 and more), and a contradiction counts twice.

@@ -66,8 +66,9 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
 /// Whether the first place, taken alone, looks right. Where other placements do too, the mine repeats itself there.
 bool fits_alone(const Glance& glance);
 
-/// Probability that would be left to a placement with this glance if all else spoke for it: more than judge() can give.
-double best_probability(const Glance& glance);
+/// Probability that would be left to a placement with this glance, and with what `known` says of its descriptors, if
+/// all else spoke for it: more than judge() can give.
+double best_probability(const Glance& glance, const Evidence& known = {});
 
 /// Both, trusting T_a_b_0 to within a metre or two: a published alignment looked at again with more keyframes.
 Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_a_b_0, const JudgeConfig& config);

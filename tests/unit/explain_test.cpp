@@ -103,7 +103,7 @@ TEST(Explain, WhatTheVerdictAsksForIsNamedWithBothFigures) {
   const Explanation e = explained(k);
   EXPECT_TRUE(says(e.missing, "the probability is 0.850 and must be 0.90"));
   EXPECT_TRUE(
-      says(e.missing, "a different placement is nearly as good (its odds are 0.71 of this one's, must be below 0.33)"));
+      says(e.missing, "a different placement is nearly as good (its odds are 0.71 of this one's, must be below 0.10)"));
   EXPECT_NE(e.outcome.find("not sure enough"), std::string::npos);
 }
 
