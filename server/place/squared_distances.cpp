@@ -33,6 +33,7 @@ using Queries = std::array<const float*, together>;
 struct Panels {
   const float *values, *squared_lengths;
   std::size_t panels, length;
+  std::size_t used;  // numbers of each vector: beyond them all are zero
 };
 
 /// Of the first `count` queries from all panels: |a|^2 + |q|^2 - 2 a.q, half the work of the sum of squares.
@@ -42,10 +43,10 @@ template <class Lanes, std::size_t count>
   using Vector = typename Lanes::Vector;
   using InMemory = typename Lanes::InMemory;
   constexpr std::size_t lanes = sizeof(Vector) / sizeof(float), parts = width / lanes;
-  const float* values = all.values;
   for (std::size_t p = 0; p < all.panels; ++p) {
+    const float* values = all.values + p * all.length * width;
     Vector sums[count][parts] = {};
-    for (std::size_t d = 0; d < all.length; ++d, values += width) {
+    for (std::size_t d = 0; d < all.used; ++d, values += width) {
       Vector row[parts];
       for (std::size_t k = 0; k < parts; ++k) row[k] = *reinterpret_cast<const InMemory*>(values + lanes * k);
       for (std::size_t j = 0; j < count; ++j)
@@ -92,7 +93,10 @@ void PanelStore::add(std::span<const float> vector) {
     squared_lengths_.resize(squared_lengths_.size() + width, far_away);
   }
   float* panel = values_.data() + size_ / width * length_ * width;
-  for (std::size_t d = 0; d < length_; ++d) panel[d * width + size_ % width] = vector[d];
+  for (std::size_t d = 0; d < length_; ++d) {
+    panel[d * width + size_ % width] = vector[d];
+    if (vector[d] != 0) used_ = std::max(used_, d + 1);
+  }
   squared_lengths_[size_] = squared_length(vector);
   greatest_ = std::max(greatest_, squared_lengths_[size_]);
   ++size_;
@@ -100,7 +104,7 @@ void PanelStore::add(std::span<const float> vector) {
 
 void PanelStore::distances(std::span<const std::span<const float>> queries, std::vector<float>& out) const {
   static const Compare many = best_compare<together>(), one = best_compare<1>();
-  const Panels all{values_.data(), squared_lengths_.data(), panels(), length_};
+  const Panels all{values_.data(), squared_lengths_.data(), panels(), length_, used_};
   const std::size_t row = panels() * width;
   out.resize(queries.size() * row);
   for (std::size_t i = 0; i < queries.size();) {

@@ -31,6 +31,7 @@ class PanelStore {
  private:
   std::size_t length_;
   std::size_t size_ = 0;
+  std::size_t used_ = 0;                // beyond so many numbers all vectors are zero
   float greatest_ = 0;                  // of the squared lengths
   std::vector<float> squared_lengths_;  // of each vector
   std::vector<float> values_;           // panel by panel; in each, for every dimension, sixteen vectors' values

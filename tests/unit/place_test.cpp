@@ -160,7 +160,11 @@ TEST(DescriptorIndex, ExactIndexIsExactForAnySizeAndAnswersManyAsOne) {
       };
       const auto index = make_exact_index(length);
       std::vector<std::vector<float>> rows, questions;
-      for (std::size_t i = 0; i < count; ++i) index->add({1, i}, rows.emplace_back(draw(i % 2 == 0)));
+      for (std::size_t i = 0; i < count; ++i) {
+        std::vector<float>& row = rows.emplace_back(draw(i % 2 == 0));
+        if (count == 500) std::fill(row.begin() + static_cast<std::ptrdiff_t>(length / 2), row.end(), 0.0F);
+        index->add({1, i}, row);
+      }
       for (int i = 0; i < 101; ++i) questions.push_back(draw(i % 2 == 0));
       const std::vector<std::span<const float>> qs(questions.begin(), questions.end());
       for (const std::size_t k : {0U, 1U, 5U, 20U, 1000U}) {

@@ -1,5 +1,6 @@
 #include "tests/bench/descriptors/costs.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <random>
 
@@ -15,12 +16,11 @@ constexpr int runs = 15;
 
 double process_ms() { return 1000.0 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-std::vector<std::vector<float>> random_places(std::size_t count, std::size_t q_size, unsigned seed) {
+std::vector<std::vector<float>> random_places(std::size_t count, std::size_t q_size, std::size_t used, unsigned seed) {
   std::mt19937 rng(seed);
   std::normal_distribution<float> value;
   std::vector<std::vector<float>> out(count, std::vector<float>(q_size));
-  for (auto& q : out)
-    for (float& v : q) v = value(rng);
+  for (auto& q : out) std::generate_n(q.begin(), used, [&] { return value(rng); });
   return out;
 }
 
@@ -42,9 +42,10 @@ ExtractTimes time_extraction(const DescriptorFamily& family, const mine::Recordi
           static_cast<std::size_t>(quantile(points, 0.5))};
 }
 
-QueryTimes time_query_all(std::size_t q_size) {
+QueryTimes time_query_all(std::size_t q_size, std::size_t used) {
   const auto index = make_exact_index(q_size);
-  const auto places = random_places(database_size, q_size, 1), questions = random_places(queries, q_size, 2);
+  const auto places = random_places(database_size, q_size, used, 1),
+             questions = random_places(queries, q_size, used, 2);
   for (std::size_t i = 0; i < places.size(); ++i) index->add({1, i + 1}, places[i]);
   const std::vector<std::span<const float>> qs(questions.begin(), questions.end());
   std::vector<double> wall, cpu;

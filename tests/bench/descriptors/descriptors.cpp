@@ -1,5 +1,6 @@
 #include "tests/bench/descriptors/descriptors.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <numbers>
 
@@ -153,9 +154,12 @@ Result<void> measure_costs(std::vector<FamilyFigures>& families) {
   if (!dense) return tl::unexpected(dense.error());
   for (FamilyFigures& f : families) {
     f.extract = time_extraction(*f.family, *dense);
-    f.query_all = time_query_all(f.family->q_size());
     const auto one = f.family->extract(drive_of(*dense).front().points_level);
-    if (one) f.bytes = wire_bytes(*one);
+    if (!one) return tl::unexpected(one.error());
+    f.bytes = wire_bytes(*one);
+    const auto last = std::find_if(one->q.rbegin(), one->q.rend(), [](float v) { return v != 0; });
+    f.query_all = time_query_all(one->q.size(), static_cast<std::size_t>(one->q.rend() - last));
+    f.query_all_whole = time_query_all(one->q.size(), one->q.size());
   }
   return {};
 }

@@ -42,7 +42,8 @@ struct FamilyFigures {
   bool tells_class = false;
   std::size_t bytes = 0;  // of q and w of a keyframe
   ExtractTimes extract = {};
-  QueryTimes query_all = {};
+  QueryTimes query_all = {};                                               // of q as it is in a mine
+  QueryTimes query_all_whole = {};                                         // ... and where no number of it is zero
   std::vector<std::pair<std::string, std::size_t>> hypothesis_ranks = {};  // of the right one by pair; 0: not handed on
 
   void add(const std::string& row, const Answers& answers);

@@ -68,11 +68,11 @@ async function underLoad(load_s, meanwhile) {
 
 const launch = (executablePath = browserPath) => chromium.launch({ executablePath, args: browserArguments });
 
-/** The browser is another computer: here it gets what the server and the robots leave. As root it would give itself priority. */
+/** The browser is another computer: here it gets what the server and the robots leave, and nothing else (as root it would give itself priority). */
 function launchAside() {
   const wrapper = join(scratch, 'aside');
   const humbly = process.getuid() === 0 ? 'setpriv --bounding-set=-sys_nice ' : '';
-  writeFileSync(wrapper, `#!/bin/sh\nexec ${humbly}nice -n 10 ${browserPath} "$@"\n`);
+  writeFileSync(wrapper, `#!/bin/sh\nexec ${humbly}chrt --idle 0 ${browserPath} "$@"\n`);
   chmodSync(wrapper, 0o755);
   return launch(wrapper);
 }
