@@ -126,7 +126,7 @@ std::string zip_bomb(const HostileTarget& target) {
 
 std::string huge_descriptor(const HostileTarget& target) {
   Keyframe keyframe = line_keyframe(1);
-  keyframe.descriptor.q.resize(4096);
+  keyframe.descriptor.q.assign(4096, 1);
   return from_within(target, keyframe_frame(keyframe));
 }
 

@@ -156,7 +156,7 @@ TEST_F(Protocol, ThePolicyIsToldOnceAndTheLatestCounts) {
 TEST_F(Protocol, DescriptorsMustHaveTheSizesOfTheHello) {
   greet();
   Keyframe keyframe = line_keyframe(1);
-  keyframe.descriptor.q.push_back(0);
+  keyframe.descriptor.q.push_back(1);
   EXPECT_TRUE(feed(keyframe_frame(keyframe)).empty());
   EXPECT_EQ(error().kind(), v1::ERROR_KIND_BAD_MESSAGE);
 }
