@@ -291,7 +291,7 @@ test('everything that can be pressed has a name, in both colours and on a tablet
 test('after the server was killed the page comes back by itself, with all that it knew', async () => {
   const { http, robots } = station;
   const known = await shown(page);
-  const again = await open(browser, station.url, { allowed: /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE|WebSocket connection/ });
+  const again = await open(browser, station.url, { allowed: /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|ERR_EMPTY_RESPONSE|ERR_INCOMPLETE_CHUNKED_ENCODING|WebSocket connection/ });
   await until('the map', async () => (await shown(again)).points > 0);
   await page.context().close();
   page = again;
