@@ -9,7 +9,8 @@ namespace headframe {
 
 /// How alike the place vectors are where one path lies on the other: for each of b's keyframes that comes within 3 m of
 /// one of a's, 1 less the squared distance of the two, in units of that between any two of the sessions (the median);
-/// 0 at least. At right placements of learned .8 to .95, elsewhere .2 to .6.
+/// 0 at least. At right placements of learned .68 to .97 (most above .8), at wrong ones mostly .2 to .75; copies reach
+/// .97.
 struct Agreement {
   double sum = 0, count = 0;
 

@@ -36,7 +36,7 @@ struct Panels {
   std::size_t used;  // numbers of each vector: beyond them all are zero
 };
 
-/// Of the first `count` queries from all panels: |a|^2 + |q|^2 - 2 a.q, half the work of the sum of squares.
+/// Of the first `count` queries from all panels: |a|^2 + |q|^2 - 2 a.q, one operation a number instead of two.
 template <class Lanes, std::size_t count>
 [[gnu::always_inline]] inline void compare(const Panels& all, const Queries& queries,
                                            const std::array<float, together>& squared_lengths, float* out) {
