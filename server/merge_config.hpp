@@ -14,8 +14,9 @@ struct MergeConfig {
   int hypotheses = 8;                  // glanced at for each pair of sessions in one attempt
   int searches = 4;                    // pairs of sessions whose walls are searched anew in one attempt
   int clouds_requested = 6;            // of each session, at most, for one hypothesis
-  int clouds_kept = 2000;              // prepared clouds held in memory, about 0.2 MB each
-  int places_kept = 1000;              // summed up surroundings held in memory, about 0.6 MB each
+  int clouds_mb = 128;                 // memory for prepared clouds, ...
+  int places_mb = 384;                 // ... for summed up surroundings, and the sweeps they look from ...
+  int walls_mb = 64;                   // ... and for drawn walls; what was used least recently is made anew
 };
 
 }  // namespace headframe

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/atlas/merge_graph.hpp"
 #include "server/merge_state.hpp"
 
 namespace headframe {
@@ -24,7 +23,8 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   if (!s.sessions.contains(id)) return report;
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
   for (const SessionId other : s.partners(id)) s.merge_pair(std::min(id, other), std::max(id, other), clouds, report);
-  s.update_atlas(report);  // 9: maps merge one after another
+  s.look_at_contacts(clouds, report);  // what the others say of it, where their maps come to lie on each other
+  s.update_atlas(report);              // 9: maps merge one after another
   return report;
 }
 
@@ -152,13 +152,16 @@ void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& bes
 
 void MergePipeline::State::update_atlas(AttemptReport& report) {
   const Stopwatch watch(report.times.atlas_ms);
-  std::vector<SessionId> ids;
-  for (const auto& [id, session] : sessions) ids.push_back(id);
-  const MergeResult merged = merge_sessions(ids, alignments, {}, anchors);
+  const MergeResult merged = merge([&](SessionId a, SessionId b, const Pose& T_a_b) {
+    return known_contact({a, b, T_a_b}).value_or(Contact::none);
+  });
   for (std::size_t i = 0; i < alignments.size(); ++i) {
-    if (alignments[i].state == merged.states[i]) continue;
+    const auto objection = objection_of(merged.contradicted_by[i]);
+    const bool news =
+        alignments[i].state != merged.states[i] || alignments[i].objection.has_value() != objection.has_value();
     alignments[i].state = merged.states[i];
-    report.changed.push_back(alignments[i]);
+    alignments[i].objection = objection;
+    if (news) report.changed.push_back(alignments[i]);
   }
   // The last word on an alignment is the one to be stored.
   std::map<AlignmentId, Alignment> last;

@@ -14,6 +14,7 @@ constexpr std::size_t asked_of_index = 20;   // nearest keyframes of any session
 constexpr std::size_t keyframes_asked = 30;  // ... for so many keyframes spread over a session
 constexpr std::size_t judged_closely = 4;    // hopeful placements of a pair that are judged with all evidence
 constexpr double elsewhere_m = 6, elsewhere_rad = 0.5;  // a session turned or moved less lies where it is
+constexpr std::size_t mb = 1000000;
 constexpr double same_placement_m = 2, same_placement_rad = 0.12;
 
 std::size_t stored_clouds(const Session& session, SessionId id, const CloudSource& clouds) {
@@ -54,9 +55,11 @@ void Session::set_aside_odd() {
 
 MergePipeline::State::State(const MergeConfig& c)
     : config(c),
-      finder({.most = static_cast<std::size_t>(c.hypotheses), .threads = c.threads}),
-      prepared(static_cast<std::size_t>(c.clouds_kept), c.threads),
-      places(static_cast<std::size_t>(c.places_kept), c.threads, JudgeConfig{}.place, prepared) {}
+      finder({.most = static_cast<std::size_t>(c.hypotheses),
+              .walls_bytes = mb * static_cast<std::size_t>(c.walls_mb),
+              .threads = c.threads}),
+      prepared(mb * static_cast<std::size_t>(c.clouds_mb), c.threads),
+      places(mb * static_cast<std::size_t>(c.places_mb), c.threads, JudgeConfig{}.place, prepared) {}
 
 JudgeConfig MergePipeline::State::judge_config() const {
   JudgeConfig judge;

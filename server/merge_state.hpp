@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "server/atlas/merge_graph.hpp"
 #include "server/merge_pipeline.hpp"
 #include "server/place/hypotheses.hpp"
 #include "server/place_book.hpp"
@@ -46,6 +47,21 @@ struct Verdict {
   Eigen::Vector3d p_b = Eigen::Vector3d::Zero();  // where the placement was registered first, in b's frame
 };
 
+/// Two sessions as they would lie if they were merged by way of others.
+struct Nearing {
+  SessionId a = 0, b = 0;  // a < b
+  Pose T_a_b = Pose::Identity();
+};
+
+/// What was found where two sessions without an alignment of their own meet.
+struct SeenContact {
+  Pose T_a_b = Pose::Identity();
+  std::size_t stands = 0;  // keyframes of both that spoke
+  Contact contact = Contact::none;
+  Judgement judgement;
+  bool recorded = false;  // as an alignment, once both were in one component
+};
+
 struct MergePipeline::State {
   MergeConfig config;
   std::map<SessionId, Session> sessions;
@@ -60,6 +76,7 @@ struct MergePipeline::State {
   PlaceBook places;
   /// What a pair was judged on last: it is judged again only when there is more.
   std::map<std::pair<SessionId, SessionId>, std::vector<std::size_t>> judged_on;
+  std::map<std::pair<SessionId, SessionId>, std::vector<SeenContact>> contacts;  // the latest placements of each pair
 
   explicit State(const MergeConfig& c);
 
@@ -67,6 +84,12 @@ struct MergePipeline::State {
   bool still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report);
   void record(SessionId a, SessionId b, const Judgement& best, const std::optional<Pose>& T_a_b_runner_up,
               AttemptReport& report);
+  /// Looks where sessions that alignments would bring together meet. Those that agree become alignments themselves.
+  void look_at_contacts(CloudSource& clouds, AttemptReport& report);
+  /// Nothing where they do not come near each other; unknown where nobody has looked.
+  std::optional<Contact> known_contact(const Nearing& nearing);
+  MergeResult merge(const Contacts& contacts) const;
+  std::optional<Objection> objection_of(const std::optional<std::pair<SessionId, SessionId>>& pair) const;
   void update_atlas(AttemptReport& report);
 
   /// Sessions of the same family, those whose descriptors look most alike first.
@@ -92,6 +115,9 @@ struct MergePipeline::State {
   JudgeConfig judge_config() const;
 
  private:
+  SeenContact* seen_contact(const Nearing& nearing);
+  bool look_at(const Nearing& nearing, CloudSource& clouds, AttemptReport& report);
+  bool record_agreeing(const MergeResult& merged, AttemptReport& report);
   std::vector<Stand> stands_near(SessionId id, SessionId other, const Pose& T_id_other, const CloudSource& clouds,
                                  std::vector<KeyframeRef>& missing) const;
   PlaceRequest place_at(SessionId id, std::size_t keyframe) const;

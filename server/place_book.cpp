@@ -50,9 +50,8 @@ std::vector<PlacePtr> PlaceBook::get(std::span<const PlaceRequest> requests, Clo
     keys.push_back(key);
     if (answers.contains(key) || missing.contains(key)) continue;
     const auto window = window_of(r, key.keyframe, config_.window_m, source);
-    if (const auto known = entries_.find(key); known != entries_.end() && known->second.clouds == window.size()) {
-      ages_.splice(ages_.begin(), ages_, known->second.age);
-      answers[key] = known->second.place;
+    if (const Entry* known = kept_.find(key); known && known->clouds == window.size()) {
+      answers[key] = known->place;
       continue;
     }
     Build build{r.keyframes[key.keyframe].T_local_sensor.translation(), window.size(), {}, nullptr};
@@ -78,15 +77,22 @@ std::vector<PlacePtr> PlaceBook::get(std::span<const PlaceRequest> requests, Clo
 }
 
 void PlaceBook::keep(const Key& key, PlacePtr place, std::size_t clouds) {
-  if (const auto known = entries_.find(key); known != entries_.end()) {
-    ages_.erase(known->second.age);
-    entries_.erase(known);
+  if (kept_.find(key)) let_go(*kept_.drop(key).place);
+  bytes_ += bytes_of(*place);
+  for (const PlacedView& view : place->views)
+    if (looked_from_[view.image.get()]++ == 0) bytes_ += view.image->bytes();
+  kept_.put(key, {std::move(place), clouds});
+  while (bytes_ > capacity_bytes_ && kept_.size() > 1) let_go(*kept_.drop_oldest().place);
+}
+
+void PlaceBook::let_go(const Place& place) {
+  bytes_ -= bytes_of(place);
+  for (const PlacedView& view : place.views) {
+    const auto image = looked_from_.find(view.image.get());
+    if (--image->second > 0) continue;
+    bytes_ -= view.image->bytes();
+    looked_from_.erase(image);
   }
-  ages_.push_front(key);
-  entries_[key] = {std::move(place), clouds, ages_.begin()};
-  if (entries_.size() <= capacity_) return;
-  entries_.erase(ages_.back());
-  ages_.pop_back();
 }
 
 }  // namespace headframe

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <list>
 #include <map>
 
 #include "server/prepared_clouds.hpp"
@@ -17,11 +16,12 @@ struct PlaceRequest {
 };
 
 /// The places of sessions, one for every 3 m of path, made when first asked for, made anew when more of their clouds
-/// have come, and kept while there is room: the least recently used go first. Not thread safe.
+/// have come, and kept while they fit, with the images of the sweeps that they look from: the least recently used go
+/// first. Not thread safe.
 class PlaceBook {
  public:
-  PlaceBook(std::size_t capacity, int threads, const PlaceConfig& config, PreparedClouds& prepared)
-      : capacity_(capacity), threads_(threads), config_(config), prepared_(prepared) {}
+  PlaceBook(std::size_t capacity_bytes, int threads, const PlaceConfig& config, PreparedClouds& prepared)
+      : capacity_bytes_(capacity_bytes), threads_(threads), config_(config), prepared_(prepared) {}
 
   /// The place nearest to each, in order. What a place can not know, because clouds are missing, it leaves empty.
   std::vector<PlacePtr> get(std::span<const PlaceRequest> requests, CloudSource& source);
@@ -35,16 +35,17 @@ class PlaceBook {
   struct Entry {
     PlacePtr place;
     std::size_t clouds = 0;
-    std::list<Key>::iterator age;
   };
   void keep(const Key& key, PlacePtr place, std::size_t clouds);
+  void let_go(const Place& place);
 
-  std::size_t capacity_;
+  std::size_t capacity_bytes_;
   int threads_;
   PlaceConfig config_;
   PreparedClouds& prepared_;
-  std::map<Key, Entry> entries_;
-  std::list<Key> ages_;  // most recently used first
+  std::size_t bytes_ = 0;
+  Recent<Key, Entry> kept_;
+  std::map<const SightImage*, std::size_t> looked_from_;  // by so many of the places
 };
 
 }  // namespace headframe

@@ -3,20 +3,14 @@
 namespace headframe {
 
 std::shared_ptr<const PreparedCloud> PreparedClouds::get(const KeyframeRef& keyframe, CloudSource& source) {
-  if (const auto known = entries_.find(keyframe); known != entries_.end()) {
-    ages_.splice(ages_.begin(), ages_, known->second.age);
-    return known->second.cloud;
-  }
+  if (const auto* known = kept_.find(keyframe)) return *known;
   if (source.state(keyframe) != CloudState::stored) return nullptr;
   const auto cloud = source.load(keyframe);
   if (!cloud) return nullptr;
   auto prepared = std::make_shared<const PreparedCloud>(prepare(*cloud, threads_));
-  ages_.push_front(keyframe);
-  entries_[keyframe] = {prepared, ages_.begin()};
-  if (entries_.size() > capacity_) {
-    entries_.erase(ages_.back());
-    ages_.pop_back();
-  }
+  kept_.put(keyframe, prepared);
+  bytes_ += bytes_of(*prepared);
+  while (bytes_ > capacity_bytes_ && kept_.size() > 1) bytes_ -= bytes_of(*kept_.drop_oldest());
   return prepared;
 }
 

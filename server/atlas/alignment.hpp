@@ -78,6 +78,12 @@ enum class Ruling { none, confirmed, refused, retracted };
 
 std::string_view to_string(Ruling ruling);
 
+/// Two sessions that an alignment would bring together, and that contradict each other there.
+struct Objection {
+  SessionId a = 0, b = 0;
+  double violation = 0;  // share of the points of one that the other's rays pass through, where that is most
+};
+
 /// There is at most one alignment for each pair of sessions; a < b.
 struct Alignment {
   AlignmentId id = 0;
@@ -89,6 +95,7 @@ struct Alignment {
   AlignmentState verdict = AlignmentState::candidate;  // rejected, candidate or verified: what the evidence alone says
   Ruling ruling = Ruling::none;
   std::optional<Pose> T_a_b_runner_up = std::nullopt;  // what evidence.runner_up speaks of; none: there was none
+  std::optional<Objection> objection = std::nullopt;   // what holds it back; not stored: found anew after a restart
 };
 
 /// False: nothing could be registered, T_a_b means nothing.

@@ -94,7 +94,9 @@ std::string outcome_of(const std::string& both, const Alignment& k, bool togethe
   if (k.ruling == Ruling::refused) return apart + "the operator refused the placement" + best;
   if (k.ruling == Ruling::retracted) return apart + "the operator retracted the merge" + best;
   switch (k.state) {
-    case AlignmentState::verified: return apart + "it stands up, but contradicts stronger alignments" + best;
+    case AlignmentState::verified:
+      return apart + "it stands up, but " +
+             (k.objection ? "other sessions contradict it" : "contradicts stronger alignments") + best;
     case AlignmentState::retracted: return apart + "it was merged once, and later evidence contradicts it" + best;
     case AlignmentState::candidate: return apart + "it may be right, but is not sure enough" + best;
     case AlignmentState::rejected:
@@ -115,9 +117,14 @@ void add_lacks(const ExplainedSession& s, const MergeConfig& config, std::vector
 }
 
 std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSession& b, const Alignment& k,
-                                    const MergeConfig& config) {
+                                    const MergeConfig& config, const SessionNames& names) {
   std::vector<std::string> missing;
   const Evidence& e = k.evidence;
+  if (const auto& by = k.objection)
+    missing.push_back(
+        text("it would lay %s and %s on each other, where the rays of one pass through %.1f %% of what the "
+             "other saw: likely a look-alike; when you know better, confirm it",
+             names(by->a).c_str(), names(by->b).c_str(), 100 * by->violation));
   if (has_placement(k)) {
     if (e.probability < config.accept_probability)
       missing.push_back(text("the probability is %.3f and must be %.2f", e.probability, config.accept_probability));
@@ -151,7 +158,7 @@ std::string_view to_string(Speaks speaks) {
 }
 
 Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
-                    const MergeConfig& config) {
+                    const MergeConfig& config, const SessionNames& names) {
   Explanation out;
   const std::string both = a.name + " and " + b.name;
   if (a.family != b.family) {
@@ -175,7 +182,7 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
   out.outcome = outcome_of(both, *alignment, together);
   if (has_placement(*alignment)) out.findings = findings_of(alignment->evidence);
   out.decision = decision_of(alignment->ruling);
-  if (alignment->state != AlignmentState::published) out.missing = missing_of(a, b, *alignment, config);
+  if (alignment->state != AlignmentState::published) out.missing = missing_of(a, b, *alignment, config, names);
   return out;
 }
 

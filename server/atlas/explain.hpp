@@ -1,6 +1,7 @@
 #pragma once
 // Why two sessions are or are not merged, in words and figures. Pure: the text follows from what is passed in.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,8 +40,11 @@ struct Explanation {
   std::string decision;              // the operator's standing word; empty without one
 };
 
+/// Sessions by their names: "robot/session".
+using SessionNames = std::function<std::string(SessionId)>;
+
 /// alignment: of the pair a, b; null when nothing has been tried. together: both are in one component.
 Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
-                    const MergeConfig& config);
+                    const MergeConfig& config, const SessionNames& names);
 
 }  // namespace headframe

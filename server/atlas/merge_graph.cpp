@@ -3,10 +3,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace headframe {
 namespace {
+
+using Pair = std::pair<SessionId, SessionId>;  // first < second
 
 /// Sessions of one component with their poses relative to some member.
 using Frames = std::map<SessionId, Pose>;
@@ -24,7 +27,7 @@ struct Growing {
 
   void join(const Alignment& alignment) {
     const std::size_t into = component_of[alignment.a], from = component_of[alignment.b];
-    const Pose T_into_from = components[into][alignment.a] * alignment.T_a_b * components[from][alignment.b].inverse();
+    const Pose T_into_from = joining(alignment);
     for (const auto& [session, T] : components[from]) {
       components[into][session] = T_into_from * T;
       component_of[session] = into;
@@ -32,17 +35,37 @@ struct Growing {
     components[from].clear();
   }
 
+  /// Of the component of b in that of a.
+  Pose joining(const Alignment& alignment) {
+    return components[component_of[alignment.a]][alignment.a] * alignment.T_a_b *
+           components[component_of[alignment.b]][alignment.b].inverse();
+  }
+
+  /// What the sessions of both components say of it, but for those that have an alignment to speak for them.
+  struct Met {
+    Contact contact = Contact::none;
+    Pair by;
+  };
+  Met met(const Alignment& alignment, const std::set<Pair>& aligned, const Contacts& contacts) {
+    Met worst;
+    const Pose T_into_from = joining(alignment);
+    for (const auto& [x, T_x] : components[component_of[alignment.a]])
+      for (const auto& [y, T_y] : components[component_of[alignment.b]]) {
+        const Pair pair = std::minmax(x, y);
+        if (aligned.contains(pair)) continue;
+        const Pose T_x_y = T_x.inverse() * T_into_from * T_y;
+        const Contact contact = contacts(pair.first, pair.second, x < y ? T_x_y : T_x_y.inverse());
+        if (contact == Contact::contradicts) return {contact, pair};
+        if (contact == Contact::unknown) worst = {contact, pair};
+      }
+    return worst;
+  }
+
   Pose T_a_b(const Alignment& alignment) {
     Frames& frames = components[component_of[alignment.a]];
     return frames[alignment.a].inverse() * frames[alignment.b];
   }
 };
-
-bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
-  const Pose error = T_loop.inverse() * T;
-  return rotation_angle_rad(error) < tolerance.rotation_rad &&
-         error.translation().norm() < tolerance.translation_m + 0.01 * T.translation().norm();
-}
 
 bool usable(const Alignment& k) { return k.state == AlignmentState::verified || k.state == AlignmentState::published; }
 
@@ -77,8 +100,8 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
     if (usable(alignments[i])) order.push_back(i);
   const auto rank = [&](std::size_t i) {
     const Alignment& k = alignments[i];
-    return std::tuple(k.ruling != Ruling::confirmed, -votes[i], -k.evidence.probability, -k.evidence.seen_points, k.a,
-                      k.b);
+    const double sure = k.evidence.probability * (1 - k.evidence.runner_up);
+    return std::tuple(k.ruling != Ruling::confirmed, -votes[i], -sure, -k.evidence.seen_points, k.a, k.b);
   };
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return rank(i) < rank(j); });
   return order;
@@ -139,16 +162,36 @@ Component component_from(const Frames& frames, std::span<const SessionId> anchor
 
 }  // namespace
 
+bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
+  const Pose error = T_loop.inverse() * T;
+  return rotation_angle_rad(error) < tolerance.rotation_rad &&
+         error.translation().norm() < tolerance.translation_m + 0.01 * T.translation().norm();
+}
+
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
-                           const LoopTolerance& tolerance, std::span<const SessionId> anchors) {
+                           const LoopTolerance& tolerance, std::span<const SessionId> anchors,
+                           const Contacts& contacts) {
   MergeResult result;
   for (const Alignment& alignment : alignments) result.states.push_back(alignment.state);
+  result.contradicted_by.resize(alignments.size());
+  std::set<Pair> aligned;
+  for (const Alignment& alignment : alignments)
+    if (usable(alignment)) aligned.emplace(alignment.a, alignment.b);
   Growing growing(sessions);
   std::vector<Alignment> published;
   for (const std::size_t i : by_strength(alignments, tolerance)) {
     const Alignment& alignment = alignments[i];
     const bool loop = growing.component_of.at(alignment.a) == growing.component_of.at(alignment.b);
-    if (loop && !agrees(growing.T_a_b(alignment), alignment.T_a_b, tolerance)) {
+    bool admitted = true;
+    if (loop) {
+      admitted = agrees(growing.T_a_b(alignment), alignment.T_a_b, tolerance);
+    } else if (contacts && alignment.ruling != Ruling::confirmed) {
+      const Growing::Met met = growing.met(alignment, aligned, contacts);
+      if (met.contact == Contact::contradicts) result.contradicted_by[i] = met.by;
+      const bool waits = met.contact == Contact::unknown && alignment.state != AlignmentState::published;
+      admitted = met.contact != Contact::contradicts && !waits;
+    }
+    if (!admitted) {
       // A confirmed one waits: it comes back when what it contradicts is retracted.
       const bool waits = alignment.ruling == Ruling::confirmed || alignment.state != AlignmentState::published;
       result.states[i] = waits ? AlignmentState::verified : AlignmentState::retracted;

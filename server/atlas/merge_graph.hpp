@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "server/atlas/atlas.hpp"
@@ -13,20 +16,35 @@ struct LoopTolerance {
   double rotation_rad = 0.07;  // 4 deg
 };
 
+/// Whether a transform that was found agrees with the one that a loop implies.
+bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance);
+
 struct MergeResult {
   std::vector<Component> components;   // sorted; every session of the input is in one
   std::vector<AlignmentState> states;  // of each alignment of the input: what it is now
+  std::vector<std::optional<std::pair<SessionId, SessionId>>> contradicted_by;  // the sessions that hold it back
 };
 
+/// What two sessions without an alignment of their own say of where others would put them.
+enum class Contact {
+  none,         // they do not meet there, or nothing can be told
+  agrees,       // they see the same rock
+  contradicts,  // the rays of one pass through the other's rock
+  unknown,      // they meet, and it has not been looked at yet
+};
+using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a_b)>;  // a < b
+
 /// Sequential merging under the overlap constraint: verified alignments are taken strongest first; one that joins two
-/// components merges them; one that closes a loop is published when it agrees with the loop, and held back (verified,
-/// or retracted if it had been published) when it does not. Strongest are those that the operator confirmed, then those
-/// that close more triangles with others than they fail to close, then the more probable. The published ones are then
-/// made to agree by least squares over the session frames. The outcome depends on the set of alignments only, not on
-/// the order they came in. Alignments in state candidate, retracted or rejected are not used. Poses of a component are
-/// relative to its anchor: of `anchors`, in the order they were chosen, the last that is in the component; without one
-/// its lowest session id.
+/// components merges them, unless a session of one contradicts one of the other there; one that closes a loop is
+/// published when it agrees with the loop. What is not is held back: verified, or retracted if it had been published.
+/// While a contact is unknown, what is published stays and what is not waits as verified. Strongest are those that the
+/// operator confirmed, then those that close more triangles with others than they fail to close, then the more
+/// probable. The published ones are then made to agree by least squares over the session frames. The outcome depends on
+/// the set of alignments only, not on the order they came in. Alignments in state candidate, retracted or rejected are
+/// not used. Poses of a component are relative to its anchor: of `anchors`, in the order they were chosen, the last
+/// that is in the component; without one its lowest session id.
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
-                           const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {});
+                           const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {},
+                           const Contacts& contacts = {});
 
 }  // namespace headframe

@@ -41,8 +41,9 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "hypotheses", &c.merge.hypotheses, 1, 1000},
       {"merge", "searches", &c.merge.searches, 1, 10000},
       {"merge", "clouds_requested", &c.merge.clouds_requested, 1, 1000},
-      {"merge", "clouds_kept", &c.merge.clouds_kept, 1, 1e6},
-      {"merge", "places_kept", &c.merge.places_kept, 1, 1e6},
+      {"merge", "clouds_mb", &c.merge.clouds_mb, 1, 1e6},
+      {"merge", "places_mb", &c.merge.places_mb, 1, 1e6},
+      {"merge", "walls_mb", &c.merge.walls_mb, 1, 1e6},
   };
 }
 

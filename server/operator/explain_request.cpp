@@ -54,8 +54,12 @@ Result<std::string> explain_request(const Station& station, const std::string& a
     return r.alignment.a == first->id && r.alignment.b == second->id;
   });
   const AlignmentRow* known = row == view.alignments.end() ? nullptr : &*row;
+  const auto name = [&](SessionId id) {
+    const auto named = std::find_if(sessions.begin(), sessions.end(), [&](const auto& s) { return s.id == id; });
+    return named == sessions.end() ? "session " + std::to_string(id) : full_name(*named);
+  };
   const Explanation explanation = explain(explained(*first), explained(*second), known ? &known->alignment : nullptr,
-                                          together(view.atlas, first->id, second->id), station.merge_config());
+                                          together(view.atlas, first->id, second->id), station.merge_config(), name);
   return explanation_json(first->key, second->key, known, explanation);
 }
 

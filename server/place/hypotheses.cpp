@@ -151,18 +151,24 @@ std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::
   return out;
 }
 
-const SessionWalls& HypothesisFinder::walls(const SessionView& session) {
-  auto& known = walls_[session.id];
-  if (!known || known->path_m != path_m(session.keyframes)) known = std::make_unique<SessionWalls>(session.keyframes);
-  return *known;
+std::shared_ptr<const SessionWalls> HypothesisFinder::walls(const SessionView& session) {
+  if (const auto* known = walls_.find(session.id)) {
+    if ((*known)->path_m == path_m(session.keyframes)) return *known;
+    walls_bytes_ -= walls_.drop(session.id)->bytes();
+  }
+  auto drawn = std::make_shared<const SessionWalls>(session.keyframes);
+  walls_.put(session.id, drawn);
+  walls_bytes_ += drawn->bytes();
+  while (walls_bytes_ > config_.walls_bytes && walls_.size() > 1) walls_bytes_ -= walls_.drop_oldest()->bytes();
+  return drawn;
 }
 
 std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
                                                  const std::vector<Pose>& proposed,
                                                  const DescriptorAgreement& agreement) {
-  const SessionWalls &walls_a = walls(a), &walls_b = walls(b);
+  const auto walls_a = walls(a), walls_b = walls(b);
   std::vector<Hypothesis> out;
-  for (const Lead& lead : leads_of(walls_a, walls_b, proposed, agreement, config_)) {
+  for (const Lead& lead : leads_of(*walls_a, *walls_b, proposed, agreement, config_)) {
     if (out.size() >= config_.most && !lead.trusted) continue;
     const Piece piece_a = lead.a->piece, piece_b = lead.part->piece;
     Hypothesis h{placement(lead.match), lead.match.score, place(b.keyframes[(piece_b.begin + piece_b.end) / 2])};

@@ -15,6 +15,7 @@
 #include "server/place/descriptor_matches.hpp"
 #include "server/place/session_walls.hpp"
 #include "server/place/wall_search.hpp"
+#include "server/recent.hpp"
 
 namespace headframe {
 
@@ -48,6 +49,7 @@ class HypothesisFinder {
     std::size_t refined = 60;  // coarse placements looked at more closely ...
     std::size_t fine = 16;     // ... and of these, to half a cell
     double news_m = 15;
+    std::size_t walls_bytes = 64000000;  // drawn walls that are kept: the least recently used go first
     int threads = 1;
   };
   explicit HypothesisFinder(const Config& config) : config_(config) {}
@@ -63,13 +65,14 @@ class HypothesisFinder {
   const Found* find_within(const SessionView& session);
 
  private:
-  const SessionWalls& walls(const SessionView& session);
+  std::shared_ptr<const SessionWalls> walls(const SessionView& session);
   std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<Pose>& proposed,
                                  const DescriptorAgreement& agreement);
 
   Config config_;
   std::size_t allowed_ = std::numeric_limits<std::size_t>::max();
-  std::map<SessionId, std::unique_ptr<SessionWalls>> walls_;
+  Recent<SessionId, std::shared_ptr<const SessionWalls>> walls_;
+  std::size_t walls_bytes_ = 0;
   std::map<std::pair<SessionId, SessionId>, Found> found_;
 };
 

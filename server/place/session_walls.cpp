@@ -66,6 +66,18 @@ SessionWalls::SessionWalls(std::span<const Keyframe> keyframes) : path_m(headfra
   }
 }
 
+std::size_t SessionWalls::bytes() const {
+  const auto of = [](const WallMap& map) {
+    return (map.walls.capacity() + map.free.capacity()) * sizeof(map.walls[0]);
+  };
+  std::size_t bytes = 0;
+  for (const Level& level : levels) {
+    bytes += of(level.map) + level.field.bytes();
+    for (const Part& part : level.parts) bytes += of(part.map);
+  }
+  return bytes;
+}
+
 double path_m(std::span<const Keyframe> keyframes) {
   const auto path = path_to_each(keyframes);
   return path.empty() ? 0 : path.back();

@@ -40,6 +40,7 @@ struct SessionWalls {
   double path_m = 0;
 
   explicit SessionWalls(std::span<const Keyframe> keyframes);
+  std::size_t bytes() const;
 };
 
 double path_m(std::span<const Keyframe> keyframes);

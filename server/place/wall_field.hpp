@@ -23,6 +23,7 @@ class WallField {
   explicit WallField(const WallMap& map);
 
   double score(const WallMap& b, const WallMatch& placement) const;
+  std::size_t bytes() const { return cells_.size() * sizeof(Cell); }
 
   /// coarse: the best within +-6 cells and +-4 deg of the guess in steps of 2 cells and 2 deg, by a third of b's cells.
   /// fine: within 2.5 cells and 2 deg, to half a cell and 1 deg. Both give the score of all cells.

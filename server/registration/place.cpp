@@ -1,5 +1,7 @@
 #include "server/registration/place.hpp"
 
+#include <numeric>
+
 namespace headframe {
 namespace {
 
@@ -25,6 +27,12 @@ Submap thinned(const Submap& all, std::size_t most) {
 }
 
 }  // namespace
+
+std::size_t bytes_of(const Place& place) {
+  return sizeof(Place) + bytes_of(place.source) + bytes_of(place.rock) + place.views.capacity() * sizeof(PlacedView) +
+         std::accumulate(place.target.begin(), place.target.end(), std::size_t{0},
+                         [](std::size_t sum, const VoxelMap& map) { return sum + map.bytes(); });
+}
 
 Place make_place(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const PlaceConfig& config) {
   const auto reach_m = static_cast<float>(config.view_reach_m);

@@ -35,6 +35,9 @@ struct Place {
 };
 using PlacePtr = std::shared_ptr<const Place>;
 
+/// Without the images of its views, which are its clouds' and shared with its neighbours.
+std::size_t bytes_of(const Place& place);
+
 /// Clouds are those of the window, in the order of their sequence. Pure.
 Place make_place(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const PlaceConfig& config);
 

@@ -16,7 +16,8 @@ enum class Sight : std::uint8_t {
 };
 
 /// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made
-/// for 16 to 128 beams; a bin that no beam met knows nothing. Immutable after construction.
+/// for 16 to 128 beams; a bin that no beam met knows nothing, and rows that none met take no memory. Immutable after
+/// construction.
 class SightImage {
  public:
   static constexpr int columns = 180;
@@ -28,6 +29,8 @@ class SightImage {
   /// Up to reach_m. The tolerance grows with the range: 0.35 m + 3 %.
   Sight look(const Eigen::Vector3f& point, float reach_m) const;
 
+  std::size_t bytes() const { return bins_.size() * sizeof(Bin); }
+
  private:
   struct Bin {
     std::uint16_t near_cm = 0;  // 0: no return
@@ -35,8 +38,10 @@ class SightImage {
     std::uint16_t nearest_cm = 0, farthest_cm = 0;  // of it and the eight around it
   };
   void sum_up(int row, int column);
+  const Bin& bin(int row, int column) const;
 
-  std::vector<Bin> bins_;
+  int first_row_ = 0, end_row_ = 0;
+  std::vector<Bin> bins_;  // of these rows
 };
 
 }  // namespace headframe

@@ -88,6 +88,16 @@ std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
 
 }  // namespace
 
+std::size_t bytes_of(const Submap& submap) {
+  return (submap.points.capacity() + submap.normals.capacity()) * sizeof(Eigen::Vector3f);
+}
+
+std::size_t bytes_of(const PreparedCloud& cloud) {
+  std::size_t bytes = (cloud.points.capacity() + cloud.normals.capacity()) * sizeof(Eigen::Vector3f);
+  for (const PreparedCloud::View& view : *cloud.views) bytes += view.image.bytes();
+  return bytes;
+}
+
 PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
   PreparedCloud out;
   Points all;

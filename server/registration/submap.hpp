@@ -24,6 +24,8 @@ struct PreparedCloud {
 };
 inline constexpr float prepared_leaf_m = 0.25F;
 
+std::size_t bytes_of(const PreparedCloud& cloud);
+
 PreparedCloud prepare(const KeyframeCloud& cloud, int threads = 1);
 
 /// A prepared cloud where its session says it lies.
@@ -37,6 +39,7 @@ struct PlacedCloud {
 struct Submap {
   Points points, normals;
 };
+std::size_t bytes_of(const Submap& submap);
 
 /// What the clouds hold within radius_m of the centre, one surfel per leaf_m. Cost grows with the sphere: clouds from
 /// keyframes beyond radius_m + 12 m are not looked at.

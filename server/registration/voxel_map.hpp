@@ -33,6 +33,9 @@ class VoxelMap {
   const Voxel* nearest(const Eigen::Vector3f& p) const;
 
   float leaf_m() const { return leaf_m_; }
+  std::size_t bytes() const {
+    return voxels_.capacity() * sizeof(Voxel) + bricks_.capacity() * sizeof(Brick) + slots_.capacity() * sizeof(Slot);
+  }
 
   /// In the order of their first points.
   std::span<const Voxel> voxels() const { return std::span(voxels_).subspan(1); }

@@ -33,8 +33,10 @@ Alignment good() {
   return k;
 }
 
+std::string name(SessionId id) { return "robot/" + std::to_string(id); }
+
 Explanation explained(const Alignment& k, bool together = false) {
-  return explain(session("ant/1"), session("bee/1"), &k, together, {});
+  return explain(session("ant/1"), session("bee/1"), &k, together, {}, name);
 }
 
 bool says(const std::vector<std::string>& lines, const std::string& what) {
@@ -54,6 +56,17 @@ TEST(Explain, AMergeSaysWhereAndHowSureAndMissesNothing) {
   EXPECT_TRUE(e.missing.empty());
   EXPECT_TRUE(e.decision.empty());
   for (const Finding& f : e.findings) EXPECT_NE(f.speaks, Speaks::against) << f.text;
+}
+
+TEST(Explain, WhoHoldsAMergeBackIsNamed) {
+  Alignment k = good();
+  k.state = AlignmentState::verified;
+  EXPECT_NE(explained(k).outcome.find("contradicts stronger alignments"), std::string::npos);
+  k.objection = {2, 7, 0.094};
+  const Explanation e = explained(k);
+  EXPECT_NE(e.outcome.find("other sessions contradict it"), std::string::npos);
+  EXPECT_TRUE(says(e.missing, "lay robot/2 and robot/7 on each other")) << e.missing.front();
+  EXPECT_TRUE(says(e.missing, "9.4 %"));
 }
 
 /// Each figure of the evidence on its bad side: it speaks against, and what to do is said.
@@ -115,12 +128,12 @@ TEST(Explain, SessionsSayWhatTheyLack) {
   away.connected = false;
   Alignment k = good();
   k.state = AlignmentState::candidate;
-  const auto missing = explain(brief, away, &k, false, {}).missing;
+  const auto missing = explain(brief, away, &k, false, {}, name).missing;
   EXPECT_TRUE(says(missing, "ant/1 is too short: 31 of 50 m")) << missing.size();
   EXPECT_TRUE(says(missing, "bee/1: 3 of 60 clouds are here; its robot is not connected"));
   brief.complete = true;
   away.connected = true;
-  const auto less = explain(brief, away, nullptr, false, {}).missing;
+  const auto less = explain(brief, away, nullptr, false, {}, name).missing;
   EXPECT_FALSE(says(less, "too short"));
   EXPECT_TRUE(says(less, "asked for"));
 }
@@ -128,16 +141,17 @@ TEST(Explain, SessionsSayWhatTheyLack) {
 TEST(Explain, FamiliesThatDifferAndPairsNotTriedAreSaidFirst) {
   ExplainedSession iris = session("bee/1");
   iris.family = {"lidar_iris", 1};
-  EXPECT_NE(explain(session("ant/1"), iris, nullptr, false, {}).outcome.find("families differ"), std::string::npos);
+  EXPECT_NE(explain(session("ant/1"), iris, nullptr, false, {}, name).outcome.find("families differ"),
+            std::string::npos);
   ExplainedSession newer = session("bee/1");
   newer.family.version = 2;
-  const Explanation versions = explain(session("ant/1"), newer, nullptr, false, {});
+  const Explanation versions = explain(session("ant/1"), newer, nullptr, false, {}, name);
   EXPECT_NE(versions.outcome.find("versions"), std::string::npos) << versions.outcome;
   EXPECT_TRUE(says(versions.missing, "ant/1 has scan_context version 1, bee/1 has scan_context version 2"));
-  const Explanation untried = explain(session("ant/1"), session("bee/1"), nullptr, false, {});
+  const Explanation untried = explain(session("ant/1"), session("bee/1"), nullptr, false, {}, name);
   EXPECT_NE(untried.outcome.find("nothing has been tried yet"), std::string::npos);
   EXPECT_TRUE(says(untried.missing, "headframe merge"));
-  EXPECT_NE(explain(session("ant/1"), session("bee/1"), nullptr, true, {}).outcome.find("through other sessions"),
+  EXPECT_NE(explain(session("ant/1"), session("bee/1"), nullptr, true, {}, name).outcome.find("through other sessions"),
             std::string::npos);
 }
 

@@ -148,6 +148,63 @@ TEST(MergeGraph, AConfirmedAlignmentIsTheStrongestAndWaitsForAnotherConfirmedOne
   EXPECT_EQ(merge_sessions(sessions, edges).states[4], AlignmentState::published) << "nothing contradicts it any more";
 }
 
+/// Answers for one pair, and remembers who was asked about.
+struct Asked {
+  std::pair<SessionId, SessionId> pair;
+  Contact answer;
+  std::vector<std::pair<SessionId, SessionId>> others;
+
+  MergeResult merge(const std::vector<Alignment>& edges) {
+    return merge_sessions(sessions, edges, {}, {}, [this](SessionId a, SessionId b, const Pose& T_a_b) {
+      EXPECT_LT(a, b);
+      EXPECT_TRUE(T_a_b.isApprox(true_pose(a).inverse() * true_pose(b), 1e-9)) << a << " " << b;
+      others.emplace_back(a, b);
+      return std::pair(a, b) == pair ? answer : Contact::none;
+    });
+  }
+};
+
+TEST(MergeGraph, OnlySessionsThatAMergeWouldBringTogetherAreAsked) {
+  Asked none{{0, 0}, Contact::none, {}};
+  const auto result = none.merge(loop());
+  EXPECT_EQ(result.components.size(), 2U);
+  std::sort(none.others.begin(), none.others.end());
+  const std::vector<std::pair<SessionId, SessionId>> without_alignment{{1, 3}, {1, 4}, {1, 5}, {2, 5}, {3, 4}};
+  EXPECT_EQ(none.others, without_alignment) << "each once; 6 meets nobody";
+}
+
+TEST(MergeGraph, AMergeThatTwoOtherSessionsContradictIsHeldBack) {
+  // 1-2-3 hold together; 3-5 is the weakest, and what 5 saw passes through what 1 saw.
+  for (const auto before : {AlignmentState::verified, AlignmentState::published}) {
+    std::vector<Alignment> edges{edge(1, 2, 0.99), edge(2, 3, 0.98), edge(3, 5, 0.91)};
+    edges[2].state = before;
+    for (const Contact answer : {Contact::none, Contact::agrees, Contact::contradicts}) {
+      const auto result = Asked{{1, 5}, answer, {}}.merge(edges);
+      const bool held = answer == Contact::contradicts;
+      EXPECT_EQ(result.components.size(), held ? 4U : 3U);
+      EXPECT_EQ(result.contradicted_by[2].has_value(), held);
+      if (held) {
+        EXPECT_EQ(result.contradicted_by[2], (std::pair<SessionId, SessionId>(1, 5)));
+      }
+      const auto kept_back = before == AlignmentState::published ? AlignmentState::retracted : AlignmentState::verified;
+      EXPECT_EQ(result.states[2], held ? kept_back : AlignmentState::published);
+      EXPECT_EQ(result.states[0], AlignmentState::published);
+    }
+    edges[2].ruling = Ruling::confirmed;
+    EXPECT_EQ((Asked{{1, 5}, Contact::contradicts, {}}.merge(edges).states[2]), AlignmentState::published)
+        << "the operator knows better";
+  }
+}
+
+TEST(MergeGraph, WhileNobodyHasLookedWhatIsPublishedStaysAndWhatIsNotWaits) {
+  std::vector<Alignment> edges{edge(1, 2, 0.99), edge(2, 3, 0.98)};
+  EXPECT_EQ((Asked{{1, 3}, Contact::unknown, {}}.merge(edges).states[1]), AlignmentState::verified);
+  edges[1].state = AlignmentState::published;
+  const auto result = Asked{{1, 3}, Contact::unknown, {}}.merge(edges);
+  EXPECT_EQ(result.states[1], AlignmentState::published);
+  EXPECT_FALSE(result.contradicted_by[1]);
+}
+
 TEST(MergeGraph, ToleranceHasTwoSides) {
   const LoopTolerance tolerance;
   const double reach = tolerance.translation_m + 0.01 * (true_pose(3).inverse() * true_pose(5)).translation().norm();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 
 #include "tests/support/drawn_session.hpp"
 
@@ -22,7 +23,7 @@ struct PlaceBookTest : testing::Test {
   test::Drive drive = test::drive_a_to_c(2);
   std::vector<double> path_to_m;
   Shelf shelf;
-  PreparedClouds prepared{100, 1};
+  PreparedClouds prepared{100000000, 1};
 
   PlaceBookTest() {
     for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
@@ -31,7 +32,9 @@ struct PlaceBookTest : testing::Test {
       shelf.clouds[{1, drive.keyframes[i].sequence}] = drive.clouds[i];
     }
   }
-  PlaceBook book(std::size_t capacity, int threads = 1) { return {capacity, threads, PlaceConfig{}, prepared}; }
+  PlaceBook book(std::size_t capacity_bytes = 100000000, int threads = 1) {
+    return {capacity_bytes, threads, PlaceConfig{}, prepared};
+  }
   PlaceRequest at(std::size_t keyframe) const { return {1, drive.keyframes, path_to_m, keyframe}; }
   PlacePtr one(PlaceBook& from, std::size_t keyframe) {
     const PlaceRequest request = at(keyframe);
@@ -40,7 +43,7 @@ struct PlaceBookTest : testing::Test {
 };
 
 TEST_F(PlaceBookTest, KeyframesOfTheSameThreeMetresShareAPlace) {
-  PlaceBook b = book(10);
+  PlaceBook b = book();
   EXPECT_EQ(one(b, 0), one(b, 1)) << "0 and 2 m";
   EXPECT_NE(one(b, 1), one(b, 2)) << "2 and 4 m";
   EXPECT_EQ(one(b, 2)->p, drive.keyframes[2].T_local_sensor.translation());
@@ -48,7 +51,7 @@ TEST_F(PlaceBookTest, KeyframesOfTheSameThreeMetresShareAPlace) {
 }
 
 TEST_F(PlaceBookTest, ManyAtOnceAreThoseOneByOneWhateverTheThreads) {
-  PlaceBook alone = book(10), many = book(10, 3);
+  PlaceBook alone = book(), many = book(100000000, 3);
   const std::vector<PlaceRequest> requests{at(4), at(0), at(4), at(8)};
   const auto places = many.get(requests, shelf);
   EXPECT_EQ(places[0], places[2]);
@@ -63,7 +66,7 @@ TEST_F(PlaceBookTest, ManyAtOnceAreThoseOneByOneWhateverTheThreads) {
 TEST_F(PlaceBookTest, ACloudThatComesLaterIsTakenIn) {
   const KeyframeRef late{1, drive.keyframes[3].sequence};
   const auto held = shelf.clouds.extract(late);
-  PlaceBook b = book(10);
+  PlaceBook b = book();
   const PlacePtr before = one(b, 2);
   EXPECT_EQ(before, one(b, 2));
   shelf.clouds[late] = held.mapped();
@@ -74,22 +77,41 @@ TEST_F(PlaceBookTest, ACloudThatComesLaterIsTakenIn) {
 
 TEST_F(PlaceBookTest, WhatTheRobotSawByAnotherTimeOfItsPathIsNotMixedIn) {
   for (std::size_t i = 10; i < path_to_m.size(); ++i) path_to_m[i] += 1000;  // it came by again much later
-  PlaceBook b = book(10);
+  PlaceBook b = book();
   EXPECT_EQ(one(b, 8)->views.size(), 10U);
 }
 
 TEST_F(PlaceBookTest, TheLeastRecentlyUsedGoes) {
-  PlaceBook b = book(2);
-  const PlacePtr first = one(b, 0), second = one(b, 4);
+  PlaceBook whole = book();
+  std::set<const SightImage*> images;
+  std::size_t bytes = 0;  // of the first, the second and the third place, and of what they look from
+  for (const std::size_t keyframe : {0, 4, 8}) {
+    const PlacePtr place = one(whole, keyframe);
+    bytes += bytes_of(*place);
+    for (const PlacedView& view : place->views)
+      if (images.insert(view.image.get()).second) bytes += view.image->bytes();
+  }
+  for (const bool fits : {true, false}) {
+    PlaceBook b = book(fits ? bytes : bytes - 1);
+    const PlacePtr first = one(b, 0), second = one(b, 4);
+    EXPECT_EQ(first, one(b, 0));
+    one(b, 8);
+    EXPECT_EQ(first, one(b, 0));
+    EXPECT_EQ(second == one(b, 4), fits);
+  }
+}
+
+TEST_F(PlaceBookTest, OneThatIsLargerThanAllRoomIsKeptUntilTheNext) {
+  PlaceBook b = book(1);
+  const PlacePtr first = one(b, 0);
   EXPECT_EQ(first, one(b, 0));
   one(b, 8);
-  EXPECT_EQ(first, one(b, 0));
-  EXPECT_NE(second, one(b, 4));
+  EXPECT_NE(first, one(b, 0));
 }
 
 TEST_F(PlaceBookTest, WithoutCloudsAPlaceKnowsNothing) {
   shelf.clouds.clear();
-  PlaceBook b = book(2);
+  PlaceBook b = book();
   EXPECT_TRUE(one(b, 0)->source.points.empty());
 }
 

@@ -1,0 +1,101 @@
+// Three sessions: what the third knows of the mine decides on a merge of the other two.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/scenario/drawn_base.hpp"
+
+namespace headframe {
+namespace {
+
+using test::Base;
+using test::BoxMine;
+using test::Drive;
+
+/*  70                      +          Two mines, the same but for the east end: there one goes on to the north, the
+ *                          |  (one)   other to the south.
+ *  30        +-----+-------+
+ *            |     |       |  (two)
+ *  12   |    |    18       |
+ *   0 --+----+             |
+ *       15   30    42      60                                                                          */
+BoxMine mine(bool north) {
+  return BoxMine({BoxMine::drift(0, 0, 30, 0), BoxMine::drift(15, 0, 15, 12), BoxMine::drift(30, 0, 30, 30),
+                  BoxMine::drift(30, 30, 60, 30), BoxMine::drift(42, 30, 42, 18),
+                  north ? BoxMine::drift(60, 30, 60, 70) : BoxMine::drift(60, 30, 60, -10)});
+}
+
+Drive of_one() { return test::drive(mine(true), {{2, 0}, {30, 0}, {30, 30}, {44, 30}}, 0, 1); }
+/// Of two merges that can not both be right this one has less to show: it shares three keyframes.
+Drive of_two() { return test::drive(mine(false), {{30, 20}, {30, 30}, {60, 30}, {60, -8}}, 1.2, 2, 8); }
+Drive witness() { return test::drive(mine(true), {{60, 68}, {60, 30}, {30, 30}, {30, 0}, {4, 0}}, -0.4, 3); }
+
+const Alignment& between(const Base& base, SessionId a, SessionId b) {
+  const auto& all = base.pipeline.alignments();
+  return *std::find_if(all.begin(), all.end(), [&](const Alignment& k) { return k.a == a && k.b == b; });
+}
+
+void attempt_all(Base& base) {
+  for (std::size_t id = 1; id <= base.drives.size(); ++id)
+    base.pipeline.attempt(static_cast<SessionId>(id), base.shelf);
+}
+
+TEST(Contacts, TwoMinesThatAreTheSameWhereTwoRobotsMetCanNotBeToldApartByThemAlone) {
+  Base base({of_one(), of_two()});
+  attempt_all(base);
+  EXPECT_EQ(between(base, 1, 2).state, AlignmentState::published) << "what the tests below rest on";
+}
+
+TEST(Contacts, AThirdSessionThatContradictsHoldsTheMergeBack) {
+  Base base({of_one(), of_two(), witness()});
+  attempt_all(base);
+  EXPECT_EQ(between(base, 1, 3).state, AlignmentState::published);
+  const Alignment& wrong = between(base, 1, 2);
+  EXPECT_EQ(wrong.state, AlignmentState::verified);
+  ASSERT_TRUE(wrong.objection);
+  EXPECT_EQ(std::pair(wrong.objection->a, wrong.objection->b), (std::pair<SessionId, SessionId>(2, 3)));
+  EXPECT_GT(wrong.objection->violation, 0.015);
+  EXPECT_LT(wrong.objection->violation, 1);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+}
+
+TEST(Contacts, AThirdSessionThatComesLaterTakesAPublishedMergeBack) {
+  Base base({of_one(), of_two()});
+  attempt_all(base);
+  const auto revision = base.pipeline.atlas().revision;
+  const AttemptReport report = base.pipeline.attempt(base.arrive(witness()), base.shelf);
+  EXPECT_EQ(between(base, 1, 2).state, AlignmentState::retracted);
+  EXPECT_EQ(between(base, 1, 3).state, AlignmentState::published);
+  EXPECT_GT(base.pipeline.atlas().revision, revision);
+  EXPECT_TRUE(std::any_of(report.changed.begin(), report.changed.end(), [](const Alignment& k) {
+    return k.a == 1 && k.b == 2 && k.state == AlignmentState::retracted;
+  })) << "it is stored and told";
+}
+
+TEST(Contacts, AfterARestartAMergeThatWasHeldBackStaysSo) {
+  Base before({of_one(), of_two(), witness()}), after({of_one(), of_two(), witness()});
+  attempt_all(before);
+  after.pipeline.restore(before.pipeline.alignments(), before.pipeline.atlas().revision);
+  EXPECT_EQ(between(after, 1, 2).state, AlignmentState::verified) << "though nobody has looked again yet";
+  EXPECT_EQ(after.pipeline.atlas().components.size(), 2U);
+  attempt_all(after);
+  EXPECT_EQ(between(after, 1, 2).state, AlignmentState::verified);
+  EXPECT_TRUE(between(after, 1, 2).objection);
+}
+
+TEST(Contacts, SessionsThatMeetByWayOfAnotherAreAlignedWhereTheyMeet) {
+  // The third says nothing of itself where it shares the drift with the first: only the second can place it.
+  Drive third = test::drive(test::branches_mine(), {{6, 0}, {88, 0}}, 0.6, 4);
+  for (Keyframe& k : third.keyframes)
+    if (k.T_local_sensor.translation().norm() < 40) k.walls = {}, k.descriptor = {};
+  Base base({test::drive_a_to_c(3), test::drive_b_to_a(3), third});
+  attempt_all(base);
+  ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_EQ(between(base, 1, 3).state, AlignmentState::published);
+  EXPECT_EQ(between(base, 1, 3).evidence.support, 0) << "no search proposed it";
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
+}  // namespace
+}  // namespace headframe
