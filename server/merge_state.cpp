@@ -35,9 +35,12 @@ bool hopeless_rival(const Glance& glance, const DescriptorAgreement& agreement, 
   });
 }
 
-/// Better glances first: fewer contradictions, then more points that fit.
-double promise(const Glance& glance) {
-  return glance.place.registration.inlier_fraction - 20 * glance.place.between().violation();
+/// Better glances first: fewer contradictions, more points that fit, and descriptors that agree along the path. One
+/// place of a mine that repeats itself fits at many others.
+double promise(const Glance& glance, const DescriptorAgreement& agreement) {
+  const Registration& r = glance.place.registration;
+  const double alike = agreement.at(r.T_target_source).cautious();
+  return std::max(0.0, r.inlier_fraction - 20 * glance.place.between().violation()) * alike * alike;
 }
 
 }  // namespace
@@ -221,13 +224,16 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
     const Stopwatch watch(report.times.registration_ms);
     glances = glance_at(a, b, cases, clouds);
   }
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < glances.size(); ++i)
-    if (glances[i].hopeful) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t i, std::size_t j) { return promise(glances[i]) > promise(glances[j]); });
   const Stopwatch watch(report.times.verification_ms);
   const DescriptorAgreement agreement(sessions[a].keyframes, sessions[b].keyframes);
+  std::vector<std::size_t> order;
+  std::vector<double> promises(glances.size(), 0);
+  for (std::size_t i = 0; i < glances.size(); ++i) {
+    if (!glances[i].hopeful) continue;
+    order.push_back(i);
+    promises[i] = promise(glances[i], agreement);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return promises[i] > promises[j]; });
   std::vector<Verdict> verdicts;
   for (const std::size_t i : order) {
     const PlaceCheck& place = glances[i].place;

@@ -129,7 +129,9 @@ std::vector<Lead> leads_of(const SessionWalls& a, const SessionWalls& b, std::sp
   const auto refine = [&](WallField::Step step) {
     for_blocks(leads.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
       Lead& lead = leads[i];
-      lead.match = lead.a->field.refine(lead.part->map, lead.match, step);
+      // What the descriptors propose may fit the walls nowhere near: then it stays, instead of going where none are.
+      const WallMatch refined = lead.a->field.refine(lead.part->map, lead.match, step);
+      if (refined.score > 0) lead.match = refined;
       lead.promise = promise(lead.match.score, agreement.at(placement(lead.match), Heights::any));
     });
     std::stable_sort(leads.begin(), leads.end(), [](const Lead& l, const Lead& m) { return l.promise > m.promise; });

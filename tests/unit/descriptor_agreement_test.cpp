@@ -7,6 +7,9 @@
 #include <numbers>
 #include <random>
 
+#include "common/descriptor/wall_profile.hpp"
+#include "server/place/hypotheses.hpp"
+
 namespace headframe {
 namespace {
 
@@ -73,6 +76,20 @@ TEST(DescriptorAgreement, SaysNothingWithoutDescriptorsOrOfOtherLengths) {
   for (Keyframe& k : a) k.descriptor.q.clear();
   EXPECT_EQ(DescriptorAgreement(a, b).at(Pose::Identity()).count, 0);
   EXPECT_EQ(DescriptorAgreement({}, {}).at(Pose::Identity()).cautious(), 0.5);
+}
+
+TEST(Hypotheses, WhatTheDescriptorsProposeStaysWhereTheWallsDoNotFit) {
+  // One sees walls 8 m away all around, the other stones at 2 m: each wall lies where the other saw through.
+  auto a = drift(0, 40), b = drift(30, 40);
+  for (auto* session : {&a, &b})
+    for (Keyframe& k : *session) {
+      k.walls.code.fill(encode_wall_range(session == &a ? 8 : 2));
+      k.descriptor.w = {1, 0, 0, 0, 0, 0, 0, 0};
+    }
+  HypothesisFinder finder({});
+  const auto found = finder.find({1, a}, {2, b}, [&] { return match_descriptors(a, b, 1); })->hypotheses;
+  const auto as_proposed = [](const Hypothesis& h) { return h.T_a_b.isApprox(Pose::Identity(), 1e-6); };
+  EXPECT_EQ(std::count_if(found.begin(), found.end(), as_proposed), 1);
 }
 
 TEST(DescriptorAgreement, SessionsThatLookTheSameEverywhereAreNotCompared) {
