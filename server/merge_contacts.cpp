@@ -86,7 +86,7 @@ bool MergePipeline::State::look_at(const Nearing& n, CloudSource& clouds, Attemp
     seen.judgement = judge_again(scene(n.a, now.a, clouds), scene(n.b, now.b, clouds), n.T_a_b, judge_config());
     Judgement& judged = seen.judgement;
     compare_descriptors({sessions[n.a].keyframes, sessions[n.b].keyframes}, judged);
-    judged.evidence.probability = probability(judged.status, judged.evidence);
+    weigh(judged);
     // Where it lies is known from the others: look-alikes elsewhere, and a runner-up, cast no doubt on it.
     const Evidence& e = judged.evidence;
     if (violation_of(seen) >= contradiction)

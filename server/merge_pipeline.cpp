@@ -107,7 +107,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   again.evidence.support = published.evidence.support;
   again.evidence.runner_up = published.evidence.runner_up;
   compare_descriptors({sessions[published.a].keyframes, sessions[published.b].keyframes}, again);
-  again.evidence.probability = probability(again.status, again.evidence);
+  weigh(again);
   if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b[now.b.size() / 2].p;
   if (again.evidence.probability >= config.accept_probability &&

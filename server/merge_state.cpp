@@ -252,7 +252,7 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
                   return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b,
                                                  g.place.p_b, same_placement_m, same_placement_rad);
                 }));
-    e.probability = probability(verdict.judgement.status, e);
+    weigh(verdict.judgement);
     verdicts.push_back(verdict);
   }
   std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {

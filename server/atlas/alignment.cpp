@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 24> fields{{
+constexpr std::array<EvidenceField, 25> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -35,6 +35,7 @@ constexpr std::array<EvidenceField, 24> fields{{
     {"tilt_deg", &Evidence::tilt_deg},
     {"support", &Evidence::support},
     {"runner_up", &Evidence::runner_up},
+    {"probability_if_unique", &Evidence::probability_if_unique},
 }};
 
 }  // namespace

@@ -40,11 +40,12 @@ struct Evidence {
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
   double end_on_match = 0;  // share of b's surfaces that face along the weakest axis and meet one of a's that does
-  double descriptors_compared = 0;  // keyframes of b within 3 m of one of a's
-  double descriptors_alike = 0;     // ... how alike they are, 0 to 1 (Agreement::mean)
-  double tilt_deg = 0;              // gravity disagreement after registration
-  double support = 0;               // wall map score of the hypothesis it came from
-  double runner_up = 0;             // probability of the best different hypothesis
+  double descriptors_compared = 0;   // keyframes of b within 3 m of one of a's
+  double descriptors_alike = 0;      // ... how alike they are, 0 to 1 (Agreement::mean)
+  double tilt_deg = 0;               // gravity disagreement after registration
+  double support = 0;                // wall map score of the hypothesis it came from
+  double runner_up = 0;              // probability of the best different hypothesis
+  double probability_if_unique = 0;  // what it would be with no aliases
 };
 
 /// Weakest hold from which on nothing slides along a drift, and the end-on match from which on a place of a drift that
@@ -55,8 +56,8 @@ inline constexpr double held_well = 0.03, ends_meet = 0.12;
 /// mines they were .68 and more, .80 in mines of copies, on a campus .67.
 double asked_alike(const Evidence& evidence);
 
-/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias. With 30 m two mines of
-/// the same 20 m tiles were merged over 24 m; with half as much where the descriptors are alike, two over 36 m.
+/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias. With 30 m two mines
+/// of the same 20 m tiles were merged over 24 m; with half as much where the descriptors are alike, two over 36 m.
 double asked_overlap_m(const Evidence& evidence);
 
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told

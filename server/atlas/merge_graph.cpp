@@ -100,7 +100,8 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
     if (usable(alignments[i])) order.push_back(i);
   const auto rank = [&](std::size_t i) {
     const Alignment& k = alignments[i];
-    const double sure = k.evidence.probability * (1 - k.evidence.runner_up);
+    // Two placements of one piece of a session share its aliases: they do not tell which of them is right.
+    const double sure = std::max(k.evidence.probability, k.evidence.probability_if_unique) * (1 - k.evidence.runner_up);
     return std::tuple(k.ruling != Ruling::confirmed, -votes[i], -sure, -k.evidence.seen_points, k.a, k.b);
   };
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return rank(i) < rank(j); });

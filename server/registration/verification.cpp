@@ -201,7 +201,7 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
     out.status = RegistrationStatus::degenerate;
   else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= ends_meet)
     out.status = RegistrationStatus::converged;
-  out.evidence.probability = probability(out.status, out.evidence);
+  weigh(out);
   return out;
 }
 
@@ -227,6 +227,14 @@ double best_probability(const Glance& glance, const Evidence& known) {
   e.places = e.places_agreeing = e.inlier_fraction = e.weakest_hold = e.end_on_match = 1;
   e.pairs = e.overlap_m = std::numeric_limits<double>::max();
   return probability(RegistrationStatus::converged, e);
+}
+
+void weigh(Judgement& judgement) {
+  Evidence& e = judgement.evidence;
+  e.probability = probability(judgement.status, e);
+  Evidence unique = e;
+  unique.aliases = 0;
+  e.probability_if_unique = probability(judgement.status, unique);
 }
 
 double probability(RegistrationStatus status, const Evidence& e) {

@@ -73,6 +73,9 @@ double best_probability(const Glance& glance, const Evidence& known = {});
 /// Both, trusting T_a_b_0 to within a metre or two: a published alignment looked at again with more keyframes.
 Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_a_b_0, const JudgeConfig& config);
 
+/// Sets the probabilities of a judgement from the rest of its evidence.
+void weigh(Judgement& judgement);
+
 /// Probability that T_a_b is right; 0 unless the registration converged or is degenerate.
 double probability(RegistrationStatus status, const Evidence& evidence);
 

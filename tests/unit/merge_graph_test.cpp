@@ -196,6 +196,29 @@ TEST(MergeGraph, AMergeThatTwoOtherSessionsContradictIsHeldBack) {
   }
 }
 
+TEST(MergeGraph, OfTwoThatCanNotBothBeRightTheSurerStands) {
+  // What 1 saw contradicts what 5 saw, so of 1-3 and 3-5 one is wrong.
+  const auto stands = [](const Evidence& first, const Evidence& second) {
+    std::vector<Alignment> edges{edge(1, 3), edge(3, 5)};
+    edges[0].evidence = first;
+    edges[1].evidence = second;
+    const auto states = Asked{{1, 5}, Contact::contradicts, {}}.merge(edges).states;
+    EXPECT_NE(states[0] == AlignmentState::published, states[1] == AlignmentState::published);
+    return states[0] == AlignmentState::published ? 1 : 2;
+  };
+  Evidence sure, less, rivalled, of_copies;
+  sure.probability = 0.99;
+  less.probability = 0.98;
+  rivalled = of_copies = sure;
+  rivalled.runner_up = 0.02;
+  of_copies.probability = 0.95;
+  of_copies.probability_if_unique = 0.999;
+  EXPECT_EQ(stands(sure, less), 1);
+  EXPECT_EQ(stands(less, sure), 2);
+  EXPECT_EQ(stands(rivalled, sure), 2) << "the first has a rival";
+  EXPECT_EQ(stands(of_copies, sure), 1) << "aliases are left aside";
+}
+
 TEST(MergeGraph, WhileNobodyHasLookedWhatIsPublishedStaysAndWhatIsNotWaits) {
   std::vector<Alignment> edges{edge(1, 2, 0.99), edge(2, 3, 0.98)};
   EXPECT_EQ((Asked{{1, 3}, Contact::unknown, {}}.merge(edges).states[1]), AlignmentState::verified);

@@ -109,6 +109,18 @@ TEST_F(PlaceBookTest, OneThatIsLargerThanAllRoomIsKeptUntilTheNext) {
   EXPECT_NE(first, one(b, 0));
 }
 
+TEST_F(PlaceBookTest, PreparedCloudsGoWhenTheyDoNotFit) {
+  const KeyframeRef one{1, 1}, two{1, 2};
+  const std::size_t both = bytes_of(*prepared.get(one, shelf)) + bytes_of(*prepared.get(two, shelf));
+  EXPECT_GT(both, 2 * sizeof(Eigen::Vector3f) * prepared.get(one, shelf)->points.size());
+  for (const bool fits : {true, false}) {
+    PreparedClouds clouds(fits ? both : both - 1, 1);
+    const auto first = clouds.get(one, shelf);
+    clouds.get(two, shelf);
+    EXPECT_EQ(clouds.get(one, shelf) == first, fits);
+  }
+}
+
 TEST_F(PlaceBookTest, WithoutCloudsAPlaceKnowsNothing) {
   shelf.clouds.clear();
   PlaceBook b = book();
