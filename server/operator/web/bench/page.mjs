@@ -3,8 +3,7 @@
 import { mkdirSync, readdirSync, readFileSync, writeFileSync, chmodSync } from 'node:fs';
 import { get } from 'node:http';
 import { dirname, join } from 'node:path';
-import { chromium } from 'playwright-core';
-import { browserArguments, browserPath, finished, open, outputs, scratchFolder, start, Station, until } from '../tests/support.mjs';
+import { browserArguments, browserPath, chromium, finished, needs, open, outputs, scratchFolder, start, Station, until } from '../tests/support.mjs';
 
 const robots = 20;
 const seconds = 30;
@@ -15,6 +14,7 @@ const pages = 10;
 const poll_ms = 20;
 const bars = { first_picture_p95_ms: 1000, live_lag_p95_ms: 500, ingest_cost_share: 0.1, bundle_kb: 400, memory_ten_pages_mb: 50 };
 
+needs('headframe-server', 'headframe-link-bench', 'headframe-replay', 'headframe-drawn-sessions');
 const scratch = scratchFolder();
 
 const quantile = (values, share) => [...values].sort((x, y) => x - y)[Math.min(values.length - 1, Math.floor(share * values.length))];

@@ -1,7 +1,7 @@
 // All clouds: which level of detail each gets, and how many points are drawn of what is there.
 
 import { Frustum, Matrix4, Scene, Vector3 } from 'three';
-import { early } from '../station/api';
+import { early } from '../station/overview';
 import type { Station } from '../station/station';
 import type { Chunk } from './chunk';
 import { shared } from './cloud_material';
@@ -16,6 +16,8 @@ const settled_ms = 6000;
 const again_ms = 400; // between two requests for a session that grows
 const smooth_ms = 34;
 const slow_ms = 70;
+const aim_ms = 50;
+const steepest = 0.25; // of what is drawn, from one frame to the next
 
 export interface Budget {
   loaded: number;
@@ -106,9 +108,10 @@ export class Clouds {
     }
   }
 
-  /** How long frames take while the operator moves: fewer points when they are late. */
+  /** How long the last frame took until the graphics card was done with it: fewer points when it was late. */
   tookFrame(frame_ms: number): void {
-    if (frame_ms > slow_ms) this.drawable = Math.max(this.budget.leastDrawn, 0.8 * Math.min(this.drawable, this.drawnPoints));
+    const fewer = Math.max(steepest, aim_ms / frame_ms) * Math.min(this.drawable, this.drawnPoints);
+    if (frame_ms > slow_ms) this.drawable = Math.max(this.budget.leastDrawn, fewer);
     else if (frame_ms < smooth_ms) this.drawable = Math.min(this.budget.drawn, 1.1 * this.drawable);
   }
 
@@ -117,7 +120,7 @@ export class Clouds {
     const now = performance.now();
     const { epoch } = this.station;
     const target = this.stage.target;
-    const rows = [...this.clouds.values()].filter((cloud) => cloud.idle && this.station.link === 'live');
+    const rows = [...this.clouds.values()].filter((cloud) => cloud.idle && this.station.link !== 'away');
     const distance = (cloud: SessionCloud) => {
       const T = this.frames.of(cloud.id);
       const path = this.station.paths.get(cloud.id);
@@ -127,11 +130,15 @@ export class Clouds {
     for (const cloud of rows) {
       if (!this.station.paths.has(cloud.id)) continue; // it would be drawn where it does not stay
       const { clouds } = this.station.sessions.get(cloud.id)!;
+      const there = this.station.takeEarlyPoints(cloud.id);
       const rested = now - (this.fetchedAt.get(cloud.id) ?? -again_ms) >= again_ms;
       const wanted = cloud.level < 0 ? early.level : cloud.level;
-      if (rested && cloud.lacks(wanted, clouds, epoch)) this.fetch(cloud, wanted, clouds);
+      if (there && cloud.level < 0) {
+        cloud.begin(early.level, epoch, there);
+        this.fetchedAt.set(cloud.id, now);
+      } else if (rested && cloud.lacks(wanted, clouds, epoch)) this.fetch(cloud, wanted, clouds);
     }
-    if (rows.length < this.clouds.size) return; // other levels wait until nothing else is on its way
+    if (rows.length < this.clouds.size || this.drawnPoints === 0) return; // other levels wait until nothing else is on its way
     if (this.loadedPoints > this.budget.loaded) {
       const coarser = rows.filter((cloud) => cloud.idle && cloud.level > 0).sort((x, y) => y.level - x.level || distance(y) - distance(x))[0];
       if (coarser) {
@@ -153,9 +160,7 @@ export class Clouds {
 
   private fetch(cloud: SessionCloud, level: number, clouds: number): void {
     this.fetchedAt.set(cloud.id, performance.now());
-    const first = cloud.level < 0;
-    const atOnce = Math.ceil(first ? early.points : Math.min(pointsAtOnce, this.budget.loaded / 8));
-    const there = first ? this.station.takeEarlyPoints(cloud.id) : undefined;
-    void cloud.fetch(level, clouds, this.station.epoch, atOnce, () => this.loadedPoints + atOnce <= this.budget.loaded, there);
+    const atOnce = Math.ceil(cloud.level < 0 ? early.points : Math.min(pointsAtOnce, this.budget.loaded / 8));
+    void cloud.fetch(level, clouds, this.station.epoch, atOnce, () => this.loadedPoints + atOnce <= this.budget.loaded).then(() => this.fetchNext());
   }
 }

@@ -23,13 +23,19 @@ export class Stage {
   private readonly freeControls: MapControls;
   private readonly before: (() => boolean | void)[] = [];
   private drawing = false;
+  /** The frame that the graphics card has not finished yet, of those whose time is taken. */
+  private timed: { begun: number; fence: WebGLSync } | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly onOperated: () => void,
+    /** From the beginning of a frame until the graphics card was done with it, as seen at the frame after. */
+    private readonly onTook: (frame_ms: number) => void,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.debug.checkShaderErrors = false; // it would wait for the graphics process
+    document.addEventListener('visibilitychange', () => (this.timed = null)); // no frames are made meanwhile
     this.scene.add(this.signs);
     this.top.up.set(0, 1, 0);
     this.top.position.set(0, 0, 1000);
@@ -80,13 +86,32 @@ export class Stage {
     if (this.drawing) return;
     this.drawing = true;
     requestAnimationFrame(() => {
+      const begun = performance.now();
       this.drawing = false;
       this.camera.updateMatrixWorld();
       let again = false;
       for (const work of this.before) again = work() === true || again;
       this.renderer.render(this.scene, this.camera);
+      this.time(begun);
       if (again) this.draw();
     });
+  }
+
+  private time(begun: number): void {
+    if (this.timed) return; // one at a time
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!fence) return; // the context was lost
+    const timed = (this.timed = { begun, fence });
+    const look = () => {
+      const done = gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
+      if (!done && this.timed === timed) return void requestAnimationFrame(look);
+      gl.deleteSync(fence);
+      if (this.timed !== timed) return;
+      this.timed = null;
+      this.onTook(performance.now() - begun);
+    };
+    requestAnimationFrame(look);
   }
 
   /** Pixels of the canvas for a metre; at one metre's distance in the free view. */
