@@ -1,6 +1,7 @@
 // Some thousand points that are drawn with one call, in random order: any first part of them is an even sample.
 
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Points, type ShaderMaterial, Sphere, Vector3 } from 'three';
+import type { Reach } from './reach';
 
 const fullPoints = 16384;
 const firstPoints = 4096; // of a cloud that begins: whatever there is room for goes to the graphics card
@@ -84,8 +85,8 @@ export interface Taken {
   lastSequence: number;
 }
 
-/** Reads the blocks of GET /api/v1/sessions/ID/points; `next` gives a chunk that has room. */
-export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk): Taken {
+/** Reads the blocks of GET /api/v1/sessions/ID/points; `next` gives a chunk that has room, `reach` is told of every point. */
+export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk, reach: Reach): Taken {
   const data = new DataView(bytes);
   const taken: Taken = { blocks: 0, points: 0, lastSequence: 0 };
   const touched = new Set<Chunk>();
@@ -98,7 +99,9 @@ export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk): Taken {
       const chunk = next();
       touched.add(chunk);
       const up = unit_m * data.getInt16(at + 4, true);
-      chunk.add(x + unit_m * data.getInt16(at, true), y + unit_m * data.getInt16(at + 2, true), z + up, up, sequence);
+      const [px, py] = [x + unit_m * data.getInt16(at, true), y + unit_m * data.getInt16(at + 2, true)];
+      chunk.add(px, py, z + up, up, sequence);
+      reach.take(px, py);
     }
     taken.points += count;
     taken.lastSequence = Math.max(taken.lastSequence, sequence);

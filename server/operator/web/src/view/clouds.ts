@@ -49,6 +49,13 @@ export class Clouds {
     return sum;
   }
 
+  /** Changes whenever points reach further than before. */
+  get reached(): number {
+    let sum = 0;
+    for (const { reach } of this.clouds.values()) sum += reach.version;
+    return sum;
+  }
+
   sync(): void {
     for (const [id, { clouds }] of this.station.sessions) {
       if (!this.clouds.has(id)) {

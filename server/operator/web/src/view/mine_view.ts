@@ -50,6 +50,7 @@ export class MineView {
   private readonly labels: Labels;
   private readonly outlines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
   private outlinesAt = -1;
+  private reachedAt = 0;
   private framedByHand = false;
   private dirty = true;
   private lastTold = '';
@@ -69,7 +70,7 @@ export class MineView {
       (frame_ms) => this.tookFrame(frame_ms),
     );
     this.stage.prepare(new Chunk(cloudMaterial(), true).points);
-    this.frames = new Frames(station);
+    this.frames = new Frames(station, (id) => this.clouds?.clouds.get(id)?.reach);
     this.clouds = new Clouds(this.stage.scene, station, this.frames, this.stage, budget(this.stage.renderer.getContext()));
     this.robots = new Robots(station, this.frames, this.stage);
     this.edges = new Edges(station, this.frames, this.stage);
@@ -131,7 +132,7 @@ export class MineView {
 
   private frame(): boolean {
     const now = performance.now();
-    if (this.dirty) this.sync();
+    if (this.dirty || this.clouds.reached !== this.reachedAt) this.sync();
     const moving = this.frames.step(now);
     if (!this.framedByHand && (moving || this.outlinesAt !== this.frames.version)) this.stage.frame(this.contents());
     if (this.outlinesAt !== this.frames.version) this.drawOutlines();
@@ -185,10 +186,11 @@ export class MineView {
     colourBy(now.colourBy);
     shared.roof.value = now.roof_m ?? 1e6;
     shared.slice.value.set(...(now.slice_m ?? [-1e6, 1e6]));
+    this.clouds.sync(); // its first points count for the frames
+    this.reachedAt = this.clouds.reached;
     this.frames.sync();
     const [low, high] = this.frames.heights();
     shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
-    this.clouds.sync();
     this.clouds.paint((id) => ({ colour: this.colourOf(this.station.sessions.get(id)!), faded: this.fadedOf(id) }));
     this.robots.sync((session) => ({
       colour: mixed(this.colourOf(session), theme.ink, 0.15),

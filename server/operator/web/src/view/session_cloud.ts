@@ -4,6 +4,7 @@ import { Group, type ShaderMaterial, type Vector2 } from 'three';
 import { inTurn, points } from '../station/api';
 import { Chunk, takeBlocks } from './chunk';
 import { cloudMaterial, vector } from './cloud_material';
+import { Reach } from './reach';
 
 export const levelCube_m = [2, 1, 0.5, 0.25, 0.1];
 
@@ -19,8 +20,8 @@ class Level {
     this.group.matrixAutoUpdate = false;
   }
 
-  take(bytes: ArrayBuffer): number {
-    const taken = takeBlocks(bytes, () => this.room());
+  take(bytes: ArrayBuffer, reach: Reach): number {
+    const taken = takeBlocks(bytes, () => this.room(), reach);
     this.blocks += taken.blocks;
     this.points += taken.points;
     const ages: Vector2 = this.material.uniforms.ages.value;
@@ -46,6 +47,8 @@ class Level {
 
 export class SessionCloud {
   readonly group = new Group();
+  /** Of all points that were there so far. */
+  readonly reach = new Reach();
   /** Clouds that the server had when blocks were last asked for. */
   private seenClouds = 0;
   private epoch = 0;
@@ -97,7 +100,7 @@ export class SessionCloud {
   begin(level: number, epoch: number, bytes: ArrayBuffer): void {
     this.shown = this.add(level);
     this.epoch = epoch;
-    this.shown.take(bytes);
+    this.shown.take(bytes, this.reach);
     this.onPoints();
   }
 
@@ -109,7 +112,7 @@ export class SessionCloud {
       const anew = level !== this.level || epoch !== this.epoch;
       const into = anew ? (this.coming = this.add(level)) : this.shown!;
       for (;;) {
-        const taken = into.take(await inTurn(() => points(this.id, into.level, into.blocks, pointsAtOnce)));
+        const taken = into.take(await inTurn(() => points(this.id, into.level, into.blocks, pointsAtOnce)), this.reach);
         this.onPoints();
         if (taken < pointsAtOnce) break;
         if (level > this.level && this.level >= 0 && !room()) {
