@@ -22,6 +22,7 @@ struct Place {
 void add_places(const CLI::App& app, const std::string& after, std::vector<Place>& places) {
   std::vector<Word> words;
   const auto subcommands = app.get_subcommands([](const CLI::App*) { return true; });
+  words.reserve(subcommands.size());
   for (const CLI::App* sub : subcommands) words.push_back({sub->get_name(), sub->get_description()});
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames())

@@ -2,16 +2,8 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { fileURLToPath } from 'node:url';
-import { build } from 'esbuild';
 import { Box2, Box3, Matrix4, Vector2, Vector3 } from 'three';
-
-/** A module of the page, as the page has it; three is this test's own. */
-async function load(name) {
-  const file = fileURLToPath(new URL(`../src/view/${name}.ts`, import.meta.url));
-  const { outputFiles } = await build({ entryPoints: [file], bundle: true, write: false, format: 'esm', platform: 'node' });
-  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString('base64')}`);
-}
+import { load } from './module.mjs';
 
 const { Reach } = await load('reach');
 const { extentOf, layOut } = await load('layout');

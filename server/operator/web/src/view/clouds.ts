@@ -6,6 +6,7 @@ import type { Station } from '../station/station';
 import type { Chunk } from './chunk';
 import { shared } from './cloud_material';
 import type { Frames } from './frames';
+import { moving, Pace, still } from './pace';
 import { levelCube_m, SessionCloud } from './session_cloud';
 import type { Stage } from './stage';
 
@@ -14,10 +15,6 @@ const growth = 4; // points of a level against the coarser one, about
 const growingLevel = 2; // while a session still grows: finer ones cost the server more than they show
 const settled_ms = 6000;
 const again_ms = 400; // between two requests for a session that grows
-const smooth_ms = 34;
-const slow_ms = 70;
-const aim_ms = 50;
-const steepest = 0.25; // of what is drawn, from one frame to the next
 
 export interface Budget {
   loaded: number;
@@ -30,7 +27,8 @@ export class Clouds {
   drawnPoints = 0;
   private readonly grewAt = new Map<number, { clouds: number; at: number }>();
   private readonly fetchedAt = new Map<number, number>();
-  private drawable: number;
+  private readonly movingPace: Pace;
+  private readonly stillPace: Pace;
 
   constructor(
     private readonly scene: Scene,
@@ -39,7 +37,8 @@ export class Clouds {
     private readonly stage: Stage,
     readonly budget: Budget,
   ) {
-    this.drawable = budget.drawn;
+    this.movingPace = new Pace(moving, budget.leastDrawn, budget.drawn);
+    this.stillPace = new Pace(still, budget.leastDrawn, budget.drawn);
     setInterval(() => this.fetchNext(), 250);
   }
 
@@ -107,19 +106,19 @@ export class Clouds {
         total += count;
       }
     }
-    const share = Math.min(1, this.drawable / Math.max(total, 1));
+    const most = (this.stage.moves ? this.movingPace : this.stillPace).points;
+    const share = Math.min(1, most / Math.max(total, 1));
     this.drawnPoints = 0;
     for (const { chunk, count } of wanted) {
-      chunk.points.geometry.setDrawRange(0, Math.ceil(count * share));
-      this.drawnPoints += Math.ceil(count * share);
+      const drawn = Math.floor(count * share);
+      chunk.points.geometry.setDrawRange(0, drawn);
+      this.drawnPoints += drawn;
     }
   }
 
-  /** How long the last frame took until the graphics card was done with it: fewer points when it was late. */
-  tookFrame(frame_ms: number): void {
-    const fewer = Math.max(steepest, aim_ms / frame_ms) * Math.min(this.drawable, this.drawnPoints);
-    if (frame_ms > slow_ms) this.drawable = Math.max(this.budget.leastDrawn, fewer);
-    else if (frame_ms < smooth_ms) this.drawable = Math.min(this.budget.drawn, 1.1 * this.drawable);
+  /** A frame took so long until the graphics card was done with it. */
+  tookFrame(frame_ms: number, drawn: number, moved: boolean): void {
+    (moved ? this.movingPace : this.stillPace).took(frame_ms, drawn);
   }
 
   /** Starts what is most wanted: first something of every session, then what came since, then finer levels. */

@@ -67,7 +67,7 @@ export class MineView {
     this.stage = new Stage(
       canvas,
       () => (this.framedByHand = true),
-      (frame_ms) => this.tookFrame(frame_ms),
+      (frame_ms, moved) => this.tookFrame(frame_ms, moved),
     );
     this.stage.prepare(new Chunk(cloudMaterial(), true).points);
     this.frames = new Frames(station, (id) => this.clouds?.clouds.get(id)?.reach);
@@ -148,9 +148,9 @@ export class MineView {
     return moving;
   }
 
-  private tookFrame(frame_ms: number): void {
+  private tookFrame(frame_ms: number, moved: boolean): void {
     this.shown.frame_ms = frame_ms;
-    this.clouds.tookFrame(frame_ms);
+    this.clouds.tookFrame(frame_ms, this.shown.drawn, moved);
     if (this.shown.firstPicture_ms !== null || this.shown.drawn === 0) return;
     this.shown.firstPicture_ms = performance.now();
     this.stage.draw();

@@ -8,6 +8,7 @@ export type Way = 'top' | 'free';
 const fieldOfView_deg = 45;
 const tools_px = 62; // lie over the picture's upper and lower edge
 const beside_px = 28;
+const rest_ms = 300;
 
 export class Stage {
   readonly scene = new Scene();
@@ -24,13 +25,16 @@ export class Stage {
   private readonly before: (() => boolean | void)[] = [];
   private drawing = false;
   /** The frame that the graphics card has not finished yet, of those whose time is taken. */
-  private timed: { begun: number; fence: WebGLSync } | null = null;
+  private timed: { begun: number; moves: boolean; fence: WebGLSync } | null = null;
+  /** Whether the view has just been moved: soon after the last move it is drawn once more. */
+  moves = false;
+  private rest = 0;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly onOperated: () => void,
-    /** From the beginning of a frame until the graphics card was done with it, as seen at the frame after. */
-    private readonly onTook: (frame_ms: number) => void,
+    /** From the beginning of a frame until the graphics card was done with it, as seen at the frame after; whether the view moved. */
+    private readonly onTook: (frame_ms: number, moved: boolean) => void,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
@@ -50,7 +54,7 @@ export class Stage {
     for (const controls of [this.topControls, this.freeControls]) {
       controls.zoomToCursor = true;
       controls.enableDamping = false;
-      controls.addEventListener('change', () => this.draw());
+      controls.addEventListener('change', () => this.moved());
       controls.addEventListener('start', () => this.onOperated());
     }
     new ResizeObserver(() => this.fitCanvas()).observe(canvas.parentElement!);
@@ -82,6 +86,16 @@ export class Stage {
     this.draw();
   }
 
+  private moved(): void {
+    this.moves = true;
+    clearTimeout(this.rest);
+    this.rest = window.setTimeout(() => {
+      this.moves = false;
+      this.draw();
+    }, rest_ms);
+    this.draw();
+  }
+
   draw(): void {
     if (this.drawing) return;
     this.drawing = true;
@@ -102,14 +116,14 @@ export class Stage {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     if (!fence) return; // the context was lost
-    const timed = (this.timed = { begun, fence });
+    const timed = (this.timed = { begun, moves: this.moves, fence });
     const look = () => {
       const done = gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
       if (!done && this.timed === timed) return void requestAnimationFrame(look);
       gl.deleteSync(fence);
       if (this.timed !== timed) return;
       this.timed = null;
-      this.onTook(performance.now() - begun);
+      this.onTook(performance.now() - begun, timed.moves);
     };
     requestAnimationFrame(look);
   }
