@@ -223,7 +223,12 @@ async function largeOne(browser) {
   );
 }
 
-const parts = { ingest, pictures, memory, large: largeOne };
+const inBrowser = (work) => async () => {
+  const browser = await launch();
+  await work(browser);
+  await browser.close();
+};
+const parts = { ingest, pictures: inBrowser(pictures), memory: inBrowser(memory), large: inBrowser(largeOne) };
 const wanted = process.argv.slice(2);
 const unknown = wanted.filter((name) => !(name in parts));
 if (unknown.length) {
@@ -233,9 +238,7 @@ if (unknown.length) {
 const figures = existsSync(results) ? JSON.parse(readFileSync(results, 'utf8')).page : {};
 for (const [name, part] of Object.entries(parts)) {
   if (wanted.length && !wanted.includes(name)) continue;
-  const browser = await launch();
-  await part(browser);
-  await browser.close();
+  await part();
   save();
 }
 
