@@ -3,7 +3,7 @@
 import { readFileSync } from 'node:fs';
 import { open } from '../tests/support.mjs';
 
-const settle_ms = 2000; // a new window makes its own parts first
+const settle_ms = 1500; // a new window makes its own parts first
 
 export const quantile = (values, share) => [...values].sort((x, y) => x - y)[Math.min(values.length - 1, Math.floor(share * values.length))];
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
