@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/cli/commands.hpp"
+#include "server/cli/completion.hpp"
 #include "server/cli/table.hpp"
 #include "server/cli/token.hpp"
 
@@ -20,41 +21,10 @@ struct Options {
   double every_s = 1;
   int times = 0, most = 10000;
   headframe::MapRequest map;
-  std::string session, file, frame, label, robot, alignment, a, b;
+  std::string session, file, frame, label, robot, alignment, a, b, shell = "bash";
   std::uint64_t kib_s = 0;
   std::function<Result<int>(Commands&)> command;
 };
-
-std::vector<const CLI::App*> subcommands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
-/// What may follow the name of `app`: its subcommands and options.
-std::string words_after(const CLI::App& app) {
-  std::string words;
-  const auto add = [&](const std::string& word) { words.append(words.empty() ? "" : " ").append(word); };
-  for (const CLI::App* sub : subcommands_of(app)) add(sub->get_name());
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) add("--" + name);
-  return words;
-}
-
-void add_cases(const CLI::App& app, std::string& cases) {
-  for (const CLI::App* sub : subcommands_of(app)) {
-    cases.append("      ").append(sub->get_name()).append(") words=\"").append(words_after(*sub)).append("\" ;;\n");
-    add_cases(*sub, cases);
-  }
-}
-
-/// Completes subcommands, then theirs and the options of the one that was given, then files.
-std::string completion(const CLI::App& app) {
-  std::string cases;
-  add_cases(app, cases);
-  return "_headframe() {\n  local word words=\"" + words_after(app) + "\"\n" +
-         "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    case \"$word\" in\n" + cases +
-         "    esac\n  done\n  COMPREPLY=($(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\"))\n}\n"
-         "complete -o default -F _headframe headframe\n";
-}
 
 /// Adds subcommands to `app`: each has --json, and sets what is to be run.
 auto adder(CLI::App& app, Options& options) {
@@ -82,10 +52,14 @@ void add_commands(CLI::App& app, Options& options) {
       ->check(CLI::Range(0.01, 3600.0))
       ->type_name("SECONDS");
   watch->add_option("--times", options.times, "End after so many looks")->check(CLI::Range(1, 1000000));
-  add("completion", "A script for bash: source <(headframe completion)", [&app](Commands&) -> Result<int> {
-    std::cout << completion(app);
-    return headframe::exit_ok;
-  });
+  add("completion", "A script: source <(headframe completion bash), or zsh; headframe completion fish | source",
+      [&](Commands&) -> Result<int> {
+        std::cout << headframe::completion(app, options.shell);
+        return headframe::exit_ok;
+      })
+      ->add_option("SHELL", options.shell, "bash (default), zsh or fish")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(headframe::completed_shells.begin(), headframe::completed_shells.end())));
   add("alignments", "Every alignment with its evidence", [](Commands& c) { return c.alignments(); });
   const auto decision = [&](const char* name, const char* what) {
     add(name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment); })

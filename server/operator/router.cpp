@@ -31,6 +31,7 @@ constexpr std::array all_routes =
                           {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                           {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
                           {"GET", "/api/v1/events", {}, events},
+                          {"GET", "/api/v1/overview", {"level", "most"}, overview},
                           {"GET", "/api/v1/sessions/{id}/points", {"level", "from", "most"}, points},
                           {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},
                           {"GET", "/api/v1/alignments/{id}/overlay", {"most"}, overlay},

@@ -49,6 +49,7 @@ Result<Reply> sessions(const Query&, const Context&);
 Result<Reply> atlas(const Query&, const Context&);
 Result<Reply> alignments(const Query&, const Context&);
 Result<Reply> explain_pair(const Query&, const Context&);
+Result<Reply> overview(const Query&, const Context&);
 Result<Reply> points(const Query&, const Context&);
 Result<Reply> path(const Query&, const Context&);
 Result<Reply> overlay(const Query&, const Context&);

@@ -3,6 +3,7 @@
 #include "server/operator/api_json.hpp"
 #include "server/operator/explain_request.hpp"
 #include "server/operator/overlay.hpp"
+#include "server/operator/overview.hpp"
 #include "server/operator/point_tiles.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/trajectory_export.hpp"
@@ -45,6 +46,14 @@ Result<Reply> explain_pair(const Query& query, const Context& context) {
   if (!a) return tl::unexpected(a.error());
   if (!b) return tl::unexpected(b.error());
   return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
+}
+
+Result<Reply> overview(const Query& query, const Context& context) {
+  const auto level = whole_number(query, "level", 1, static_cast<double>(level_cube_m.size() - 1));
+  const auto most = whole_number(query, "most", 5000, 1e6);
+  for (const auto* number : {&level, &most})
+    if (!*number) return tl::unexpected(number->error());
+  return Stream{"application/octet-stream", std::make_unique<Overview>(context.station, context.tiles, *level, *most)};
 }
 
 Result<Reply> points(const Query& query, const Context& context) {

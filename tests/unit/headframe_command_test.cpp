@@ -239,24 +239,68 @@ TEST_F(HeadframeCommand, WatchShowsStatusAndSessionsAgain) {
   expect_fault(run_at("127.0.0.1:1", "watch"), 1, "no headframe-server answers");
 }
 
+/// What a shell is given on its standard input, and prints; none where the machine lacks the shell.
+std::optional<std::string> said_by(const std::string& shell, const std::string& script, const fs::path& folder) {
+  if (std::system(("command -v " + shell + " >" + (folder / "out").string()).c_str()) != 0) return std::nullopt;
+  std::ofstream(folder / "script") << script;
+  std::ignore = std::system(
+      ("timeout 20 " + shell + " " + (folder / "script").string() + " >" + (folder / "out").string() + " 2>&1")
+          .c_str());
+  return contents(folder / "out");
+}
+
 TEST_F(HeadframeCommand, CompletesInBash) {
   const auto completed = [&](const std::string& words, int at) {
-    std::ofstream(path("try.sh")) << "source <(" << HEADFRAME_COMMAND << " completion)\nCOMP_WORDS=(" << words
-                                  << ")\nCOMP_CWORD=" << at << "\n_headframe\necho \"${COMPREPLY[@]}\"\n";
-    std::ignore = std::system(("bash " + path("try.sh") + " >" + path("out") + " 2>&1").c_str());
-    return contents(path("out"));
+    return *said_by("bash",
+                    std::string("source <(") + HEADFRAME_COMMAND + " completion)\nCOMP_WORDS=(" + words +
+                        ")\nCOMP_CWORD=" + std::to_string(at) + "\n_headframe\necho \"${COMPREPLY[@]}\"\n",
+                    folder);
   };
   EXPECT_EQ(completed("headframe ref", 1), "refuse\n");
   EXPECT_EQ(completed("headframe re", 1), "refuse retract rename request-clouds\n");
   EXPECT_EQ(completed("headframe survey s", 2), "set\n");
   EXPECT_EQ(completed("headframe survey set --j", 3), "--json\n");
+  EXPECT_EQ(completed("headframe robot add l", 3), "\n") << "list is a word after robot, not after robot add";
   EXPECT_EQ(completed("headframe export --fra", 2), "--frame\n");
   EXPECT_EQ(completed("headframe export --v", 2), "--voxel\n");
+}
+
+TEST_F(HeadframeCommand, CompletesInZsh) {
+  // A terminal of its own, in which the line is typed: the widgets of zsh work nowhere else.
+  const auto typed = [&](const std::string& line, const std::string& becomes) {
+    return said_by(
+        "zsh",
+        "zmodload zsh/zpty\nzpty z zsh -f\nzpty -w z \"PS1=; autoload -Uz compinit; compinit -u -D; source <(" +
+            std::string(HEADFRAME_COMMAND) + " completion zsh); print rea''dy\"\n" +
+            "zpty -r z seen '*ready'$'\\r''*'\nzpty -w -n z '" + line + "'$'\\t'\nzpty -r z seen '*" + becomes +
+            "*' && echo completed\n",
+        folder);
+  };
+  if (!typed("headframe ref", "headframe refuse")) GTEST_SKIP() << "no zsh here";
+  EXPECT_EQ(typed("headframe ref", "headframe refuse"), "completed\n");
+  EXPECT_EQ(typed("headframe survey s", "headframe survey set"), "completed\n");
+  EXPECT_EQ(typed("headframe export --v", "headframe export --voxel"), "completed\n");
+  EXPECT_EQ(typed("headframe sta", "headframe status"), "completed\n");
+}
+
+TEST_F(HeadframeCommand, CompletesInFish) {
+  const auto completed = [&](const std::string& line) {
+    return said_by("fish", std::string(HEADFRAME_COMMAND) + " completion fish | source\ncomplete -C '" + line + "'\n",
+                   folder);
+  };
+  const auto said = completed("headframe ref");
+  if (!said) GTEST_SKIP() << "no fish here";
+  EXPECT_EQ(*said, "refuse\tDo not propose this placement again on much the same evidence\n");
+  EXPECT_EQ(*completed("headframe survey s"), "set\tSet a session's survey\n");
+  EXPECT_EQ(*completed("headframe survey set --j"), "--json\tPrint JSON\n");
+  EXPECT_EQ(*completed("headframe export --vox"),
+            "--voxel\tOne point per cube within each keyframe, 0: every point (default 0.1)\n");
 }
 
 TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run(""), 2, "say what to do");
   expect_fault(run("atlsa"), 2, "atlsa");
+  expect_fault(run("completion csh"), 2, "csh");
   expect_fault(run("atlas --wait soon"), 2, "soon");
   expect_fault(run("atlas --wait -1"), 2, "-1");
   expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd, .las and .png");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -119,6 +120,33 @@ TEST_F(OperatorApiTest, PointsAndPathOfASession) {
   expect_error(get("/api/v1/sessions/7/points"), 404, "not_found", "no session 7");
   expect_error(get("/api/v1/sessions/1x/trajectory"), 404, "not_found", "no session 1x");
   expect_error(get("/api/v1/sessions/1/points?level=5"), 400, "invalid_argument", "from 0 to 4");
+}
+
+TEST_F(OperatorApiTest, TheOverviewIsTheSnapshotThenPathAndPointsOfEverySession) {
+  const std::string body = get("/api/v1/overview?level=4&most=1000").body;
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at + 4 <= body.size();) {
+    std::uint32_t bytes = 0;
+    std::memcpy(&bytes, body.data() + at, sizeof bytes);
+    ASSERT_LE(at + 4 + bytes, body.size());
+    parts.push_back(body.substr(at + 4, bytes));
+    at += 4 + bytes;
+  }
+  ASSERT_FALSE(parts.empty());
+  const Json snapshot = Json::parse(parts[0]);
+  EXPECT_EQ(snapshot["type"], "snapshot");
+  EXPECT_EQ(snapshot["atlas"]["revision"], Json::parse(get("/api/v1/atlas").body)["revision"]);
+  const Json& rows = snapshot["sessions"]["sessions"];
+  ASSERT_EQ(parts.size(), 1 + 2 * rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string session = "/api/v1/sessions/" + rows[i]["id"].dump();
+    EXPECT_EQ(parts[1 + 2 * i], get(session + "/trajectory").body);
+    EXPECT_EQ(parts[2 + 2 * i], get(session + "/points?level=4").body);
+  }
+  EXPECT_LT(get("/api/v1/overview?level=4&most=1").body.size(), body.size());
+  expect_error(get("/api/v1/overview?level=5"), 400, "invalid_argument", "from 0 to 4");
+  server.station.broken_trajectory = true;
+  EXPECT_FALSE(client.get("/api/v1/overview")) << "a body that ends before its end";
 }
 
 TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {

@@ -2,12 +2,13 @@
 //     HEADFRAME_BIN=$PWD/build/release/bin HEADFRAME_OUT=$PWD/server/operator/web/pictures node server/operator/web/pictures/make.mjs
 
 import { join } from 'node:path';
-import { finished, launch, open, picture, scratchFolder, shown, start, Station, until } from '../tests/support.mjs';
+import { finished, launch, needs, open, picture, scratchFolder, shown, start, Station, until } from '../tests/support.mjs';
 
 const points = 600_000;
 const driven = 22; // keyframes of the robot that is on its way in the first picture
 const linger = ['--linger', '600'];
 
+needs('headframe-demo', 'headframe-server', 'headframe-replay');
 const scratch = scratchFolder();
 await finished(start('headframe-demo', [], { cwd: scratch })); // digs the mine and drives
 const drive = (robot) => join(scratch, 'build/demo/mine', robot);

@@ -13,7 +13,6 @@ import { MineView } from './view/mine_view';
 import { RobotColours } from './view/palette';
 
 const panels_ms = 120; // between two drawings of the panels; the view draws with every frame
-const late_ms = 400; // the view is there then, even if the server has not said anything
 
 const station = new Station(askForToken);
 const ui = new Ui();
@@ -21,18 +20,10 @@ let view: MineView | null = null;
 const desk: Desk = { station, ui, actions: new Actions(station), colours: new RobotColours(), view: () => view };
 const host = document.getElementById('app')!;
 
-/** A graphics context takes some 100 ms, in which nothing else is done: what the server is asked for first goes out before. */
+/** What the server is asked for comes meanwhile. */
 function mount(canvas: HTMLCanvasElement, layer: HTMLElement): void {
-  const build = () => {
-    if (view) return;
-    view = new MineView(canvas, layer, station, ui, desk.colours, draw);
-    Object.assign(window, { headframe: { shown: view.shown } }); // for the tests and the bench
-    draw();
-  };
-  const soon = () => void (!view && station.link === 'live' && setTimeout(build));
-  station.onChange(soon);
-  soon();
-  setTimeout(build, late_ms);
+  view = new MineView(canvas, layer, station, ui, desk.colours, draw);
+  Object.assign(window, { headframe: { shown: view.shown } }); // for the tests and the bench
 }
 
 function draw(): void {
@@ -42,12 +33,13 @@ function draw(): void {
 }
 
 let due = 0;
-station.onChange(() => {
+function drawSoon(): void {
   due ||= window.setTimeout(() => {
     due = 0;
-    draw();
+    view?.awaitsPoints() ? drawSoon() : draw();
   }, panels_ms);
-});
+}
+station.onChange(drawSoon);
 
 let measuring = ui.now.measuring;
 ui.onChange(() => {
@@ -57,6 +49,6 @@ ui.onChange(() => {
   draw();
 });
 
-station.start(); // first: its answers come while the view is being set up
+station.start();
 draw();
 listenForKeys(desk);

@@ -4,8 +4,9 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { finished, launch, open, outputs, picture, scratchFolder, shown, start, Station, until } from './support.mjs';
+import { audit, finished, launch, needs, open, outputs, picture, scratchFolder, shown, start, Station, until } from './support.mjs';
 
+needs('headframe-server', 'headframe-replay', 'headframe-drawn-sessions');
 const scratch = scratchFolder();
 const drives = join(scratch, 'drives');
 const mostPoints = 100_000;
@@ -38,6 +39,7 @@ test('without robots the page says what to do next', async () => {
   await page.getByText('The mine is dark.').waitFor();
   await page.getByText('Merges need two sessions.').waitFor();
   await picture(page, 'empty');
+  await audit(page);
   clean(page);
 });
 
@@ -62,6 +64,7 @@ test('keyframes and points appear while a robot drives, and a merge brings two m
   });
   assert.ok((await shown(page)).points <= mostPoints, 'no more points than a browser without a graphics card can draw');
   await picture(page, 'merged');
+  await audit(page);
   clean(page);
 });
 
@@ -76,9 +79,11 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   });
   assert.ok(inks > 3, 'the overlay shows one map, the other, and where they meet');
   await picture(page, 'evidence');
+  await audit(page);
 
   await press('Take apart…');
   await picture(page, 'dialog');
+  await audit(page);
   await agree('Cancel');
   assert.equal((await alignment()).state, 'published', 'nothing happens before the dialog is agreed to');
   await press('Take apart…');
@@ -122,6 +127,7 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   await page.getByRole('tab', { name: /Events/ }).click();
   await page.getByText('You: a and b taken apart.').first().waitFor();
   await picture(page, 'events');
+  await audit(page);
   clean(page);
 });
 
@@ -314,6 +320,7 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
   await locked.getByRole('button', { name: 'Open' }).click();
   await locked.getByText("The server says: this is not the operator's token", { exact: false }).waitFor();
   await picture(locked, 'wrong_token');
+  await audit(locked);
   await locked.locator('input[name=token]').fill(guarded.token);
   await locked.getByRole('button', { name: 'Open' }).click();
   await locked.getByText('Live', { exact: true }).waitFor();

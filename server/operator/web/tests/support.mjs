@@ -1,15 +1,40 @@
 // The real programs and a real browser, for tests and the bench.
 
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { accessSync, constants, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { chromium } from 'playwright-core';
+
+/** Ends the script with one line. */
+function stop(line) {
+  process.stderr.write(`headframe: ${line}\n`);
+  process.exit(2);
+}
 
 const bin = process.env.HEADFRAME_BIN;
 export const outputs = process.env.HEADFRAME_OUT;
-if (!bin || !outputs) throw new Error('HEADFRAME_BIN and HEADFRAME_OUT say where the programs are and where pictures go; ctest sets them');
+if (!bin || !outputs) stop('HEADFRAME_BIN and HEADFRAME_OUT say where the programs are and where pictures and figures go; ctest and ./run bench page set them');
+
+export const { chromium } = await import('playwright-core').catch(() => stop("playwright-core is not there; the server's build fetches it: cmake --build --preset release --target headframe-server"));
+export const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
+
+/** Says at once what the script will lack. */
+export function needs(...programs) {
+  const runs = (file) => {
+    try {
+      accessSync(file, constants.X_OK);
+      return true;
+    } catch {
+      return false;
+    }
+  };
+  const missing = programs.filter((name) => !runs(join(bin, name)));
+  if (missing.length) stop(`not in ${bin}: ${missing.join(', ')}; build them first: cmake --build --preset release --target ${missing.join(' ')}`);
+  if (!runs(browserPath)) stop(`there is no browser at ${browserPath}; install chromium, or say in CHROMIUM where one is`);
+}
 
 process.setMaxListeners(0);
 const between_ms = 50; // of two looks: what is waited for needs the processor itself
@@ -90,7 +115,6 @@ export class Station {
   }
 }
 
-export const browserPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
 export const browserArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 
 export const launch = () => chromium.launch({ executablePath: browserPath, args: browserArguments });
@@ -116,3 +140,19 @@ export const shown = (page) =>
   });
 
 export const picture = (page, name) => page.screenshot({ path: join(outputs, `${name}.png`) });
+
+const require = createRequire(import.meta.url);
+
+/** Nothing that a screen reader or weak eyes would stumble over badly, in dark and in light. */
+export async function audit(page) {
+  await page.addScriptTag({ path: require.resolve('axe-core/axe.min.js') });
+  for (const colorScheme of ['dark', 'light']) {
+    await page.emulateMedia({ colorScheme });
+    await until(`a page that is ${colorScheme}`, () => page.evaluate((wanted) => document.documentElement.dataset.theme === wanted, colorScheme));
+    const { violations, passes } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+    assert.ok(passes.length > 10, 'the audit looked');
+    const grave = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+    assert.deepEqual(grave.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${colorScheme}: ${id}: ${target} ${failureSummary}`)), []);
+  }
+  await page.emulateMedia({ colorScheme: null });
+}

@@ -33,12 +33,11 @@ function drawPoints({ context, scale, middle }: Canvas, points: Point[], ink: st
   }
 }
 
-/** The middle of what both see, and a scale that shows most of it: the outermost points may fall outside. */
+/** The middle of what both see, and a scale that shows all of it. */
 function framed(context: CanvasRenderingContext2D, points: Point[], side: Side): Canvas {
-  const ordered = (axis: number) => points.map((point) => point[axis]).sort((x, y) => x - y);
-  const reach = (values: number[]) => [values[Math.floor(0.02 * values.length)], values[Math.floor(0.98 * (values.length - 1))]];
-  const [left, right] = reach(ordered(0));
-  const [low, high] = reach(ordered(side === 'above' ? 1 : 2));
+  const reach = (axis: number) => points.reduce(([least, most], { [axis]: value }) => [Math.min(least, value), Math.max(most, value)], [Infinity, -Infinity]);
+  const [left, right] = reach(0);
+  const [low, high] = reach(side === 'above' ? 1 : 2);
   const scale = Math.min((size.width - 24) / Math.max(right - left, 1), (size.height - 44) / Math.max(high - low, 1));
   return { context, scale, middle: [(left + right) / 2, (low + high) / 2] };
 }

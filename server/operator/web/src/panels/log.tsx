@@ -13,22 +13,24 @@ export function LogPanel({ desk }: { desk: Desk }) {
       </div>
     );
   return (
-    <ol class="log" role="log" aria-label="Events, newest first">
-      {entries.map(({ id, at, tone, text, session, alignment }) => {
-        const known = alignment !== undefined ? desk.station.alignments.has(alignment) : session !== undefined && desk.station.sessions.has(session);
-        return (
-          <li key={id} class={`tone-${tone}`}>
-            <time>{clock(at)}</time>
-            {known ? (
-              <button class="log-link" onClick={() => desk.ui.set(alignment !== undefined ? { alignment, session: null, tab: 'merges' } : { session, alignment: null })}>
-                {text}
-              </button>
-            ) : (
-              <span>{text}</span>
-            )}
-          </li>
-        );
-      })}
-    </ol>
+    <div role="log" aria-label="Events, newest first">
+      <ol class="log">
+        {entries.map(({ id, at, tone, text, session, alignment }) => {
+          const known = alignment !== undefined ? desk.station.alignments.has(alignment) : session !== undefined && desk.station.sessions.has(session);
+          return (
+            <li key={id} class={`tone-${tone}`}>
+              <time>{clock(at)}</time>
+              {known ? (
+                <button class="log-link" onClick={() => desk.ui.set(alignment !== undefined ? { alignment, session: null, tab: 'merges' } : { session, alignment: null })}>
+                  {text}
+                </button>
+              ) : (
+                <span>{text}</span>
+              )}
+            </li>
+          );
+        })}
+      </ol>
+    </div>
   );
 }

@@ -1,6 +1,6 @@
 // The 3D view with its tools.
 
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 import type { Desk } from '../context';
 import { compact } from '../parts/format';
 import { Icon } from '../parts/icons';
@@ -68,7 +68,7 @@ function Cuts({ desk }: { desk: Desk }) {
 export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanvasElement, layer: HTMLElement) => void }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const layer = useRef<HTMLDivElement>(null);
-  useEffect(() => mount(canvas.current!, layer.current!), []);
+  useLayoutEffect(() => mount(canvas.current!, layer.current!), []);
   const { ui, station } = desk;
   const { way, colourBy, measuring } = ui.now;
   const view = desk.view();

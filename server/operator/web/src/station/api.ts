@@ -49,9 +49,9 @@ export async function askJson<T>(path: string, asked?: Asked): Promise<T> {
 let running = 0;
 const waiting: (() => void)[] = [];
 
-/** For what the view fetches by itself: only so many at a time, what is urgent first, and a pause when the server says that it is too much. */
-export async function inTurn<T>(work: () => Promise<T>, urgent = false): Promise<T> {
-  if (running >= mostAtOnce) await new Promise<void>((resume) => (urgent ? waiting.unshift(resume) : waiting.push(resume)));
+/** For what the view fetches by itself: only so many at a time, and a pause when the server says that it is too much. */
+export async function inTurn<T>(work: () => Promise<T>): Promise<T> {
+  if (running >= mostAtOnce) await new Promise<void>((resume) => waiting.push(resume));
   running++;
   try {
     return await work();
@@ -64,18 +64,16 @@ export async function inTurn<T>(work: () => Promise<T>, urgent = false): Promise
   }
 }
 
-export async function trajectory(session: number, from: number): Promise<Keyframe[]> {
-  const answer = await askJson<{ keyframes: number[][] }>(`/api/v1/sessions/${session}/trajectory?from=${from}`);
-  return answer.keyframes.map(([sequence, stamp_s, x, y, z, qx, qy, qz, qw]) => ({
-    sequence,
-    stamp_s,
-    position: [x, y, z],
-    quaternion: [qx, qy, qz, qw],
-  }));
+interface Path {
+  keyframes: number[][];
 }
 
-/** What is asked for of every session first: little, so that something is to be seen soon. */
-export const early = { level: 1, points: 5000 };
+export const keyframesOf = ({ keyframes }: Path): Keyframe[] =>
+  keyframes.map(([sequence, stamp_s, x, y, z, qx, qy, qz, qw]) => ({ sequence, stamp_s, position: [x, y, z], quaternion: [qx, qy, qz, qw] }));
+
+export async function trajectory(session: number, from: number): Promise<Keyframe[]> {
+  return keyframesOf(await askJson<Path>(`/api/v1/sessions/${session}/trajectory?from=${from}`));
+}
 
 export async function points(session: number, level: number, from: number, most: number): Promise<ArrayBuffer> {
   const path = `/api/v1/sessions/${session}/points?level=${level}&from=${from}&most=${most}`;

@@ -1,8 +1,9 @@
 // What the page knows of the server: kept by its events, and by a look now and then at what no event tells.
 
-import { ApiError, ask, askJson, early, inTurn, points, token, trajectory } from './api';
+import { ApiError, ask, askJson, inTurn, token, trajectory } from './api';
 import { Feed, type LinkState } from './feed';
 import { Log } from './log';
+import { readOverview } from './overview';
 import type { Alignment, Atlas, Component, Keyframe, Pending, Session, SessionName, StationEvent, Status, Transform } from './types';
 
 const lookAround_ms = 2000;
@@ -17,7 +18,7 @@ export const nameOf = ({ robot, session }: SessionName) => `${robot}/${session}`
 /** Everything is replaced, never changed in place, so that a view can tell by identity what is new. */
 export class Station {
   link: LinkState = 'connecting';
-  /** Counts connections: what was fetched before the last one may be out of date. */
+  /** Counts the times that the server was away: what was fetched before may be out of date. */
   epoch = 0;
   sessions = new Map<number, Session>();
   components: Component[] = [];
@@ -34,7 +35,8 @@ export class Station {
   private readonly listeners: (() => void)[] = [];
   private readonly ids = new Map<string, number>();
   private readonly following = new Set<number>();
-  private readonly earlyPoints = new Map<number, Promise<ArrayBuffer>>();
+  private readonly earlyPoints = new Map<number, ArrayBuffer>();
+  private overviewRead = false;
 
   /** askForToken gets what was wrong with the last one, if there was one, and settles when there is another to try. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
@@ -45,8 +47,9 @@ export class Station {
     });
   }
 
+  /** The overview has all for a first picture; events follow it. */
   start(): void {
-    void this.feed.open();
+    void this.takeOverview().then(() => this.feed.open());
     setInterval(() => void this.lookAround(), lookAround_ms);
   }
 
@@ -83,8 +86,8 @@ export class Station {
     return this.routes.has(route);
   }
 
-  /** The first points of a session, asked for as soon as its path was known: the view takes longer to set up. To be had once. */
-  takeEarlyPoints(id: number): Promise<ArrayBuffer> | undefined {
+  /** The first points of a session, if the overview had it. To be had once. */
+  takeEarlyPoints(id: number): ArrayBuffer | undefined {
     const found = this.earlyPoints.get(id);
     this.earlyPoints.delete(id);
     return found;
@@ -98,6 +101,19 @@ export class Station {
   async refreshSessions(): Promise<void> {
     this.takeSessions((await askJson<{ sessions: Session[] }>('/api/v1/sessions')).sessions);
     this.changed();
+  }
+
+  private async takeOverview(): Promise<void> {
+    await readOverview({
+      snapshot: (event) => this.on(event),
+      session: (id, path, points) => {
+        this.paths.set(id, path);
+        this.earlyPoints.set(id, points);
+        this.changed();
+      },
+    });
+    this.overviewRead = true;
+    for (const id of this.sessions.keys()) void this.followPath(id);
   }
 
   private async admit(): Promise<void> {
@@ -129,10 +145,12 @@ export class Station {
   }
 
   private onLink(state: LinkState): void {
-    if (state === 'live' && this.epoch > 0) this.log.add('good', 'The server is back.');
+    if (state === 'live' && this.link === 'away') {
+      this.epoch++;
+      this.log.add('good', 'The server is back.');
+    }
     if (state === 'away' && this.link === 'live') this.log.add('bad', 'The link to the server broke.');
-    if (state === 'live') this.epoch++;
-    else this.earlyPoints.clear();
+    if (state === 'away') this.earlyPoints.clear();
     this.link = state;
     this.changed();
   }
@@ -221,7 +239,7 @@ export class Station {
 
   /** Fetches what the path lacks; one request a session at a time. */
   private async followPath(id: number): Promise<void> {
-    if (this.following.has(id)) return;
+    if (!this.overviewRead || this.following.has(id)) return;
     this.following.add(id);
     try {
       while ((this.sessions.get(id)?.keyframes ?? 0) > (this.paths.get(id)?.length ?? 0)) {
@@ -229,7 +247,6 @@ export class Station {
         const more = await inTurn(() => trajectory(id, (known.at(-1)?.sequence ?? 0) + 1));
         if (more.length === 0) break;
         this.paths.set(id, [...known, ...more]);
-        if (known.length === 0) this.askEarlyPoints(id);
         this.changed();
       }
     } catch {
@@ -237,13 +254,6 @@ export class Station {
     } finally {
       this.following.delete(id);
     }
-  }
-
-  private askEarlyPoints(id: number): void {
-    if (!this.sessions.get(id)?.clouds) return;
-    const asked = inTurn(() => points(id, early.level, 0, early.points), true);
-    asked.catch(() => {}); // who takes them sees it
-    this.earlyPoints.set(id, asked);
   }
 
   private async lookAround(): Promise<void> {

@@ -1,8 +1,10 @@
 // Some thousand points that are drawn with one call, in random order: any first part of them is an even sample.
 
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Points, type ShaderMaterial, Sphere, Vector3 } from 'three';
+import type { Reach } from './reach';
 
-export const chunkPoints = 16384;
+const fullPoints = 16384;
+const firstPoints = 4096; // of a cloud that begins: whatever there is room for goes to the graphics card
 const unit_m = 0.005;
 const headBytes = 20;
 const pointBytes = 6;
@@ -10,12 +12,16 @@ const pointBytes = 6;
 export class Chunk {
   readonly points: Points;
   count = 0;
-  private readonly position = new Float32Array(3 * chunkPoints);
-  private readonly seen = new Float32Array(2 * chunkPoints);
+  private readonly most: number;
+  private readonly position: Float32Array;
+  private readonly seen: Float32Array;
   private readonly low = new Vector3(Infinity, Infinity, Infinity);
   private readonly high = new Vector3(-Infinity, -Infinity, -Infinity);
 
-  constructor(material: ShaderMaterial) {
+  constructor(material: ShaderMaterial, first: boolean) {
+    this.most = first ? firstPoints : fullPoints;
+    this.position = new Float32Array(3 * this.most);
+    this.seen = new Float32Array(2 * this.most);
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(this.position, 3).setUsage(DynamicDrawUsage));
     geometry.setAttribute('seen', new BufferAttribute(this.seen, 2).setUsage(DynamicDrawUsage));
@@ -24,20 +30,29 @@ export class Chunk {
     this.points.matrixAutoUpdate = false;
   }
 
+  get isFull(): boolean {
+    return this.count === this.most;
+  }
+
   /** The new point takes the place of a random one, which moves to the end: the order stays random. */
   add(x: number, y: number, z: number, above_m: number, sequence: number): void {
-    const { position, seen } = this;
-    const at = Math.floor(Math.random() * (this.count + 1));
-    position.copyWithin(3 * this.count, 3 * at, 3 * at + 3);
-    seen.copyWithin(2 * this.count, 2 * at, 2 * at + 2);
-    position[3 * at] = x;
-    position[3 * at + 1] = y;
-    position[3 * at + 2] = z;
-    seen[2 * at] = above_m;
-    seen[2 * at + 1] = sequence;
+    const { position, seen, low, high } = this;
+    const last = 3 * this.count;
+    const at = 3 * Math.floor(Math.random() * (this.count + 1));
+    position[last] = position[at];
+    position[last + 1] = position[at + 1];
+    position[last + 2] = position[at + 2];
+    position[at] = x;
+    position[at + 1] = y;
+    position[at + 2] = z;
+    const [seenLast, seenAt] = [2 * this.count, (2 * at) / 3];
+    seen[seenLast] = seen[seenAt];
+    seen[seenLast + 1] = seen[seenAt + 1];
+    seen[seenAt] = above_m;
+    seen[seenAt + 1] = sequence;
     this.count++;
-    this.low.set(Math.min(this.low.x, x), Math.min(this.low.y, y), Math.min(this.low.z, z));
-    this.high.set(Math.max(this.high.x, x), Math.max(this.high.y, y), Math.max(this.high.z, z));
+    low.set(Math.min(low.x, x), Math.min(low.y, y), Math.min(low.z, z));
+    high.set(Math.max(high.x, x), Math.max(high.y, y), Math.max(high.z, z));
   }
 
   /** After points were added. */
@@ -70,8 +85,8 @@ export interface Taken {
   lastSequence: number;
 }
 
-/** Reads the blocks of GET /api/v1/sessions/ID/points; `next` gives a chunk that has room. */
-export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk): Taken {
+/** Reads the blocks of GET /api/v1/sessions/ID/points; `next` gives a chunk that has room, `reach` is told of every point. */
+export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk, reach: Reach): Taken {
   const data = new DataView(bytes);
   const taken: Taken = { blocks: 0, points: 0, lastSequence: 0 };
   const touched = new Set<Chunk>();
@@ -84,7 +99,9 @@ export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk): Taken {
       const chunk = next();
       touched.add(chunk);
       const up = unit_m * data.getInt16(at + 4, true);
-      chunk.add(x + unit_m * data.getInt16(at, true), y + unit_m * data.getInt16(at + 2, true), z + up, up, sequence);
+      const [px, py] = [x + unit_m * data.getInt16(at, true), y + unit_m * data.getInt16(at + 2, true)];
+      chunk.add(px, py, z + up, up, sequence);
+      reach.take(px, py);
     }
     taken.points += count;
     taken.lastSequence = Math.max(taken.lastSequence, sequence);

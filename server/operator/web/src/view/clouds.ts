@@ -1,11 +1,12 @@
 // All clouds: which level of detail each gets, and how many points are drawn of what is there.
 
 import { Frustum, Matrix4, Scene, Vector3 } from 'three';
-import { early } from '../station/api';
+import { early } from '../station/overview';
 import type { Station } from '../station/station';
 import type { Chunk } from './chunk';
 import { shared } from './cloud_material';
 import type { Frames } from './frames';
+import { moving, Pace, still } from './pace';
 import { levelCube_m, SessionCloud } from './session_cloud';
 import type { Stage } from './stage';
 
@@ -14,8 +15,6 @@ const growth = 4; // points of a level against the coarser one, about
 const growingLevel = 2; // while a session still grows: finer ones cost the server more than they show
 const settled_ms = 6000;
 const again_ms = 400; // between two requests for a session that grows
-const smooth_ms = 34;
-const slow_ms = 70;
 
 export interface Budget {
   loaded: number;
@@ -28,7 +27,8 @@ export class Clouds {
   drawnPoints = 0;
   private readonly grewAt = new Map<number, { clouds: number; at: number }>();
   private readonly fetchedAt = new Map<number, number>();
-  private drawable: number;
+  private readonly movingPace: Pace;
+  private readonly stillPace: Pace;
 
   constructor(
     private readonly scene: Scene,
@@ -37,13 +37,21 @@ export class Clouds {
     private readonly stage: Stage,
     readonly budget: Budget,
   ) {
-    this.drawable = budget.drawn;
+    this.movingPace = new Pace(moving, budget.leastDrawn, budget.drawn);
+    this.stillPace = new Pace(still, budget.leastDrawn, budget.drawn);
     setInterval(() => this.fetchNext(), 250);
   }
 
   get loadedPoints(): number {
     let sum = 0;
     for (const cloud of this.clouds.values()) sum += cloud.points;
+    return sum;
+  }
+
+  /** Changes whenever points reach further than before. */
+  get reached(): number {
+    let sum = 0;
+    for (const { reach } of this.clouds.values()) sum += reach.version;
     return sum;
   }
 
@@ -98,18 +106,19 @@ export class Clouds {
         total += count;
       }
     }
-    const share = Math.min(1, this.drawable / Math.max(total, 1));
+    const most = (this.stage.moves ? this.movingPace : this.stillPace).points;
+    const share = Math.min(1, most / Math.max(total, 1));
     this.drawnPoints = 0;
     for (const { chunk, count } of wanted) {
-      chunk.points.geometry.setDrawRange(0, Math.ceil(count * share));
-      this.drawnPoints += Math.ceil(count * share);
+      const drawn = Math.floor(count * share);
+      chunk.points.geometry.setDrawRange(0, drawn);
+      this.drawnPoints += drawn;
     }
   }
 
-  /** How long frames take while the operator moves: fewer points when they are late. */
-  tookFrame(frame_ms: number): void {
-    if (frame_ms > slow_ms) this.drawable = Math.max(this.budget.leastDrawn, 0.8 * Math.min(this.drawable, this.drawnPoints));
-    else if (frame_ms < smooth_ms) this.drawable = Math.min(this.budget.drawn, 1.1 * this.drawable);
+  /** A frame took so long until the graphics card was done with it. */
+  tookFrame(frame_ms: number, drawn: number, moved: boolean): void {
+    (moved ? this.movingPace : this.stillPace).took(frame_ms, drawn);
   }
 
   /** Starts what is most wanted: first something of every session, then what came since, then finer levels. */
@@ -117,7 +126,7 @@ export class Clouds {
     const now = performance.now();
     const { epoch } = this.station;
     const target = this.stage.target;
-    const rows = [...this.clouds.values()].filter((cloud) => cloud.idle && this.station.link === 'live');
+    const rows = [...this.clouds.values()].filter((cloud) => cloud.idle && this.station.link !== 'away');
     const distance = (cloud: SessionCloud) => {
       const T = this.frames.of(cloud.id);
       const path = this.station.paths.get(cloud.id);
@@ -127,11 +136,15 @@ export class Clouds {
     for (const cloud of rows) {
       if (!this.station.paths.has(cloud.id)) continue; // it would be drawn where it does not stay
       const { clouds } = this.station.sessions.get(cloud.id)!;
+      const there = this.station.takeEarlyPoints(cloud.id);
       const rested = now - (this.fetchedAt.get(cloud.id) ?? -again_ms) >= again_ms;
       const wanted = cloud.level < 0 ? early.level : cloud.level;
-      if (rested && cloud.lacks(wanted, clouds, epoch)) this.fetch(cloud, wanted, clouds);
+      if (there && cloud.level < 0) {
+        cloud.begin(early.level, epoch, there);
+        this.fetchedAt.set(cloud.id, now);
+      } else if (rested && cloud.lacks(wanted, clouds, epoch)) this.fetch(cloud, wanted, clouds);
     }
-    if (rows.length < this.clouds.size) return; // other levels wait until nothing else is on its way
+    if (rows.length < this.clouds.size || this.drawnPoints === 0) return; // other levels wait until nothing else is on its way
     if (this.loadedPoints > this.budget.loaded) {
       const coarser = rows.filter((cloud) => cloud.idle && cloud.level > 0).sort((x, y) => y.level - x.level || distance(y) - distance(x))[0];
       if (coarser) {
@@ -153,9 +166,7 @@ export class Clouds {
 
   private fetch(cloud: SessionCloud, level: number, clouds: number): void {
     this.fetchedAt.set(cloud.id, performance.now());
-    const first = cloud.level < 0;
-    const atOnce = Math.ceil(first ? early.points : Math.min(pointsAtOnce, this.budget.loaded / 8));
-    const there = first ? this.station.takeEarlyPoints(cloud.id) : undefined;
-    void cloud.fetch(level, clouds, this.station.epoch, atOnce, () => this.loadedPoints + atOnce <= this.budget.loaded, there);
+    const atOnce = Math.ceil(cloud.level < 0 ? early.points : Math.min(pointsAtOnce, this.budget.loaded / 8));
+    void cloud.fetch(level, clouds, this.station.epoch, atOnce, () => this.loadedPoints + atOnce <= this.budget.loaded).then(() => this.fetchNext());
   }
 }

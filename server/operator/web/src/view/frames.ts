@@ -3,7 +3,8 @@
 import { Box3, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Station } from '../station/station';
 import type { Keyframe, Transform } from '../station/types';
-import { extentOf, layOut, matrixOf, type Plot } from './layout';
+import { extentOf, layOut, matrixOf, type Member, type Plot } from './layout';
+import type { Reach } from './reach';
 
 const glide_ms = 900;
 
@@ -14,12 +15,13 @@ interface Drawn {
   since: number;
 }
 
-interface Member {
+/** Boxes are in the component's frame. */
+interface Drawable extends Member {
   id: number;
-  path: Keyframe[] | undefined;
+  keyframes: Keyframe[] | undefined;
   placed: Transform | undefined;
+  reached: number; // version of the points' reach
   T: Matrix4; // T_component_session
-  box: Box3; // of the path, in the component's frame
 }
 
 const still = matchMedia('(prefers-reduced-motion: reduce)');
@@ -29,9 +31,12 @@ export class Frames {
   /** Counts what changes a plot or a transform. */
   version = 0;
   private readonly drawn = new Map<number, Drawn>();
-  private readonly members = new Map<number, Member>();
+  private readonly members = new Map<number, Drawable>();
 
-  constructor(private readonly station: Station) {}
+  constructor(
+    private readonly station: Station,
+    private readonly reachOf: (session: number) => Reach | undefined,
+  ) {}
 
   of(session: number): Matrix4 | undefined {
     return this.drawn.get(session)?.T_world_session;
@@ -39,12 +44,12 @@ export class Frames {
 
   /** Takes over what the station says now. */
   sync(): void {
-    const members = new Map<number, Member[]>();
+    const members = new Map<number, Drawable[]>();
     for (const id of this.station.sessions.keys()) {
       const component = this.station.placed.get(id)?.component ?? -id;
       members.set(component, [...(members.get(component) ?? []), this.member(id)]);
     }
-    this.plots = layOut([...members].map(([component, list]) => extentOf(component, list.map(({ box }) => box))));
+    this.plots = layOut([...members].map(([component, list]) => extentOf(component, list)));
     for (const [component, list] of members)
       for (const { id, T } of list) {
         const { x, y } = this.plots.get(component)!.offset;
@@ -60,7 +65,7 @@ export class Frames {
 
   /** Lowest and highest point of the paths. */
   heights(): [number, number] {
-    const box = [...this.members.values()].reduce((sum, member) => sum.union(member.box), new Box3());
+    const box = [...this.members.values()].reduce((sum, member) => sum.union(member.path), new Box3());
     return box.isEmpty() ? [0, 1] : [box.min.z, box.max.z];
   }
 
@@ -88,16 +93,18 @@ export class Frames {
     return box;
   }
 
-  /** As it was, unless its path or its place is another. */
-  private member(id: number): Member {
-    const path = this.station.paths.get(id);
+  /** As it was, unless its path, its points or its place are others. */
+  private member(id: number): Drawable {
+    const keyframes = this.station.paths.get(id);
     const placed = this.station.placed.get(id)?.T_component_session;
+    const reach = this.reachOf(id);
+    const reached = reach?.version ?? 0;
     const known = this.members.get(id);
-    if (known && known.path === path && known.placed === placed) return known;
+    if (known && known.keyframes === keyframes && known.placed === placed && known.reached === reached) return known;
     const T = placed ? matrixOf(placed) : new Matrix4();
-    const box = new Box3();
-    for (const { position } of path ?? []) box.expandByPoint(new Vector3(...position).applyMatrix4(T));
-    const member = { id, path, placed, T, box };
+    const path = new Box3().setFromPoints((keyframes ?? []).map(({ position }) => new Vector3(...position).applyMatrix4(T)));
+    const points = new Box3().setFromPoints((reach?.corners() ?? []).map((corner) => corner.applyMatrix4(T)));
+    const member = { id, keyframes, placed, reached, T, path, points };
     this.members.set(id, member);
     return member;
   }

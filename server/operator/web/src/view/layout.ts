@@ -3,7 +3,7 @@
 import { Box2, Box3, Matrix4, Vector2 } from 'three';
 import type { Transform } from '../station/types';
 
-const margin_m = 14;
+const margin_m = 14; // around a path, for what its robot is about to see
 const step_m = 10; // boxes grow in steps, or all would move with every keyframe
 const gap_m = 20;
 
@@ -20,13 +20,20 @@ export interface Plot {
   box: Box2; // as drawn
 }
 
-/** Of the paths' boxes in the component's frame. */
-export function extentOf(component: number, members: Box3[]): Extent {
-  const all = members.reduce((sum, box) => sum.union(box), new Box3());
-  const box = new Box2(new Vector2(all.min.x, all.min.y), new Vector2(all.max.x, all.max.y));
+export interface Member {
+  path: Box3; // all in the component's frame
+  points: Box3;
+}
+
+export function extentOf(component: number, members: Member[]): Extent {
+  const box = new Box2();
+  const union = ({ min, max }: Box3) => void box.union(new Box2(new Vector2(min.x, min.y), new Vector2(max.x, max.y)));
+  for (const { path } of members) union(path);
   if (box.isEmpty()) box.set(new Vector2(-5, -5), new Vector2(5, 5));
-  box.min.subScalar(margin_m).divideScalar(step_m).floor().multiplyScalar(step_m);
-  box.max.addScalar(margin_m).divideScalar(step_m).ceil().multiplyScalar(step_m);
+  box.expandByScalar(margin_m);
+  for (const { points } of members) union(points);
+  box.min.divideScalar(step_m).floor().multiplyScalar(step_m);
+  box.max.divideScalar(step_m).ceil().multiplyScalar(step_m);
   return { component, sessions: members.length, box };
 }
 

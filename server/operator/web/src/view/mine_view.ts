@@ -24,6 +24,7 @@ const themes = {
 const floor_m = 1.5;
 const wall_m = 3;
 const alone_ms = 1500; // at the most
+const mostDrawn = 3_000_000; // in a frame
 const mostFrameLabels = 12; // more lie over each other; the robots' own labels do then
 
 export interface Shown {
@@ -31,14 +32,17 @@ export interface Shown {
   keyframes: Map<number, number>;
   points: number;
   drawn: number;
+  /** When the graphics card had drawn the first frame with points, since the page was asked for. */
   firstPicture_ms: number | null;
+  /** Of the last frame. */
+  frame_ms: number;
 }
 
 export class MineView {
   readonly stage: Stage;
   readonly measure: Measure;
   /** What is on the screen; for the tests and the bench. */
-  readonly shown: Shown = { keyframes: new Map(), points: 0, drawn: 0, firstPicture_ms: null };
+  readonly shown: Shown = { keyframes: new Map(), points: 0, drawn: 0, firstPicture_ms: null, frame_ms: 0 };
   private readonly frames: Frames;
   private readonly clouds: Clouds;
   private readonly robots: Robots;
@@ -46,8 +50,8 @@ export class MineView {
   private readonly labels: Labels;
   private readonly outlines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
   private outlinesAt = -1;
+  private reachedAt = 0;
   private framedByHand = false;
-  private lastFrame = 0;
   private dirty = true;
   private lastTold = '';
   private readonly begun = performance.now();
@@ -60,9 +64,13 @@ export class MineView {
     private readonly colours: RobotColours,
     private readonly onPicked: () => void,
   ) {
-    this.stage = new Stage(canvas, () => (this.framedByHand = true));
-    this.stage.prepare(new Chunk(cloudMaterial()).points);
-    this.frames = new Frames(station);
+    this.stage = new Stage(
+      canvas,
+      () => (this.framedByHand = true),
+      (frame_ms, moved) => this.tookFrame(frame_ms, moved),
+    );
+    this.stage.prepare(new Chunk(cloudMaterial(), true).points);
+    this.frames = new Frames(station, (id) => this.clouds?.clouds.get(id)?.reach);
     this.clouds = new Clouds(this.stage.scene, station, this.frames, this.stage, budget(this.stage.renderer.getContext()));
     this.robots = new Robots(station, this.frames, this.stage);
     this.edges = new Edges(station, this.frames, this.stage);
@@ -82,6 +90,7 @@ export class MineView {
       mark();
     });
     ui.onChange(mark);
+    setTimeout(() => this.stage.draw(), alone_ms); // with all that waited for points
     canvas.addEventListener('click', (event) => this.onClick(event.offsetX, event.offsetY));
   }
 
@@ -123,20 +132,28 @@ export class MineView {
 
   private frame(): boolean {
     const now = performance.now();
-    if (this.dirty) this.sync();
+    if (this.dirty || this.clouds.reached !== this.reachedAt) this.sync();
     const moving = this.frames.step(now);
     if (!this.framedByHand && (moving || this.outlinesAt !== this.frames.version)) this.stage.frame(this.contents());
     if (this.outlinesAt !== this.frames.version) this.drawOutlines();
     this.clouds.beforeFrame();
-    this.stage.signs.visible = this.shown.firstPicture_ms !== null || !this.awaitsPoints(now);
-    this.robots.beforeFrame();
-    this.edges.beforeFrame();
-    this.labels.set(this.allLabels());
-    this.labels.place();
-    if (now - this.lastFrame < 250) this.clouds.tookFrame(now - this.lastFrame);
-    this.lastFrame = now;
+    this.stage.signs.visible = !this.awaitsPoints();
+    if (this.stage.signs.visible) {
+      this.robots.beforeFrame();
+      this.edges.beforeFrame();
+      this.labels.set(this.allLabels());
+      this.labels.place();
+    }
     this.note();
     return moving;
+  }
+
+  private tookFrame(frame_ms: number, moved: boolean): void {
+    this.shown.frame_ms = frame_ms;
+    this.clouds.tookFrame(frame_ms, this.shown.drawn, moved);
+    if (this.shown.firstPicture_ms !== null || this.shown.drawn === 0) return;
+    this.shown.firstPicture_ms = performance.now();
+    this.stage.draw();
   }
 
   /** All that the view shows of the station, to be compared. */
@@ -147,20 +164,16 @@ export class MineView {
     return JSON.stringify([epoch, link, revision, rows, pairs]);
   }
 
-  /** The first points are drawn alone: the programs of lines and arrows would hold them up. */
-  private awaitsPoints(now: number): boolean {
-    return now - this.begun < alone_ms && [...this.station.sessions.values()].some(({ clouds }) => clouds > 0);
+  /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
+  awaitsPoints(): boolean {
+    if (this.shown.firstPicture_ms !== null || performance.now() - this.begun > alone_ms) return false;
+    return [...this.station.sessions.values()].some(({ clouds }) => clouds > 0);
   }
 
   private note(): void {
     this.shown.points = this.clouds.loadedPoints;
     this.shown.drawn = this.clouds.drawnPoints;
     for (const [id, path] of this.station.paths) this.shown.keyframes.set(id, path.length);
-    if (this.shown.firstPicture_ms !== null || this.shown.drawn === 0) return;
-    requestAnimationFrame(() => {
-      this.shown.firstPicture_ms ??= performance.now(); // this frame has been drawn then
-      this.stage.draw();
-    });
   }
 
   private sync(): void {
@@ -173,10 +186,11 @@ export class MineView {
     colourBy(now.colourBy);
     shared.roof.value = now.roof_m ?? 1e6;
     shared.slice.value.set(...(now.slice_m ?? [-1e6, 1e6]));
+    this.clouds.sync(); // its first points count for the frames
+    this.reachedAt = this.clouds.reached;
     this.frames.sync();
     const [low, high] = this.frames.heights();
     shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
-    this.clouds.sync();
     this.clouds.paint((id) => ({ colour: this.colourOf(this.station.sessions.get(id)!), faded: this.fadedOf(id) }));
     this.robots.sync((session) => ({
       colour: mixed(this.colourOf(session), theme.ink, 0.15),
@@ -276,9 +290,9 @@ export class MineView {
 /** #points=N says how many are kept. Software rendering shows itself by its name; it gets fewer. */
 function budget(gl: WebGLRenderingContext | WebGL2RenderingContext): Budget {
   const asked = Number(new URLSearchParams(location.hash.slice(1)).get('points'));
-  if (asked > 0) return { loaded: asked, drawn: asked, leastDrawn: Math.min(asked, 100_000) };
+  if (asked > 0) return { loaded: asked, drawn: Math.min(asked, mostDrawn), leastDrawn: Math.min(asked, 100_000) };
   const details = gl.getExtension('WEBGL_debug_renderer_info');
   const renderer = details ? String(gl.getParameter(details.UNMASKED_RENDERER_WEBGL)) : '';
   if (/swiftshader|llvmpipe|software/i.test(renderer)) return { loaded: 100_000, drawn: 100_000, leastDrawn: 40_000 };
-  return { loaded: 6_000_000, drawn: 3_000_000, leastDrawn: 200_000 };
+  return { loaded: 6_000_000, drawn: mostDrawn, leastDrawn: 200_000 };
 }

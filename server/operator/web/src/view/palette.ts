@@ -40,11 +40,11 @@ export interface Look {
 }
 
 export const verdicts: Record<State, Look> = {
-  published: { word: 'merged', glyph: '✓', dark: '#3ecf9a', light: '#00795a', dash: null },
-  verified: { word: 'verified', glyph: '◆', dark: '#6cc3f2', light: '#0b6fa8', dash: [3, 1] },
-  candidate: { word: 'unsure', glyph: '?', dark: '#f0b44c', light: '#9a6200', dash: [1.6, 1.6] },
-  retracted: { word: 'taken apart', glyph: '↺', dark: '#f08c5a', light: '#b84a00', dash: [2.4, 1] },
-  rejected: { word: 'no match', glyph: '✕', dark: '#8e97a3', light: '#68727e', dash: [0.6, 1.4] },
+  published: { word: 'merged', glyph: '✓', dark: '#3ecf9a', light: '#006a4e', dash: null },
+  verified: { word: 'verified', glyph: '◆', dark: '#6cc3f2', light: '#0a6093', dash: [3, 1] },
+  candidate: { word: 'unsure', glyph: '?', dark: '#f0b44c', light: '#855400', dash: [1.6, 1.6] },
+  retracted: { word: 'taken apart', glyph: '↺', dark: '#f08c5a', light: '#9e4000', dash: [2.4, 1] },
+  rejected: { word: 'no match', glyph: '✕', dark: '#9aa3af', light: '#57606b', dash: [0.6, 1.4] },
 };
 
 /** Cividis, thinned: even steps of lightness, the same to all eyes. */

@@ -2,8 +2,9 @@
 
 import { Group, type ShaderMaterial, type Vector2 } from 'three';
 import { inTurn, points } from '../station/api';
-import { Chunk, chunkPoints, takeBlocks } from './chunk';
+import { Chunk, takeBlocks } from './chunk';
 import { cloudMaterial, vector } from './cloud_material';
+import { Reach } from './reach';
 
 export const levelCube_m = [2, 1, 0.5, 0.25, 0.1];
 
@@ -19,8 +20,8 @@ class Level {
     this.group.matrixAutoUpdate = false;
   }
 
-  take(bytes: ArrayBuffer): number {
-    const taken = takeBlocks(bytes, () => this.room());
+  take(bytes: ArrayBuffer, reach: Reach): number {
+    const taken = takeBlocks(bytes, () => this.room(), reach);
     this.blocks += taken.blocks;
     this.points += taken.points;
     const ages: Vector2 = this.material.uniforms.ages.value;
@@ -36,8 +37,8 @@ class Level {
 
   private room(): Chunk {
     const last = this.chunks.at(-1);
-    if (last && last.count < chunkPoints) return last;
-    const chunk = new Chunk(this.material);
+    if (last && !last.isFull) return last;
+    const chunk = new Chunk(this.material, !last);
     this.group.add(chunk.points);
     this.chunks.push(chunk);
     return chunk;
@@ -46,6 +47,8 @@ class Level {
 
 export class SessionCloud {
   readonly group = new Group();
+  /** Of all points that were there so far. */
+  readonly reach = new Reach();
   /** Clouds that the server had when blocks were last asked for. */
   private seenClouds = 0;
   private epoch = 0;
@@ -93,17 +96,23 @@ export class SessionCloud {
     return clouds > 0 && (level !== this.level || clouds !== this.seenClouds || epoch !== this.epoch);
   }
 
+  /** Shows what came with the overview; what it lacks is fetched later. */
+  begin(level: number, epoch: number, bytes: ArrayBuffer): void {
+    this.shown = this.add(level);
+    this.epoch = epoch;
+    this.shown.take(bytes, this.reach);
+    this.onPoints();
+  }
+
   /** Fetches what is new at the level that is shown, or all of another one, which then takes its place; given up, if
-   * finer, once there is no room. `there`: the first answer, if it was asked for before. */
-  async fetch(level: number, clouds: number, epoch: number, pointsAtOnce: number, room: () => boolean, there?: Promise<ArrayBuffer>): Promise<void> {
+   * finer, once there is no room. */
+  async fetch(level: number, clouds: number, epoch: number, pointsAtOnce: number, room: () => boolean): Promise<void> {
     this.busy = true;
     try {
       const anew = level !== this.level || epoch !== this.epoch;
-      const into = anew ? this.begin(level) : this.shown!;
+      const into = anew ? (this.coming = this.add(level)) : this.shown!;
       for (;;) {
-        const ask = () => inTurn(() => points(this.id, into.level, into.blocks, pointsAtOnce));
-        const bytes = await (into.blocks === 0 && there ? there : ask());
-        const taken = into.take(bytes);
+        const taken = into.take(await inTurn(() => points(this.id, into.level, into.blocks, pointsAtOnce)), this.reach);
         this.onPoints();
         if (taken < pointsAtOnce) break;
         if (level > this.level && this.level >= 0 && !room()) {
@@ -133,11 +142,11 @@ export class SessionCloud {
     this.group.removeFromParent();
   }
 
-  private begin(level: number): Level {
-    this.coming = new Level(level);
-    this.dress(this.coming);
-    this.group.add(this.coming.group);
-    return this.coming;
+  private add(number: number): Level {
+    const level = new Level(number);
+    this.dress(level);
+    this.group.add(level.group);
+    return level;
   }
 
   private dress(level: Level): void {

@@ -8,6 +8,7 @@ export type Way = 'top' | 'free';
 const fieldOfView_deg = 45;
 const tools_px = 62; // lie over the picture's upper and lower edge
 const beside_px = 28;
+const rest_ms = 300;
 
 export class Stage {
   readonly scene = new Scene();
@@ -23,13 +24,22 @@ export class Stage {
   private readonly freeControls: MapControls;
   private readonly before: (() => boolean | void)[] = [];
   private drawing = false;
+  /** The frame that the graphics card has not finished yet, of those whose time is taken. */
+  private timed: { begun: number; moves: boolean; fence: WebGLSync } | null = null;
+  /** Whether the view has just been moved: soon after the last move it is drawn once more. */
+  moves = false;
+  private rest = 0;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
     private readonly onOperated: () => void,
+    /** From the beginning of a frame until the graphics card was done with it, as seen at the frame after; whether the view moved. */
+    private readonly onTook: (frame_ms: number, moved: boolean) => void,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.debug.checkShaderErrors = false; // it would wait for the graphics process
+    document.addEventListener('visibilitychange', () => (this.timed = null)); // no frames are made meanwhile
     this.scene.add(this.signs);
     this.top.up.set(0, 1, 0);
     this.top.position.set(0, 0, 1000);
@@ -44,7 +54,7 @@ export class Stage {
     for (const controls of [this.topControls, this.freeControls]) {
       controls.zoomToCursor = true;
       controls.enableDamping = false;
-      controls.addEventListener('change', () => this.draw());
+      controls.addEventListener('change', () => this.moved());
       controls.addEventListener('start', () => this.onOperated());
     }
     new ResizeObserver(() => this.fitCanvas()).observe(canvas.parentElement!);
@@ -76,17 +86,46 @@ export class Stage {
     this.draw();
   }
 
+  private moved(): void {
+    this.moves = true;
+    clearTimeout(this.rest);
+    this.rest = window.setTimeout(() => {
+      this.moves = false;
+      this.draw();
+    }, rest_ms);
+    this.draw();
+  }
+
   draw(): void {
     if (this.drawing) return;
     this.drawing = true;
     requestAnimationFrame(() => {
+      const begun = performance.now();
       this.drawing = false;
       this.camera.updateMatrixWorld();
       let again = false;
       for (const work of this.before) again = work() === true || again;
       this.renderer.render(this.scene, this.camera);
+      this.time(begun);
       if (again) this.draw();
     });
+  }
+
+  private time(begun: number): void {
+    if (this.timed) return; // one at a time
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    if (!fence) return; // the context was lost
+    const timed = (this.timed = { begun, moves: this.moves, fence });
+    const look = () => {
+      const done = gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED;
+      if (!done && this.timed === timed) return void requestAnimationFrame(look);
+      gl.deleteSync(fence);
+      if (this.timed !== timed) return;
+      this.timed = null;
+      this.onTook(performance.now() - begun, timed.moves);
+    };
+    requestAnimationFrame(look);
   }
 
   /** Pixels of the canvas for a metre; at one metre's distance in the free view. */

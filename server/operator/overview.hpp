@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "server/operator/body_source.hpp"
+#include "server/operator/event_diff.hpp"
+#include "server/operator/point_tiles.hpp"
+
+namespace headframe {
+
+/// What a first picture needs, in one answer: parts, each after its length in bytes (u32, little-endian). The snapshot
+/// event comes first; then of each session in its order the keyframes as PathJson, and the first points as PointStream.
+class Overview : public BodySource {
+ public:
+  /// most_points: of each session.
+  Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points)
+      : station_(station), tiles_(tiles), level_(level), most_points_(most_points) {}
+
+  /// One session for each call.
+  Result<std::optional<std::string>> next() override;
+
+ private:
+  Result<std::string> session(SessionId id) const;
+
+  const Station& station_;
+  PointTiles& tiles_;
+  const std::size_t level_, most_points_;
+  std::optional<StationLook> look_;  // when the answer began
+  std::size_t at_ = 0;
+};
+
+}  // namespace headframe
