@@ -50,7 +50,7 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
 
-double asked_alike(const Evidence& e) { return 0.65 + 0.2 * std::min(1.0, e.aliases); }
+double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, e.aliases); }
 
 double asked_overlap_m(const Evidence& e) { return 33 * e.aliases; }
 

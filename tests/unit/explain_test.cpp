@@ -28,7 +28,7 @@ Alignment good() {
   e.weakest_hold = 0.1;
   e.slide_ratio = 0.7;
   e.descriptors_compared = 8;
-  e.descriptors_alike = 0.65;
+  e.descriptors_alike = 0.75;
   e.tilt_deg = 0.2;
   return k;
 }
@@ -85,7 +85,7 @@ TEST(Explain, EachPieceOfEvidenceHasTwoSides) {
                         Case{&Evidence::places_agreeing, 4, "places_agreeing", ""},
                         Case{&Evidence::weakest_hold, 0.01, "weakest_hold", "held by nothing: drive on to a junction"},
                         Case{&Evidence::slide_ratio, 0.99, "slide_ratio", ""},
-                        Case{&Evidence::descriptors_alike, 0.64, "descriptors_alike", ""},
+                        Case{&Evidence::descriptors_alike, 0.71, "descriptors_alike", ""},
                         Case{&Evidence::tilt_deg, 2, "tilt_deg", ""}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
