@@ -48,6 +48,7 @@ Result<bool> PointTile::make_block() {
     auto read = station_.trajectory(session_);
     if (!read) return tl::unexpected(read.error());
     keyframes_ = std::move(*read);
+    for (Keyframe& keyframe : keyframes_) keyframe.descriptor = {};  // they may lie here for long
     at_ = 0;
   }
   while (at_ < keyframes_.size()) {
@@ -62,7 +63,7 @@ Result<bool> PointTile::make_block() {
     bytes_ += blocks_.back().size() + (filled_.size() - filled_before) * filled_bytes;
     return true;
   }
-  keyframes_.clear();
+  keyframes_ = {};
   return false;
 }
 
