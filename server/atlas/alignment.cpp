@@ -52,7 +52,12 @@ std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<s
 
 double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, e.aliases); }
 
-double asked_overlap_m(const Evidence& e) { return 33 * e.aliases; }
+double counted_aliases(const Evidence& e) {
+  const double alike = std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0);
+  return e.aliases * (1 - 0.5 * alike * std::min(1.0, e.descriptors_compared / 6));
+}
+
+double asked_overlap_m(const Evidence& e) { return 33 * counted_aliases(e); }
 
 double runner_up_share(const Evidence& e) {
   constexpr double certain = 1 - 1e-9;

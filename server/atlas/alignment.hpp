@@ -57,8 +57,12 @@ inline constexpr double held_well = 0.03, ends_meet = 0.12;
 /// to .69.
 double asked_alike(const Evidence& evidence);
 
-/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias. With 30 m two mines
-/// of the same 20 m tiles were merged over 24 m; with half as much where the descriptors are alike, two over 36 m.
+/// The aliases as they count: half of each when the descriptors are as alike as they can be over six keyframes. Counted
+/// in full, a true pair of the recordings that shares 14 m would wait; at half, copies of 19 and 36 m were merged.
+double counted_aliases(const Evidence& evidence);
+
+/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias that counts. With 30 m
+/// two mines of the same 20 m tiles were merged over 24 m.
 double asked_overlap_m(const Evidence& evidence);
 
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told

@@ -249,7 +249,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
   // It costs at most 0.27 an alias: with one, an overlap of half the length still passes when all else is good.
   const double asked_m = asked_overlap_m(e);
-  const double most = 0.27 * e.aliases;
+  const double most = 0.27 * counted_aliases(e);
   const double short_overlap = asked_m > 0 ? std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong

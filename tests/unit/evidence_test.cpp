@@ -235,6 +235,23 @@ TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
   EXPECT_EQ(p(1, 0.85), p(1, 1));
 }
 
+TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
+  Evidence e;
+  e.aliases = 4;
+  e.descriptors_compared = 6;
+  const auto counted = [&](double alike) {
+    e.descriptors_alike = alike;
+    return counted_aliases(e);
+  };
+  EXPECT_EQ(counted(0.76), 4);
+  EXPECT_NEAR(counted(0.83), 3, 1e-9);
+  EXPECT_EQ(counted(0.9), 2);
+  EXPECT_EQ(counted(1), 2);
+  e.descriptors_compared = 3;
+  EXPECT_EQ(counted(1), 3) << "three keyframes are few";
+  EXPECT_EQ(asked_overlap_m(e), 99);
+}
+
 TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
   const auto p = [](double hold, double end_on_match, double violation) {
     Evidence e = convincing();
