@@ -31,10 +31,9 @@ Direction direction(const Eigen::Vector3f& p) {
           static_cast<int>(std::floor(elevation / radians_per_bin + SightImage::rows / 2.0F))};
 }
 
-int turned(int column) { return (column + SightImage::columns) % SightImage::columns; }
-
 std::size_t index_of(int row, int column) {
-  return static_cast<std::size_t>(row) * SightImage::columns + static_cast<std::size_t>(turned(column));
+  constexpr int n = SightImage::columns;
+  return static_cast<std::size_t>(row) * n + static_cast<std::size_t>((column + n) % n);
 }
 
 }  // namespace
