@@ -48,7 +48,10 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   // 7: the clouds around each; what is not here is asked for, the likeliest first.
   std::vector<Case> cases;
   const bool in_time = may_merge(a) && may_merge(b);  // before that no cloud is worth its bytes
-  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(in_time)};
+  Evidence of_all;  // sessions: when more of them show copies, or fewer, the pair is judged again
+  of_all.repetition = repetition();
+  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(in_time),
+                                      static_cast<std::size_t>(asked_overlap_m(of_all) / 10)};
   std::size_t awaited = 0;
   const bool accepted = known && known->evidence.probability >= config.accept_probability;
   {
@@ -104,6 +107,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   Judgement again = judge_again(scene(published.a, now.a, clouds), scene(published.b, now.b, clouds), published.T_a_b,
                                 judge_config());
   again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
+  again.evidence.repetition = repetition();
   again.evidence.support = published.evidence.support;
   again.evidence.runner_up = published.evidence.runner_up;
   compare_descriptors({sessions[published.a].keyframes, sessions[published.b].keyframes}, again);

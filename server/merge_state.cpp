@@ -171,6 +171,16 @@ double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
   return session.self.aliases;
 }
 
+double MergePipeline::State::repetition() const {
+  constexpr double least_m = 500;
+  double copies = 0, path_m = 0;
+  for (const auto& [id, session] : sessions) {
+    copies += session.self.aliases;
+    path_m += std::max(0.0, session.self.path_m);
+  }
+  return 100 * copies / std::max(path_m, least_m);
+}
+
 bool MergePipeline::State::prepare_ahead(CloudSource& clouds) {
   for (auto& [id, session] : sessions) {
     const auto known = [&, &kept = session](std::size_t k) {  // what a place sees is driven through, or all there is
@@ -248,6 +258,7 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
     Evidence& e = verdict.judgement.evidence;
     e.support = cases[i].hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
+    e.repetition = repetition();
     e.aliases = self + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
                   return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b,
                                                  g.place.p_b, same_placement_m, same_placement_rad);

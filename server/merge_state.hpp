@@ -99,6 +99,8 @@ struct MergePipeline::State {
   /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats
   /// itself. Looked for again when the session, or what is stored of its clouds, has grown by a quarter.
   double self_aliases(SessionId id, CloudSource& clouds);
+  /// Of what is known of that so far; see Evidence::repetition. Of less than 500 m little can be said.
+  double repetition() const;
   /// Glances at all, in parallel.
   std::vector<Glance> glance_at(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds);
   /// The hopeful ones that differ are judged; those that could not cast doubt on a better one only when all are asked

@@ -31,6 +31,7 @@ struct Evidence {
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square
   double overlap_m = 0;        // path of b along those pairs
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
+  double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
   double seen_points = 0;            // that speak for it, both ways
@@ -45,7 +46,7 @@ struct Evidence {
   double tilt_deg = 0;               // gravity disagreement after registration
   double support = 0;                // wall map score of the hypothesis it came from
   double runner_up = 0;              // probability of the best different hypothesis
-  double probability_if_unique = 0;  // what it would be with no aliases
+  double probability_if_unique = 0;  // what it would be with no aliases and no repetition
 };
 
 /// Weakest hold from which on nothing slides along a drift, and the end-on match from which on a place of a drift that
@@ -58,11 +59,13 @@ inline constexpr double held_well = 0.03, ends_meet = 0.12;
 double asked_alike(const Evidence& evidence);
 
 /// The aliases as they count: half of each when the descriptors are as alike as they can be over six keyframes. Counted
-/// in full, a true pair of the recordings that shares 14 m would wait; at half, copies of 19 and 36 m were merged.
+/// in full, a true pair of the recordings that shares 14 m would wait; at half, copies of 19 and 36 m were merged,
+/// until the repetition counted too.
 double counted_aliases(const Evidence& evidence);
 
 /// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias that counts. With 30 m
-/// two mines of the same 20 m tiles were merged over 24 m.
+/// two mines of the same 20 m tiles were merged over 24 m. At least 70 m where all sessions together show many copies:
+/// the one that would be merged wrongly need not have been driven through twice.
 double asked_overlap_m(const Evidence& evidence);
 
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told

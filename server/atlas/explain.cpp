@@ -137,8 +137,9 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
       missing.push_back("the position along the drift is held by nothing: drive on to a junction or a bend");
     if (e.overlap_m < asked_overlap_m(e))
       missing.push_back(
-          text("the mine repeats itself here (%.0f places look the same): %.0f m shared, %.0f m would tell", e.aliases,
-               e.overlap_m, asked_overlap_m(e)));
+          text("the mine repeats itself (%.0f other places look the same, %.1f in 100 m of all that is known): %.0f m "
+               "shared, %.0f m would tell",
+               e.aliases, e.repetition, e.overlap_m, asked_overlap_m(e)));
     if (e.pairs < few_pairs || e.seen_points < few_points)
       missing.push_back("the overlap is small: drive further into the other's map");
     if (violated(e)) missing.push_back("each sees through walls of the other: look-alikes, or something that moved");

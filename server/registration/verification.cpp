@@ -233,7 +233,7 @@ void weigh(Judgement& judgement) {
   Evidence& e = judgement.evidence;
   e.probability = probability(judgement.status, e);
   Evidence unique = e;
-  unique.aliases = 0;
+  unique.aliases = unique.repetition = 0;
   e.probability_if_unique = probability(judgement.status, unique);
 }
 
@@ -247,20 +247,24 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double fit = std::clamp(8 * (e.inlier_fraction - 0.88), -1.2, 0.6);
   const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
   // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
-  // It costs at most 0.27 an alias: with one, an overlap of half the length still passes when all else is good.
+  // It costs at most 0.27 for each 33 m: with one alias, an overlap of half the length still passes when all else is
+  // good.
   const double asked_m = asked_overlap_m(e);
-  const double most = 0.27 * counted_aliases(e);
+  const double most = 0.27 / 33 * asked_m;
   const double short_overlap = asked_m > 0 ? std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
   const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
   // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong
   // placements match 0.01 to 0.07, right ones 0.2 and more), and a contradiction counts twice.
   const bool hardly_held = e.weakest_hold < held_well;
   const double unmet = hardly_held ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0;
+  // Places along a hundred metres that all agree, where the walls hold, are no chance.
+  const bool all_agree = e.places_agreeing >= e.places && !hardly_held;
+  const double long_overlap = all_agree ? 0.5 * std::clamp(e.overlap_m / 60 - 1, 0.0, 1.0) : 0;
   // The descriptors along the whole shared path; ten keyframes say it all, for neighbours say the same.
   const double unlike = std::min(10.0, e.descriptors_compared) * std::min(0.0, e.descriptors_alike - asked_alike(e));
   const double z = 6 + 6 * unlike + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
                    12 * (1 - e.places_agreeing / std::max(1.0, e.places)) + 4 * few_pairs + fit + 12 * short_overlap +
-                   6 * tiny_overlap;
+                   6 * tiny_overlap + long_overlap;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
   return status == RegistrationStatus::converged ? p : 0.4 * p;

@@ -47,6 +47,27 @@ TEST(Contacts, TwoMinesThatAreTheSameWhereTwoRobotsMetCanNotBeToldApartByThemAlo
   EXPECT_EQ(between(base, 1, 2).state, AlignmentState::published) << "what the tests below rest on";
 }
 
+/// Through five blocks that are the same: what is not seen of this mine may well be another.
+Drive of_copies() {
+  std::vector<test::Box> drifts{BoxMine::drift(0, 0, 200, 0)};
+  for (double x = 20; x < 200; x += 40) {
+    drifts.push_back(BoxMine::drift(x, 0, x, 12));
+    drifts.push_back(BoxMine::drift(x + 7, -9, x + 7, 0, 6));
+  }
+  return test::drive(BoxMine(drifts), {{2, 0}, {198, 0}}, 0.7, 4);
+}
+
+TEST(Contacts, AThirdSessionFullOfCopiesAsksForALongerOverlap) {
+  Base base({of_one(), of_two(), of_copies()});
+  while (base.pipeline.prepare_ahead(base.shelf)) {
+  }
+  attempt_all(base);
+  const Alignment& short_one = between(base, 1, 2);
+  EXPECT_GT(short_one.evidence.repetition, 0.3);
+  EXPECT_LT(short_one.evidence.overlap_m, asked_overlap_m(short_one.evidence));
+  EXPECT_EQ(short_one.state, AlignmentState::candidate);
+}
+
 TEST(Contacts, AThirdSessionThatContradictsHoldsTheMergeBack) {
   Base base({of_one(), of_two(), witness()});
   attempt_all(base);

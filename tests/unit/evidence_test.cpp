@@ -203,7 +203,48 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   Evidence longer = good;
   longer.aliases = 3;
   longer.overlap_m = 101;
-  EXPECT_EQ(p(longer), p(good)) << "a longer overlap makes up for copies";
+  EXPECT_GE(p(longer), p(good)) << "a longer overlap makes up for copies";
+}
+
+TEST(Probability, ALongOverlapOnWhichAllAgreeCounts) {
+  const auto p = [](double overlap_m, double agreeing = 6, double hold = 0.1) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.places_agreeing = agreeing;
+    e.weakest_hold = hold;
+    e.end_on_match = 1;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(36), p(60));
+  EXPECT_LT(p(60), p(90));
+  EXPECT_LT(p(90), p(120));
+  EXPECT_EQ(p(120), p(500));
+  EXPECT_EQ(p(60, 5), p(120, 5)) << "a place disagrees";
+  EXPECT_EQ(p(60, 6, held_well - 0.001), p(120, 6, held_well - 0.001)) << "a smooth drift is long for nothing";
+}
+
+TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
+  Evidence e = convincing();
+  const auto asked = [&](double repetition, double aliases = 0) {
+    e.repetition = repetition;
+    e.aliases = aliases;
+    return asked_overlap_m(e);
+  };
+  EXPECT_EQ(asked(0.3), 0) << "as in the recordings";
+  EXPECT_NEAR(asked(0.4), 20, 1e-9);
+  EXPECT_NEAR(asked(0.65), 70, 1e-9);
+  EXPECT_EQ(asked(5), 70);
+  EXPECT_EQ(asked(0.4, 1), 33) << "the copies of the pair itself say more";
+  Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
+  j.evidence.repetition = 1;
+  const auto p = [&](double overlap_m) {
+    j.evidence.overlap_m = overlap_m;
+    weigh(j);
+    return j.evidence.probability;
+  };
+  EXPECT_LT(p(39), 0.9);
+  EXPECT_GT(j.evidence.probability_if_unique, 0.95);
+  EXPECT_GT(p(70), 0.95);
 }
 
 TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {

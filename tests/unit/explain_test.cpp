@@ -58,6 +58,17 @@ TEST(Explain, AMergeSaysWhereAndHowSureAndMissesNothing) {
   for (const Finding& f : e.findings) EXPECT_NE(f.speaks, Speaks::against) << f.text;
 }
 
+TEST(Explain, AMineThatRepeatsItselfSaysHowFarToDriveTogether) {
+  Alignment k = good();
+  k.state = k.verdict = AlignmentState::candidate;
+  k.evidence.overlap_m = 39;
+  k.evidence.repetition = 0.7;
+  k.evidence.probability = 0.8;
+  EXPECT_TRUE(says(explained(k).missing, "39 m shared, 70 m would tell"));
+  k.evidence.overlap_m = 70;
+  EXPECT_FALSE(says(explained(k).missing, "would tell"));
+}
+
 TEST(Explain, WhoHoldsAMergeBackIsNamed) {
   Alignment k = good();
   k.state = AlignmentState::verified;
