@@ -25,9 +25,4 @@ std::size_t kernel_room(int socket, std::size_t most) {
   return std::clamp(static_cast<std::size_t>(rate * behind_chunk_s), std::min(least_chunk, most), most);
 }
 
-void expect_losses(int socket) {
-  const int on = 1;
-  (void)::setsockopt(socket, IPPROTO_TCP, TCP_THIN_LINEAR_TIMEOUTS, &on, sizeof on);
-}
-
 }  // namespace headframe

@@ -9,8 +9,4 @@ namespace headframe {
 /// second, else what the link delivers in 50 ms. `most` where the kernel does not say.
 std::size_t kernel_room(int socket, std::size_t most);
 
-/// Lost packets of a TCP socket with little on its way are sent again after the same time, not after ever longer ones:
-/// the link is back seconds earlier after a gap.
-void expect_losses(int socket);
-
 }  // namespace headframe

@@ -100,7 +100,7 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
       if (!pending_trigger.empty()) l->protocol.trigger(std::exchange(pending_trigger, {}));
     }
     const auto* ended = std::get_if<LinkEnded>(&event);
-    if (ended) end(l, ended->permanent);
+    if (ended) end(l, ended->permanent ? std::nullopt : std::optional(backoff.next_s()));
     on_event(event);
     if (ended) return;
   }
@@ -108,7 +108,7 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
 
 void Uplink::Thread::begin_close(bool complete) {
   closing = true;
-  if (!link || link->over || !link->protocol.welcomed()) return io.stop();
+  if (!carried() || !link->protocol.welcomed()) return io.stop();
   link->protocol.goodbye(complete);
   retry.expires_after(seconds(config.close_s));
   retry.async_wait([this](const Code&) { io.stop(); });

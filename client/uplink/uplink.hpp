@@ -17,13 +17,15 @@ struct UplinkConfig {
   double bytes_per_s = 0;   // budget of what is sent; 0: no limit
   double retry_first_s = 0.5;
   double retry_most_s = 1.5;  // a base station that is back is found within this
-  double connect_s = 5;       // a connection that is not up within this is given up, and the next tried at once
-  double close_s = 5;         // for the goodbye
+  double connect_s = 5;       // a connection that is not up within this is given up
+  double connect_again_s =
+      1;               // while one is not up, another is tried beside it: four at a time, the first to be up stays
+  double close_s = 5;  // for the goodbye
   UplinkLimits limits;
 };
 
-/// A link that falls silent though an answer is due is doubted: another connection is tried beside it, and the first of
-/// the two that speaks stays. Runs a thread of its own between construction and close(). All calls are thread safe.
+/// A link that falls silent though an answer is due is doubted: others are tried beside it, and the first that speaks
+/// stays. Runs a thread of its own between construction and close(). All calls are thread safe.
 class Uplink {
  public:
   /// on_event is called on the uplink's thread and must not throw; LinkEnded comes once for every connection or attempt

@@ -2,8 +2,8 @@
 
 #include <boost/asio/connect.hpp>
 
-#include "client/uplink/kernel_queue.hpp"
 #include "common/security/secret.hpp"
+#include "common/wire/lossy_link.hpp"
 
 namespace headframe {
 namespace {
@@ -14,13 +14,14 @@ using tcp = asio::ip::tcp;
 }  // namespace
 
 void Uplink::Thread::connect() {
-  if (attempt) return;
-  attempt = std::make_shared<Connection>(io, config, hello, source);
-  attempt->deadline.expires_after(seconds(config.connect_s));
-  attempt->deadline.async_wait([this, l = attempt](const Code& code) {
+  const auto l = std::make_shared<Connection>(io, config, hello, source);
+  attempts.push_back(l);
+  l->deadline.expires_after(seconds(config.connect_s));
+  l->deadline.async_wait([this, l](const Code& code) {
     if (!code) fail(l, "no connection", asio::error::timed_out);
   });
-  resolver.async_resolve(config.host, std::to_string(config.port), [this, l = attempt](const Code& code, auto found) {
+  next_attempt();
+  resolver.async_resolve(config.host, std::to_string(config.port), [this, l](const Code& code, auto found) {
     if (l->over) return;
     if (code) return fail(l, "can not be resolved", code);
     asio::async_connect(l->stream.socket(), found, [this, l](const Code& fault, const tcp::endpoint&) {
@@ -44,34 +45,45 @@ void Uplink::Thread::shake_hands(const Link& l) {
   });
 }
 
+/// Beside one that is slow another sets out: over a link that loses packets the last is often the first to arrive.
+void Uplink::Thread::next_attempt() {
+  next.expires_after(seconds(config.connect_again_s));
+  next.async_wait([this](const Code& code) {
+    if (code || closing || attempts.empty()) return;
+    attempts.size() < most_attempts ? connect() : next_attempt();
+  });
+}
+
 void Uplink::Thread::connected_to(const Link& l) {
   if (link) discard(link);  // in doubt: the server replaces it too
-  link = std::exchange(attempt, nullptr);
+  link = l;
+  std::erase(attempts, l);
+  give_up_attempts();
   l->up = true;
   read(l);
   pump(l);
   tick(l);
 }
 
-/// While the link is in doubt another is tried beside it; when it speaks again, that is given up.
+void Uplink::Thread::give_up_attempts() {
+  next.cancel();
+  for (const Link& l : std::exchange(attempts, {})) discard(l);
+}
+
+/// While the link is in doubt others are tried beside it; when it speaks again, they are given up.
 void Uplink::Thread::doubt() {
-  if (!link || link->over) return;
+  if (!carried()) return;
   const bool doubtful = link->protocol.doubtful(Clock::now());
-  if (doubtful && !closing) return connect();
-  if (attempt && !doubtful) discard(std::exchange(attempt, nullptr));
+  if (!doubtful)
+    give_up_attempts();
+  else if (attempts.empty() && !closing)
+    connect();
 }
 
 void Uplink::Thread::fail(const Link& l, const std::string& what, const Code& code) {
   if (l->over) return;
-  const bool beside = l == attempt && link && !link->over;
-  if (l == attempt && code == asio::error::timed_out) {  // it took its time: the next one at once
-    discard(std::exchange(attempt, nullptr));
-    if (closing && !beside) return io.stop();
-    if (!closing && !beside) retry_after(0);
-    if (beside) doubt();
-  } else {
-    end(l, false);
-  }
+  const bool beside = std::erase(attempts, l) > 0 && carried();
+  end(l, code == asio::error::timed_out ? 0 : backoff.next_s());  // it took its time: the next one at once
   const std::string where = config.host + ":" + std::to_string(config.port);
   if (!closing && !beside)
     on_event(LinkEnded{{ErrorCode::unavailable, where + ": " + what + ": " + tls_trouble(code)}, false});
@@ -86,15 +98,15 @@ void Uplink::Thread::discard(const Link& l) {
   l->deadline.cancel();
 }
 
-void Uplink::Thread::end(const Link& l, bool permanent) {
+/// Nothing: never again.
+void Uplink::Thread::end(const Link& l, std::optional<double> again_s) {
   if (l->over) return;
   discard(l);
-  if (l == attempt) attempt.reset();
-  if (link && !link->over) return;  // an attempt beside it: tick() tries again as long as there is doubt
+  if (carried()) return;  // an attempt beside it: tick() tries again as long as there is doubt
   up = false;
-  if (permanent && attempt) discard(std::exchange(attempt, nullptr));
+  if (!again_s) give_up_attempts();
   if (closing) return io.stop();
-  if (!permanent && !attempt) retry_after(backoff.next_s());
+  if (again_s && attempts.empty()) retry_after(*again_s);
 }
 
 void Uplink::Thread::retry_after(double s) {

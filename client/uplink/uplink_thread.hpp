@@ -8,6 +8,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "client/uplink/pacing.hpp"
 #include "client/uplink/uplink.hpp"
@@ -40,6 +41,8 @@ struct Uplink::Thread {
   }
 
   void connect();
+  void next_attempt();
+  void give_up_attempts();
   void shake_hands(const Link& link);
   void connected_to(const Link& link);
   void read(const Link& link);
@@ -49,12 +52,15 @@ struct Uplink::Thread {
   void tick(const Link& link);
   void take(const Link& link, const std::vector<UplinkEvent>& events);
   void fail(const Link& link, const std::string& what, const Code& code);
-  void end(const Link& link, bool permanent);
+  void end(const Link& link, std::optional<double> again_s);
   static void discard(const Link& link);
   void retry_after(double s);
   void doubt();
+  bool carried() const { return link && !link->over; }
   std::size_t room(const Link& link) const;
   void begin_close(bool complete);
+
+  static constexpr std::size_t most_attempts = 4;
 
   static Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
@@ -66,12 +72,12 @@ struct Uplink::Thread {
   const std::function<void(const UplinkEvent&)> on_event;
   boost::asio::io_context io{1};
   std::optional<PinnedTls> tls;  // none: in the clear
-  boost::asio::steady_timer retry{io};
+  boost::asio::steady_timer retry{io}, next{io};
   boost::asio::ip::tcp::resolver resolver{io};
   TokenBucket bucket;
   Backoff backoff{config.retry_first_s, config.retry_most_s, std::random_device{}()};
-  Link link;     // the one that carries the session; null or over: none does
-  Link attempt;  // being made; beside a link in doubt, or without one
+  Link link;                   // the one that carries the session; null or over: none does
+  std::vector<Link> attempts;  // being made; beside a link in doubt, or without one
   std::string pending_trigger;
   bool closing = false;
   std::atomic<bool> up{false};

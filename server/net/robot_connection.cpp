@@ -1,6 +1,5 @@
 #include "server/net/robot_connection.hpp"
 
-#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 
@@ -9,6 +8,7 @@
 #include <boost/asio/write.hpp>
 
 #include "common/security/tls.hpp"
+#include "common/wire/lossy_link.hpp"
 
 namespace headframe {
 namespace {
@@ -51,8 +51,7 @@ void RobotConnection::start() {
   on_strand([](RobotConnection& self) {
     error_code ignored;
     self.stream_.socket().set_option(tcp::no_delay(true), ignored);
-    using ThinLinearTimeouts = boost::asio::detail::socket_option::boolean<IPPROTO_TCP, TCP_THIN_LINEAR_TIMEOUTS>;
-    self.stream_.socket().set_option(ThinLinearTimeouts(true), ignored);  // lossy links: acks must come through
+    expect_losses(self.stream_.socket().native_handle());  // acks must come through
     self.meet();
     self.tick();
   });

@@ -1,11 +1,15 @@
 // Robots and a server with a bad link between them: everything arrives exactly once.
 #include <gtest/gtest.h>
 
+#include <future>
+
+#include "client/uplink/uplink.hpp"
 #include "server/map_merge_server.hpp"
 #include "tests/bench/link/audit.hpp"
 #include "tests/bench/link/drive.hpp"
 #include "tests/support/base_station.hpp"
 #include "tests/support/faulty_proxy.hpp"
+#include "tests/support/uplink_fixture.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -42,6 +46,30 @@ TEST(LinkFaults, CutAndStalledConnectionsLoseAndDoubleNothing) {
   EXPECT_EQ(found->sum(), 0U) << found->first;
   EXPECT_EQ(found->keyframes, 2 * keyframes);
   EXPECT_GE(proxy.faults(), faults.cuts + faults.stalls);
+}
+
+TEST(LinkFaults, ConnectionsThatGetStuckHoldNoOtherBack) {
+  const test::ScratchFolder scratch;
+  auto server = MapMergeServer::start({scratch.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}});
+  ASSERT_TRUE(server) << server.error().message;
+  test::LinkFaults faults;
+  faults.cuts = 0;
+  faults.stalls = 3;  // in the middle of the TLS handshake, and for good
+  faults.most_bytes = 10;
+  const test::FaultyProxy proxy((*server)->robots().port, faults);
+  UplinkConfig config;
+  config.host = "127.0.0.1";
+  config.port = proxy.port();
+  config.fingerprint = (*server)->fingerprint();
+  config.connect_s = 3600;
+  config.connect_again_s = 0.01;
+  std::promise<Error> answer;
+  const Table nothing;
+  Uplink uplink(config, rover(CloudPolicy::never), nothing, [&](const auto& event) {
+    if (const auto* ended = std::get_if<LinkEnded>(&event)) answer.set_value(ended->error);
+  });
+  EXPECT_EQ(answer.get_future().get().code, ErrorCode::refused) << "the fourth got through, if only to be turned away";
+  EXPECT_EQ(proxy.faults(), 3);
 }
 
 }  // namespace

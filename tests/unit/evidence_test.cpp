@@ -235,6 +235,8 @@ TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
   EXPECT_NEAR(asked(0.65), 70, 1e-9);
   EXPECT_EQ(asked(5), 70);
   EXPECT_EQ(asked(0.4, 1), 33) << "the copies of the pair itself say more";
+  EXPECT_EQ(asked(5, 3), 99);
+  EXPECT_EQ(asked(5, 4), 100);
   Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
   j.evidence.repetition = 1;
   const auto p = [&](double overlap_m) {
