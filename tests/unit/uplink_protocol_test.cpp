@@ -68,7 +68,7 @@ TEST_F(UplinkProtocolTest, SilenceIsAskedAboutAndThenEndsTheLink) {
   v1::ServerMessage pong;
   pong.mutable_pong();
   hear(pong);
-  now_ += 29999ms;
+  now_ += 74999ms;
   take(link_->tick(now_));
   EXPECT_FALSE(link_->ended());
   now_ += 1ms;
