@@ -109,6 +109,7 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
 void Uplink::Thread::begin_close(bool complete) {
   closing = true;
   if (!carried() || !link->protocol.welcomed()) return io.stop();
+  give_up_attempts();  // a new connection would not know of the goodbye
   link->protocol.goodbye(complete);
   retry.expires_after(seconds(config.close_s));
   retry.async_wait([this](const Code&) { io.stop(); });
