@@ -5,7 +5,8 @@ namespace headframe {
 /// What one robot's connection may take ([limits] in the configuration file); defaults live only here.
 struct RobotLimits {
   int robots = 64;        // connected at a time
-  int strangers = 128;    // connections that were not let in yet; one more, and the oldest of them is closed
+  int strangers = 256;    // connections that were not let in yet, of a robot that seeks the link up to four; one more,
+                          // and the oldest of them is closed
   int undurable_mib = 4;  // received and not yet on disk: beyond, its socket is not read until the disk has caught up
   int uplink_kib_s = 0;   // what all robots together may send, shared by those that are connected; 0: no limit
   double hello_s = 10;    // a connection that says nothing useful for so long is closed
