@@ -31,9 +31,14 @@ struct Server {
   fs::path data;
 };
 
-Result<Server> serve(const fs::path& scratch, int robots) {
+Result<Server> serve(const fs::path& scratch, const LoadPlan& plan) {
   fs::create_directories(scratch);
-  std::ofstream(scratch / "config.toml") << "[limits]\nrobots = " << robots + 8 << "\n";
+  std::ofstream config(scratch / "config.toml");
+  config << "[limits]\nrobots = " << plan.robots + 8 << "\n";
+  if (plan.caches_mb > 0)
+    for (const char* cache : {"[merge]\nclouds_mb", "places_mb", "walls_mb"})
+      config << cache << " = " << plan.caches_mb << "\n";
+  config.close();
   const std::string log = (scratch / "server.log").string();
   auto process =
       test::Process::start({test::program("headframe-server"), "--data", (scratch / "data").string(), "--listen",
@@ -124,6 +129,7 @@ class Load {
     outcome_.ack_max_ms = quantile(ack_ms_, 1);
     const std::size_t settled = std::min<std::size_t>(rss_mb_.size() / 10 + 5, 60);
     if (rss_mb_.size() > settled) outcome_.rss_growth_mb = rss_mb_.back() - rss_mb_[settled];
+    outcome_.rss_growth_half_mb = rss_mb_.back() - rss_mb_[rss_mb_.size() / 2];
     outcome_.rss_mb = rss_mb_.back();
     return outcome_;
   }
@@ -177,7 +183,7 @@ class Load {
 Result<LoadOutcome> load(const LoadPlan& plan, const fs::path& scratch, const fs::path& spools) {
   const rlimit files{65536, 65536};
   (void)::setrlimit(RLIMIT_NOFILE, &files);
-  auto server = serve(scratch, plan.robots);
+  auto server = serve(scratch, plan);
   if (!server) return tl::unexpected(server.error());
   Load load(plan, std::move(*server));
   if (auto done = load.connect(spools); !done) return tl::unexpected(done.error());

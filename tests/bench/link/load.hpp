@@ -12,6 +12,7 @@ struct LoadPlan {
   int robots = 200;      // each a keyframe a second with its cloud
   double seconds = 600;  // after all have connected
   int points = 3000;     // of a cloud: some 7 KB
+  int caches_mb = 0;     // each of the server's caches for merging; 0: its defaults. Small ones are full soon
 };
 
 struct LoadOutcome {
@@ -21,10 +22,11 @@ struct LoadOutcome {
   std::uint64_t unacknowledged = 0;                       // two seconds after the last
   std::uint64_t broken_links = 0;                         // connections that ended: a full queue, a refusal, a deadline
   std::string broken_why;                                 // the first
-  double rss_mb = 0,
-         rss_growth_mb = 0;  // of the server: at the end, and over the time after its first minute (or tenth)
-  double server_cores = 0, robots_cores = 0;  // busy on the average
-  double late_ms = 0;                         // by which the bench itself added keyframes too late, at worst
+  double rss_mb = 0;                                      // of the server, at the end
+  double rss_growth_mb = 0;                               // ... over the time after its first minute (or tenth)
+  double rss_growth_half_mb = 0;                          // ... over the second half, when its caches are full
+  double server_cores = 0, robots_cores = 0;              // busy on the average
+  double late_ms = 0;  // by which the bench itself added keyframes too late, at worst
 };
 
 /// headframe-server as a process with its data in `scratch`, over TLS; all robots in this process; their spools are not

@@ -57,6 +57,7 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   load_part->add_option("--robots", load_plan.robots)->capture_default_str();
   load_part->add_option("--seconds", load_plan.seconds)->capture_default_str();
   load_part->add_option("--points", load_plan.points, "of each cloud")->capture_default_str();
+  load_part->add_option("--caches-mb", load_plan.caches_mb, "each of the server's merge caches; 0: as it is");
   load_part->add_flag("--until-it-breaks", until_it_breaks, "then ever more robots, 30 s each");
   try {
     app.parse(argc, argv);

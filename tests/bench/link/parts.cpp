@@ -12,10 +12,11 @@ namespace {
 constexpr double ack_bar_ms = 250;
 
 void print(const LoadOutcome& o) {
-  std::printf("  %6d %9llu %8.1f %8.1f %9.1f %8llu %8llu %8.1f %+8.1f %7.2f %7.2f %7.0f %s\n", o.robots,
+  std::printf("  %6d %9llu %8.1f %8.1f %9.1f %8llu %8llu %8.1f %+8.1f %+8.1f %7.2f %7.2f %7.0f %s\n", o.robots,
               static_cast<unsigned long long>(o.keyframes), o.ack_p50_ms, o.ack_p99_ms, o.ack_max_ms,
               static_cast<unsigned long long>(o.unacknowledged), static_cast<unsigned long long>(o.broken_links),
-              o.rss_mb, o.rss_growth_mb, o.server_cores, o.robots_cores, o.late_ms, o.broken_why.c_str());
+              o.rss_mb, o.rss_growth_mb, o.rss_growth_half_mb, o.server_cores, o.robots_cores, o.late_ms,
+              o.broken_why.c_str());
   std::fflush(stdout);
 }
 
@@ -143,16 +144,23 @@ nlohmann::json link_faults(double seconds, std::uint32_t seed) {
 nlohmann::json link_load(const LoadPlan& plan, bool until_it_breaks) {
   std::printf(
       "link load (%.0f s, a keyframe a second each with a cloud of %d points)\n"
-      "  robots keyframes   p50 ms   p99 ms    max ms  unacked  dropped   rss MB   growth  server  robots late ms\n",
+      "  robots keyframes   p50 ms   p99 ms    max ms  unacked  dropped   rss MB   growth 2nd half  server  robots "
+      "late ms\n",
       plan.seconds, plan.points);
   const auto first = load_once(plan);
   if (!first) return std::fprintf(stderr, "link load: %s\n", first.error().message.c_str()), nlohmann::json();
   print(*first);
-  nlohmann::json figures{{"robots", first->robots},           {"ack_p50_ms", first->ack_p50_ms},
-                         {"ack_p99_ms", first->ack_p99_ms},   {"ack_max_ms", first->ack_max_ms},
-                         {"overflows", first->broken_links},  {"unacknowledged", first->unacknowledged},
-                         {"rss_mb", first->rss_mb},           {"rss_growth_mb", first->rss_growth_mb},
-                         {"load_seconds", plan.seconds},      {"server_cores", first->server_cores},
+  nlohmann::json figures{{"robots", first->robots},
+                         {"ack_p50_ms", first->ack_p50_ms},
+                         {"ack_p99_ms", first->ack_p99_ms},
+                         {"ack_max_ms", first->ack_max_ms},
+                         {"overflows", first->broken_links},
+                         {"unacknowledged", first->unacknowledged},
+                         {"rss_mb", first->rss_mb},
+                         {"rss_growth_mb", first->rss_growth_mb},
+                         {"rss_growth_half_mb", first->rss_growth_half_mb},
+                         {"load_seconds", plan.seconds},
+                         {"server_cores", first->server_cores},
                          {"bench_cores", first->robots_cores}};
   LoadPlan more = plan;
   more.seconds = 30;
