@@ -37,7 +37,7 @@ class Recordings : public testing::Test {
       GTEST_SKIP() << "no recordings at " << recordings() << "; set HEADFRAME_RECORDINGS";
   }
 
-  /// All robots stream at once into a fresh server; where each ended up, by robot.
+  /// All robots stream into a fresh server, one setting out after the other; where each ended up, by robot.
   std::map<std::string, Placed> run(const std::string& name, const std::vector<std::string>& robots) {
     const ScratchFolder scratch;
     auto station = BaseStation::start(scratch.path() / "data");
@@ -47,7 +47,10 @@ class Recordings : public testing::Test {
     }
     std::vector<Process> replays;
     replays.reserve(robots.size());
-    for (const auto& robot : robots) replays.push_back(station->replay(robot, recordings() / name / robot).value());
+    for (const auto& robot : robots) {
+      replays.push_back(station->replay(robot, recordings() / name / robot).value());
+      await_session(*station, robot);
+    }
     for (auto& replay : replays) {
       const auto ended = replay.wait(300s);
       EXPECT_TRUE(ended && ended->status == 0) << (ended ? ended->output : ended.error().message);
@@ -65,6 +68,16 @@ class Recordings : public testing::Test {
     const auto ended = station->process().wait(30s);
     EXPECT_TRUE(ended && ended->status == 0) << "SIGTERM ends the server cleanly";
     return placed;
+  }
+
+  /// Sessions are numbered as robots come, and which one is laid on the other matters: README, "Limits".
+  static void await_session(const BaseStation& station, const std::string& robot) {
+    const auto give_up = std::chrono::steady_clock::now() + 60s;
+    while (std::chrono::steady_clock::now() < give_up) {
+      const auto sessions = station.command({"sessions"});
+      if (sessions && sessions->output.find(robot + "/") != std::string::npos) return;
+    }
+    ADD_FAILURE() << robot << " did not come";
   }
 
   static void expect_near_truth(const std::string& name, const std::map<std::string, Placed>& placed, double most_m,
