@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include "server/registration/verification.hpp"
+
+namespace headframe {
+namespace {
+
+Evidence convincing() {
+  Evidence e;
+  e.pairs = 12;
+  e.places = e.places_agreeing = 6;
+  e.inlier_fraction = 0.8;
+  e.residual_m = 0.02;
+  e.overlap_m = 36;
+  e.weakest_hold = 0.1;
+  return e;
+}
+
+TEST(Probability, EveryKindOfEvidenceCounts) {
+  const auto p = [](const Evidence& e) { return probability(RegistrationStatus::converged, e); };
+  const Evidence good = convincing();
+  EXPECT_GT(p(good), 0.95);
+  const auto with = [&](double Evidence::*member, double value) {
+    Evidence e = good;
+    e.*member = value;
+    return p(e);
+  };
+  EXPECT_LT(with(&Evidence::worst_place_violation, 0.06), 0.5);
+  EXPECT_LT(with(&Evidence::residual_m, 0.12), 0.5);
+  EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.5);
+  EXPECT_LT(with(&Evidence::aliases, 3), 0.5) << "36 m of a mine that repeats itself";
+  EXPECT_EQ(with(&Evidence::tilt_deg, 3.1), 0);
+  EXPECT_LT(with(&Evidence::pairs, 1), p(good));
+  EXPECT_LE(probability(RegistrationStatus::degenerate, good), 0.4) << "slides along the drift: at most a candidate";
+  EXPECT_EQ(probability(RegistrationStatus::too_little_overlap, good), 0);
+  Evidence longer = good;
+  longer.aliases = 3;
+  longer.overlap_m = 101;
+  EXPECT_GE(p(longer), p(good)) << "a longer overlap makes up for copies";
+}
+
+TEST(Probability, ALongOverlapOnWhichAllAgreeCounts) {
+  const auto p = [](double overlap_m, double agreeing = 6, double hold = 0.1) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.places_agreeing = agreeing;
+    e.weakest_hold = hold;
+    e.end_on_match = 1;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(36), p(60));
+  EXPECT_LT(p(60), p(90));
+  EXPECT_LT(p(90), p(120));
+  EXPECT_EQ(p(120), p(500));
+  EXPECT_EQ(p(60, 5), p(120, 5)) << "a place disagrees";
+  EXPECT_EQ(p(60, 6, held_well - 0.001), p(120, 6, held_well - 0.001)) << "a smooth drift is long for nothing";
+}
+
+TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
+  Evidence e = convincing();
+  const auto asked = [&](double repetition, double aliases = 0) {
+    e.repetition = repetition;
+    e.aliases = aliases;
+    return asked_overlap_m(e);
+  };
+  EXPECT_EQ(asked(0.3), 0) << "as in the recordings";
+  EXPECT_NEAR(asked(0.4), 20, 1e-9);
+  EXPECT_NEAR(asked(0.65), 70, 1e-9);
+  EXPECT_EQ(asked(5), 70);
+  EXPECT_EQ(asked(0.4, 1), 33) << "the copies of the pair itself say more";
+  EXPECT_EQ(asked(5, 3), 99);
+  EXPECT_EQ(asked(5, 4), 100);
+  Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
+  j.evidence.repetition = 1;
+  const auto p = [&](double overlap_m) {
+    j.evidence.overlap_m = overlap_m;
+    weigh(j);
+    return j.evidence.probability;
+  };
+  EXPECT_LT(p(39), 0.9);
+  EXPECT_GT(j.evidence.probability_if_unique, 0.95);
+  EXPECT_GT(p(70), 0.95);
+}
+
+TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
+  const auto p = [](double compared, double alike) {
+    Evidence e = convincing();
+    e.descriptors_compared = compared;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  const double asked = asked_alike(convincing());
+  EXPECT_EQ(p(0, 0), p(12, asked)) << "nothing compared, nothing said";
+  EXPECT_EQ(p(12, asked), p(12, 1));
+  EXPECT_LT(p(12, asked - 0.01), p(12, asked));
+  EXPECT_LT(p(12, 0.5), 0.5);
+  EXPECT_GT(p(2, 0.5), 0.9) << "two keyframes are few";
+  EXPECT_EQ(p(10, 0.5), p(100, 0.5));
+}
+
+TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
+  const auto p = [](double aliases, double alike) {
+    Evidence e = convincing();
+    e.aliases = aliases;
+    e.descriptors_compared = 12;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(0, 0.76), p(0, 1));
+  EXPECT_LT(p(1, 0.76), p(1, 0.85));
+  EXPECT_EQ(p(1, 0.85), p(1, 1));
+}
+
+TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
+  Evidence e;
+  e.aliases = 4;
+  e.descriptors_compared = 6;
+  const auto counted = [&](double alike) {
+    e.descriptors_alike = alike;
+    return counted_aliases(e);
+  };
+  EXPECT_EQ(counted(0.76), 4);
+  EXPECT_NEAR(counted(0.83), 3, 1e-9);
+  EXPECT_EQ(counted(0.9), 2);
+  EXPECT_EQ(counted(1), 2);
+  e.descriptors_compared = 3;
+  EXPECT_EQ(counted(1), 3) << "three keyframes are few";
+  EXPECT_EQ(asked_overlap_m(e), 99);
+}
+
+TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
+  const auto p = [](double hold, double end_on_match, double violation) {
+    Evidence e = convincing();
+    e.weakest_hold = hold;
+    e.end_on_match = end_on_match;
+    e.worst_place_violation = violation;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(held_well, 0, 0), p(0.1, 0, 0)) << "what holds needs no ends";
+  EXPECT_LT(p(0.9 * held_well, 0, 0), 0.8);
+  EXPECT_NEAR(p(0.9 * held_well, ends_meet, 0), p(0.1, 0, 0), 1e-4);
+  EXPECT_LT(p(0.9 * held_well, 0.9 * ends_meet, 0), p(0.1, 0, 0) - 1e-4);
+  EXPECT_LT(p(0.9 * held_well, ends_meet, 0.005), p(0.1, 0, 0.005)) << "a contradiction counts twice";
+}
+
+}  // namespace
+}  // namespace headframe
