@@ -62,9 +62,8 @@ struct UplinkLimits {
   std::size_t clouds_in_flight = 16;
   double welcome_s = 10;  // a server that does not welcome within this is given up
   double ping_s = 10;     // silence after which the server is asked
-  double silence_s =
-      75;              // silence after which it is given up: longer than links are dark, shorter than expect_losses()
-  double doubt_s = 3;  // an answer that takes this long puts the link in doubt; asked for after half of it
+  double silence_s = 75;  // silence after which it is given up: longer than a link may be dark
+  double doubt_s = 3;     // an answer that takes this long puts the link in doubt; asked for after half of it
 };
 
 /// What a peer wrote, for people: cut, and without control characters.

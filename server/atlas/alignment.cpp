@@ -63,7 +63,7 @@ double asked_overlap_m(const Evidence& e) {
   // all else there shared 57 m.
   constexpr double few = 0.3, metres_each = 200, most_m = 70, told_m = 100;
   const double of_all_m = std::clamp(metres_each * (e.repetition - few), 0.0, most_m);
-  return std::clamp(33 * counted_aliases(e), of_all_m, told_m);
+  return std::clamp(asked_each_m * counted_aliases(e), of_all_m, told_m);
 }
 
 double runner_up_share(const Evidence& e) {
