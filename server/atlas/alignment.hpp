@@ -63,10 +63,12 @@ double asked_alike(const Evidence& evidence);
 /// until the repetition counted too.
 double counted_aliases(const Evidence& evidence);
 
-/// Overlap, along b's path, that is asked for where the mine repeats itself: 33 m for each alias that counts. With 30 m
-/// two mines of the same 20 m tiles were merged over 24 m. At least up to 70 m where all sessions together show copies:
-/// the one that would be merged wrongly need not have been driven through twice. At most 100 m.
+/// For each alias that counts. With 30 m two mines of the same 20 m tiles were merged over 24 m.
 inline constexpr double asked_each_m = 33;
+
+/// Overlap, along b's path, that is asked for where the mine repeats itself. Where all sessions together show copies, up
+/// to 70 m without any alias: the copy that would be merged wrongly need not have been driven through twice. At most
+/// 100 m.
 double asked_overlap_m(const Evidence& evidence);
 
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told
