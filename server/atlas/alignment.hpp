@@ -66,8 +66,8 @@ double counted_aliases(const Evidence& evidence);
 /// For each alias that counts. With 30 m two mines of the same 20 m tiles were merged over 24 m.
 inline constexpr double asked_each_m = 33;
 
-/// Overlap, along b's path, that is asked for where the mine repeats itself. Where all sessions together show copies, up
-/// to 70 m without any alias: the copy that would be merged wrongly need not have been driven through twice. At most
+/// Overlap, along b's path, that is asked for where the mine repeats itself. Where all sessions together show copies,
+/// up to 70 m without any alias: the copy that would be merged wrongly need not have been driven through twice. At most
 /// 100 m.
 double asked_overlap_m(const Evidence& evidence);
 
