@@ -51,7 +51,7 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     hold_ = p->hold;
     server_bytes_per_s_ = p->bytes_per_s;
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
-    durable_keyframes_ = k->up_to;
+    durable_keyframes_ = std::max(durable_keyframes_, k->up_to);
     written = spool_.acknowledge_keyframes(k->up_to);
   } else if (const auto* c = std::get_if<CloudsDurable>(&event)) {
     for (auto s = spool_.next_held_cloud(c->first); s != 0 && s <= c->last; s = spool_.next_held_cloud(s + 1))

@@ -22,6 +22,7 @@ void Uplink::Thread::read(const Link& l) {
     if (code) return fail(l, "the connection broke", code);
     take(l, l->protocol.receive({l->received.data(), n}, Clock::now()));
     if (l->over) return;
+    if (l->probed && l->protocol.answered()) choose(l);
     doubt();
     pump(l);
     read(l);
@@ -91,9 +92,12 @@ void Uplink::Thread::tick(const Link& l) {
 
 void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events) {
   for (const auto& event : events) {
+    if (l != link && std::holds_alternative<Welcomed>(event)) continue;  // a spare stands
+    if (l != link && std::holds_alternative<LinkEnded>(event)) return end(l, {});
     if (const auto* policy = std::get_if<PolicyTold>(&event))
       bucket.set_rate(tighter(config.bytes_per_s, policy->bytes_per_s), Clock::now());
-    if (std::holds_alternative<Welcomed>(event)) {
+    if (const auto* welcomed = std::get_if<Welcomed>(&event)) {
+      spares_allowed = welcomed->spares;
       bucket.set_rate(config.bytes_per_s, Clock::now());  // until the server says otherwise
       up = true;
       backoff.reset();
@@ -109,7 +113,8 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
 void Uplink::Thread::begin_close(bool complete) {
   closing = true;
   if (!carried() || !link->protocol.welcomed()) return io.stop();
-  give_up_attempts();  // a new connection would not know of the goodbye
+  give_up_attempts();  // another connection would not know of the goodbye
+  give_up_spares();
   link->protocol.goodbye(complete);
   retry.expires_after(seconds(config.close_s));
   retry.async_wait([this](const Code&) { io.stop(); });

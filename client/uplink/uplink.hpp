@@ -20,11 +20,15 @@ struct UplinkConfig {
   double connect_s = 5;        // a connection that is not up within this is given up
   double connect_again_s = 1;  // while one is not up, another is tried beside it: at most four; the first up stays
   double close_s = 5;          // for the goodbye
+  std::size_t spares =
+      7;  // connections kept beside the first over a link that loses packets; the server may allow less
   UplinkLimits limits;
 };
 
 /// A link that falls silent though an answer is due is doubted: others are tried beside it, and the first that speaks
-/// stays. Runs a thread of its own between construction and close(). All calls are thread safe.
+/// stays. Over a link that loses packets spares stand ready for that: TCP sends again once a second at most, eight
+/// connections one after the other eight times. Runs a thread of its own between construction and close(). All calls
+/// are thread safe.
 class Uplink {
  public:
   /// on_event is called on the uplink's thread and must not throw; LinkEnded comes once for every connection or attempt

@@ -35,10 +35,15 @@ std::string printable_text(const std::string& peer_text) {
 }
 
 UplinkProtocol::UplinkProtocol(const UplinkLimits& limits, const Hello& hello, const UplinkSource& source, Time now)
-    : limits_(limits), hello_(hello), source_(source), born_(now), heard_(now) {
+    : limits_(limits), hello_(hello), source_(source), born_(now), heard_(now) {}
+
+std::string UplinkProtocol::hello_frame() const {
   v1::RobotMessage message;
   *message.mutable_hello() = to_proto(hello_);
-  queue(message);
+  message.mutable_hello()->set_spare(!carries_);
+  std::string frame;
+  (void)append_frame(frame, message.SerializeAsString());  // names are short: it fits
+  return frame;
 }
 
 // A full queue drops the newest: only pongs to a server that pings without reading can fill it.
@@ -85,7 +90,8 @@ std::vector<UplinkEvent> UplinkProtocol::tick(Time now) {
   } else if (silent_s >= limits_.silence_s) {
     end(events, ErrorCode::unavailable, "the server fell silent", false);
   } else if (welcomed() && !asked_ &&
-             (silent_s >= limits_.ping_s || (answer_since_ && seconds(*answer_since_, now) >= limits_.doubt_s / 2))) {
+             (silent_s >= (carries_ ? limits_.ping_s : limits_.spare_ping_s) ||
+              (answer_since_ && seconds(*answer_since_, now) >= limits_.doubt_s / 2))) {
     ping();
   }
   return events;
@@ -113,24 +119,18 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
   if (message.body_case() == Body::kWelcome) return on_welcome(message.welcome(), events);
   if (!welcomed()) return end(events, ErrorCode::bad_input, "from the server: a message before its welcome", false);
   switch (message.body_case()) {
-    case Body::kKeyframeAck: {
-      const auto up_to = message.keyframe_ack().durable_keyframes();
-      if (up_to > sent_keyframes_)
-        return end(events, ErrorCode::bad_input, "from the server: an ack of a keyframe that was not sent", false);
-      durable_keyframes_ = std::max(durable_keyframes_, up_to);
-      events.emplace_back(KeyframesDurable{durable_keyframes_});
-      return;
-    }
+    case Body::kKeyframeAck: return on_keyframe_ack(message.keyframe_ack().durable_keyframes(), events);
     case Body::kCloudAck:
       for (const auto sequence : message.cloud_ack().sequences()) on_cloud_ack(sequence, events);
       return;
     case Body::kCloudRefusal: return on_cloud_refusal(message.cloud_refusal(), events);
-    case Body::kSubmapRequest: return on_submap_request(message.submap_request());
-    case Body::kTransformUpdate: return on_transforms(message.transform_update(), events);
+    // A spare is told neither, but for what was on its way: who takes over is told again.
+    case Body::kSubmapRequest: return carries_ ? on_submap_request(message.submap_request()) : void();
+    case Body::kTransformUpdate: return carries_ ? on_transforms(message.transform_update(), events) : void();
     case Body::kLinkPolicy:
-      held_ = !message.link_policy().hold().empty();
-      events.emplace_back(PolicyTold{static_cast<double>(message.link_policy().bytes_per_s()),
-                                     printable_text(message.link_policy().hold())});
+      policy_ = {static_cast<double>(message.link_policy().bytes_per_s()),
+                 printable_text(message.link_policy().hold())};
+      if (carries_) events.emplace_back(policy_);
       return;
     case Body::kPing: {
       v1::RobotMessage pong;
@@ -156,10 +156,19 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
                true);
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
-  events.emplace_back(Welcomed{});
+  events.emplace_back(Welcomed{message.spares()});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
   for (const auto& range : message.durable_clouds())
     if (range.first() <= range.last()) events.emplace_back(CloudsDurable{range.first(), range.last()});
+}
+
+void UplinkProtocol::on_keyframe_ack(std::uint64_t up_to, Events& events) {
+  if (up_to > (carried_alone_ ? sent_keyframes_ : source_.last_sequence()))
+    return end(events, ErrorCode::bad_input, "from the server: an ack of a keyframe that was not sent", false);
+  durable_keyframes_ = std::max(durable_keyframes_, up_to);
+  sent_keyframes_ = std::max(sent_keyframes_, durable_keyframes_);
+  if (probed_ == Probed::asked) probed_ = Probed::answered;
+  events.emplace_back(KeyframesDurable{durable_keyframes_});
 }
 
 void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& events) {
@@ -202,33 +211,42 @@ void UplinkProtocol::goodbye(bool complete) {
 }
 
 std::optional<std::string> UplinkProtocol::next_frame(Time now, std::size_t chunk_bytes, Events& events) {
-  // The hello alone may go before the welcome; triggers wait in the queue behind it.
-  const bool only_hello = state_ == State::welcome_awaited;
-  if (ended() || (only_hello && said_hello_)) return std::nullopt;
-  if (control_.empty() && !said_goodbye_ && !held_)
+  if (ended()) return std::nullopt;
+  if (!said_hello_) {
+    said_hello_ = true;
+    expect_answer(now);
+    return hello_frame();
+  }
+  if (!welcomed()) return std::nullopt;  // the hello alone may go before; triggers wait in the queue behind it
+  if (control_.empty() && carries_ && !said_goodbye_ && policy_.hold.empty())
     if (!queue_next_keyframe(events) && chunk_bytes > 0) queue_next_chunk(chunk_bytes, events);
   if (control_.empty()) return std::nullopt;
   expect_answer(now);
-  said_hello_ = true;
   std::string frame = std::move(control_.front());
   control_.pop_front();
   return frame;
 }
 
+Result<v1::RobotMessage> UplinkProtocol::next_keyframe() const {
+  const auto keyframe = source_.keyframe(sent_keyframes_ + 1);
+  auto message = keyframe ? to_proto(*keyframe) : tl::unexpected(keyframe.error());
+  if (!message) return tl::unexpected(message.error());
+  v1::RobotMessage body;
+  *body.mutable_keyframe() = std::move(*message);
+  body.set_backlog(source_.last_sequence() - sent_keyframes_ - 1);
+  return body;
+}
+
 bool UplinkProtocol::queue_next_keyframe(Events& events) {
   if (sent_keyframes_ >= source_.last_sequence() || sent_keyframes_ - durable_keyframes_ >= limits_.keyframes_in_flight)
     return false;
-  const auto keyframe = source_.keyframe(sent_keyframes_ + 1);
-  const auto message = keyframe ? to_proto(*keyframe) : tl::unexpected(keyframe.error());
-  if (!message) {
-    end(events, message.error().code, message.error().message, true);  // no hole may be sent
+  const auto body = next_keyframe();
+  if (!body) {
+    end(events, body.error().code, body.error().message, true);  // no hole may be sent
     return false;
   }
-  v1::RobotMessage body;
-  *body.mutable_keyframe() = *message;
   ++sent_keyframes_;
-  body.set_backlog(source_.last_sequence() - sent_keyframes_);
-  queue(body);
+  queue(*body);
   return true;
 }
 

@@ -31,7 +31,9 @@ class UplinkSource {
 };
 
 // Events.
-struct Welcomed {};
+struct Welcomed {
+  std::uint64_t spares = 0;  // how many connections may stand beside this one
+};
 struct KeyframesDurable {
   std::uint64_t up_to = 0;
 };
@@ -60,10 +62,11 @@ using UplinkEvent = std::variant<Welcomed, KeyframesDurable, CloudsDurable, Clou
 struct UplinkLimits {
   std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
   std::size_t clouds_in_flight = 16;
-  double welcome_s = 10;  // a server that does not welcome within this is given up
-  double ping_s = 10;     // silence after which the server is asked
-  double silence_s = 75;  // silence after which it is given up: longer than a link may be dark
-  double doubt_s = 3;     // an answer that takes this long puts the link in doubt; asked for after half of it
+  double welcome_s = 10;     // a server that does not welcome within this is given up
+  double ping_s = 10;        // silence after which the server is asked
+  double silence_s = 75;     // silence after which it is given up: longer than a link may be dark
+  double doubt_s = 3;        // an answer that takes this long puts the link in doubt; asked for after half of it
+  double spare_ping_s = 30;  // silence after which the server is asked on a spare
 };
 
 /// What a peer wrote, for people: cut, and without control characters.
@@ -93,11 +96,27 @@ class UplinkProtocol {
   /// Nothing follows this; the caller closes once it is written.
   void goodbye(bool complete);
 
+  /// A spare from now on: a connection beside the one that carries the session. Nothing but pings, pongs and probes go.
+  void stand_by();
+
+  /// Asks on a spare that was welcomed whether its way is open, with the first keyframe behind `durable` if there is
+  /// one.
+  void probe(std::uint64_t durable);
+  /// The probe was answered: the way is open.
+  bool answered() const { return probed_ == Probed::answered; }
+
+  /// The spare carries the session from now on; says what it was told before.
+  std::vector<UplinkEvent> take_over();
+
+  /// All keyframes up to here are on the server's disk.
+  std::uint64_t durable_keyframes() const { return durable_keyframes_; }
+
   bool welcomed() const { return state_ == State::welcomed; }
   bool ended() const { return state_ == State::ended; }
 
  private:
   enum class State { welcome_awaited, welcomed, ended };
+  enum class Probed { no, asked, answered };
   using Events = std::vector<UplinkEvent>;
   struct Transfer {
     std::uint64_t sequence = 0;
@@ -107,6 +126,7 @@ class UplinkProtocol {
 
   void handle(const v1::ServerMessage& message, Events& events);
   void on_welcome(const v1::Welcome& message, Events& events);
+  void on_keyframe_ack(std::uint64_t up_to, Events& events);
   void on_cloud_ack(std::uint64_t sequence, Events& events);
   void on_cloud_refusal(const v1::CloudRefusal& message, Events& events);
   void on_submap_request(const v1::SubmapRequest& message);
@@ -114,6 +134,8 @@ class UplinkProtocol {
   void on_error(const v1::ErrorReport& message, Events& events);
   void end(Events& events, ErrorCode code, const std::string& message, bool permanent);
   void queue(const v1::RobotMessage& message);
+  std::string hello_frame() const;
+  Result<v1::RobotMessage> next_keyframe() const;
   bool queue_next_keyframe(Events& events);
   void queue_next_chunk(std::size_t chunk_bytes, Events& events);
   void expect_answer(Time now);
@@ -133,7 +155,10 @@ class UplinkProtocol {
   std::uint64_t pings_ = 0;
   FrameReader frames_;
   std::deque<std::string> control_;  // bounded: see queue()
-  bool held_ = false;                // the server takes nothing for now
+  PolicyTold policy_;                // as told last
+  bool carries_ = true;              // the session; false: a spare
+  bool carried_alone_ = true;        // never a spare: what is acknowledged was sent here
+  Probed probed_ = Probed::no;
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once

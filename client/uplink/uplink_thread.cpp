@@ -50,16 +50,23 @@ void Uplink::Thread::next_attempt() {
   next.expires_after(seconds(config.connect_again_s));
   next.async_wait([this](const Code& code) {
     if (code || closing || attempts.empty()) return;
+    if (!doubtful()) return;  // a spare in the making is in no hurry
     attempts.size() < most_attempts ? connect() : next_attempt();
   });
 }
 
 void Uplink::Thread::connected_to(const Link& l) {
-  if (link) discard(link);  // in doubt: the server replaces it too
-  link = l;
   std::erase(attempts, l);
-  give_up_attempts();
   l->up = true;
+  const bool beside = carried() && link->protocol.welcomed() && spares_wanted() > 0;
+  if (beside && spares.size() >= spares_wanted()) return discard(l);
+  if (beside) {
+    stand_by(l);
+  } else {
+    if (link) discard(link);  // in doubt: the server replaces it too
+    link = l;
+    give_up_attempts();
+  }
   read(l);
   pump(l);
   tick(l);
@@ -70,19 +77,9 @@ void Uplink::Thread::give_up_attempts() {
   for (const Link& l : std::exchange(attempts, {})) discard(l);
 }
 
-/// While the link is in doubt others are tried beside it; when it speaks again, they are given up.
-void Uplink::Thread::doubt() {
-  if (!carried()) return;
-  const bool doubtful = link->protocol.doubtful(Clock::now());
-  if (!doubtful)
-    give_up_attempts();
-  else if (attempts.empty() && !closing)
-    connect();
-}
-
 void Uplink::Thread::fail(const Link& l, const std::string& what, const Code& code) {
   if (l->over) return;
-  const bool beside = std::erase(attempts, l) > 0 && carried();
+  const bool beside = (std::erase(attempts, l) > 0 && carried()) || spare(l);
   end(l, code == asio::error::timed_out ? 0 : backoff.next_s());  // it took its time: the next one at once
   const std::string where = config.host + ":" + std::to_string(config.port);
   if (!closing && !beside)
@@ -102,11 +99,17 @@ void Uplink::Thread::discard(const Link& l) {
 void Uplink::Thread::end(const Link& l, std::optional<double> again_s) {
   if (l->over) return;
   discard(l);
+  if (std::erase(spares, l) > 0) {
+    no_spare_before = Clock::now() + seconds(spare_again_s);
+    return;
+  }
   if (carried()) return;  // an attempt beside it: tick() tries again as long as there is doubt
   up = false;
   if (!again_s) give_up_attempts();
+  if (!again_s || closing) give_up_spares();
   if (closing) return io.stop();
   if (again_s && attempts.empty()) retry_after(*again_s);
+  doubt();
 }
 
 void Uplink::Thread::retry_after(double s) {

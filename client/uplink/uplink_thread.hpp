@@ -1,6 +1,8 @@
 #pragma once
-// The inside of the uplink: uplink_thread.cpp makes, doubts and ends connections, uplink.cpp sends over them.
+// The inside of the uplink: uplink_thread.cpp makes and ends connections, uplink_spares.cpp doubts the one that carries
+// the session and lets another take over, uplink.cpp sends over them.
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -31,7 +33,7 @@ struct Uplink::Thread {
     UplinkProtocol protocol;
     std::array<char, 16 * 1024> received{};
     std::string writing;  // the frame that is on its way
-    bool up = false, over = false, shut = false;
+    bool up = false, over = false, shut = false, probed = false;
   };
   using Link = std::shared_ptr<Connection>;
 
@@ -56,11 +58,21 @@ struct Uplink::Thread {
   static void discard(const Link& link);
   void retry_after(double s);
   void doubt();
+  bool doubtful() const { return !carried() || link->protocol.doubtful(Clock::now()); }
+  std::size_t spares_wanted() const;
+  void keep_spares();
+  void stand_by(const Link& link);
+  void probe_next();
+  void calm_down();
+  void choose(const Link& link);
+  void give_up_spares();
   bool carried() const { return link && !link->over; }
+  bool spare(const Link& l) const { return std::find(spares.begin(), spares.end(), l) != spares.end(); }
   std::size_t room(const Link& link) const;
   void begin_close(bool complete);
 
   static constexpr std::size_t most_attempts = 4;
+  static constexpr double spare_again_s = 10;  // after one was turned away
 
   static Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
@@ -72,12 +84,17 @@ struct Uplink::Thread {
   const std::function<void(const UplinkEvent&)> on_event;
   boost::asio::io_context io{1};
   std::optional<PinnedTls> tls;  // none: in the clear
-  boost::asio::steady_timer retry{io}, next{io};
+  boost::asio::steady_timer retry{io}, next{io}, probing{io};
   boost::asio::ip::tcp::resolver resolver{io};
   TokenBucket bucket;
   Backoff backoff{config.retry_first_s, config.retry_most_s, std::random_device{}()};
-  Link link;                   // the one that carries the session; null or over: none does
-  std::vector<Link> attempts;  // being made; beside a link in doubt, or without one
+  Link link;                       // the one that carries the session; null or over: none does
+  std::vector<Link> attempts;      // being made; beside a link in doubt, for a spare, or without one
+  std::vector<Link> spares;        // up, and beside the link
+  std::size_t spares_allowed = 0;  // by the server
+  bool lossy = false;              // the link has lost packets: spares are worth their pings
+  bool probing_now = false;        // one was asked, the next one's turn comes
+  Clock::time_point no_spare_before{};
   std::string pending_trigger;
   bool closing = false;
   std::atomic<bool> up{false};

@@ -151,6 +151,7 @@ v1::Hello to_proto(const Hello& h) {
   m.set_token(h.token);
   m.set_enrolment_code(h.enrolment_code);
   *m.mutable_spool_runs() = {h.spool_runs.begin(), h.spool_runs.end()};
+  m.set_spare(h.spare);
   return m;
 }
 
@@ -185,6 +186,7 @@ Result<Hello> from_proto(const v1::Hello& m) {
   h.spool_runs = {m.spool_runs().begin(), m.spool_runs().end()};
   if (std::find(h.spool_runs.begin(), h.spool_runs.end(), 0U) != h.spool_runs.end())
     return bad("hello: a spool run is 0");
+  h.spare = m.spare();
   return h;
 }
 

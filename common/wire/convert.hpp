@@ -31,6 +31,7 @@ struct Hello {
   std::string token{};                      // 32 bytes, or empty: it has no credential
   std::string enrolment_code{};             // 16 bytes, or empty
   std::vector<std::uint64_t> spool_runs{};  // this opening of the spool last; empty: it does not say
+  bool spare = false;                       // beside the connection that carries the session
 };
 
 /// Robot, session, family and model names: 1 to limits::name_bytes bytes, printable, without '/', neither "." nor "..".

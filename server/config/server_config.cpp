@@ -24,6 +24,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"limits", "write_queue_mib", &c.write_queue_mib, 32, 65536},
       {"limits", "robots", &c.limits.robots, 1, 4096},
       {"limits", "strangers", &c.limits.strangers, 1, 4096},
+      {"limits", "spares", &c.limits.spares, 0, 64},
       {"limits", "undurable_mib", &c.limits.undurable_mib, 1, 1024},
       {"limits", "uplink_kib_s", &c.limits.uplink_kib_s, 0, 1e6},
       {"limits", "hello_s", &c.limits.hello_s, 0.1, 3600},

@@ -133,6 +133,10 @@ void RobotConnection::take_events() {
       greet(hello->hello);
       continue;
     }
+    if (const auto* probe = std::get_if<ProbeReceived>(&*event)) {
+      protocol_.resume(hub_.durable_keyframes(session_), !probe->keyframe_follows);
+      continue;
+    }
     undurable_bytes_ += SessionHub::stored_bytes(*event);
     hub_.take(session_, std::move(*event), shared_from_this());
   }
@@ -155,7 +159,7 @@ void RobotConnection::greet(const Hello& hello) {
 
 void RobotConnection::admit(const Hello& hello) {
   if (protocol_.ended()) return;  // it took too long
-  const auto admitted = hub_.admit(hello, shared_from_this());
+  const auto admitted = hello.spare ? hub_.stand_by(hello, shared_from_this()) : hub_.admit(hello, shared_from_this());
   if (!admitted) {
     ++hub_.counts().refused;
     return refuse(admitted.error());

@@ -82,7 +82,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   bool reading_ = false, writing_ = false, finishing_ = false, dropped_ = false;
   Clock::time_point write_began_, finish_began_;
   std::string output_;
-  std::array<char, 64 * 1024> input_;
+  std::array<char, 16 * 1024> input_;  // a TLS record at a time
 };
 
 }  // namespace headframe

@@ -34,8 +34,12 @@ struct TriggerRequested {
 struct GoodbyeReceived {
   bool complete = false;
 };
+struct ProbeReceived {  // to be answered by RobotProtocol::resume() before the next event is asked for
+  bool keyframe_follows = false;
+};
+struct TakenOver {};  // this connection carries the session from now on
 using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudReceived, CloudRefused, CloudsUnavailable,
-                                TriggerRequested, GoodbyeReceived>;
+                                TriggerRequested, GoodbyeReceived, ProbeReceived, TakenOver>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {

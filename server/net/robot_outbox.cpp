@@ -38,9 +38,10 @@ void RobotOutbox::append_welcome(std::string& out) {
   v1::ServerMessage message;
   auto& welcome = *message.mutable_welcome();
   welcome.set_protocol_version(protocol_version);
-  welcome.set_durable_keyframes(welcome_->keyframes);
+  welcome.set_durable_keyframes(welcome_->first.keyframes);
+  welcome.set_spares(static_cast<std::uint32_t>(welcome_->second));
   v1::SequenceRange* range = nullptr;
-  for (const std::uint64_t sequence : welcome_->clouds) {
+  for (const std::uint64_t sequence : welcome_->first.clouds) {
     if (!range || sequence != range->last() + 1) {
       // A robot that does not hear of the rest sends some clouds twice, which is harmless.
       if (welcome.durable_clouds_size() == static_cast<int>(list_entries)) break;

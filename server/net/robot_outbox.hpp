@@ -18,7 +18,7 @@ namespace headframe {
 /// it is bounded by the session itself however slow the robot reads. Not thread safe.
 class RobotOutbox {
  public:
-  void welcome(Durable durable) { welcome_ = std::move(durable); }
+  void welcome(Durable durable, int spares) { welcome_.emplace(std::move(durable), spares); }
   void acknowledge_keyframes(std::uint64_t durable) { keyframe_ack_ = durable; }
   void acknowledge_cloud(std::uint64_t sequence) { cloud_acks_.insert(sequence); }
   void refuse_cloud(std::uint64_t sequence, const std::string& reason);
@@ -37,7 +37,7 @@ class RobotOutbox {
   void append_welcome(std::string& out);
   void append_lists(std::string& out);
 
-  std::optional<Durable> welcome_;
+  std::optional<std::pair<Durable, int>> welcome_;  // with the spares that the robot may have
   std::optional<std::uint64_t> keyframe_ack_, ping_, pong_;
   std::set<std::uint64_t> cloud_acks_;
   std::map<std::uint64_t, std::string> cloud_refusals_;

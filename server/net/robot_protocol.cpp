@@ -56,6 +56,8 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
     case Body::kGoodbye: complete_ = message.goodbye().complete(); return GoodbyeReceived{complete_};
     case Body::kPing: outbox_.pong(message.ping().nonce()); return std::nullopt;
     case Body::kPong: return std::nullopt;
+    case Body::kProbe: return ProbeReceived{message.probe().keyframe_follows()};
+    case Body::kTakeOver: spare_ = false; return TakenOver{};
     default: return bad_message("a message without a body that protocol v1 knows");
   }
 }
@@ -72,6 +74,7 @@ std::optional<RobotEvent> RobotProtocol::on_hello(const v1::Hello& message) {
   auto hello = from_proto(message);
   if (!hello) return bad_message("hello: " + hello.error().message);
   family_ = hello->family;
+  spare_ = hello->spare;
   state_ = State::answer_awaited;
   return HelloReceived{std::move(*hello)};
 }
@@ -80,7 +83,15 @@ void RobotProtocol::welcome(const Durable& durable) {
   if (state_ != State::answer_awaited) return;
   state_ = State::welcomed;
   received_ = durable_ = durable.keyframes;
-  outbox_.welcome(durable);
+  outbox_.welcome(durable, limits_.spares);
+}
+
+/// Other connections of the session may have brought more than this one, and what was half sent here begins anew.
+void RobotProtocol::resume(std::uint64_t durable_keyframes, bool acknowledge) {
+  received_ = durable_ = durable_keyframes;
+  clouds_ = {};
+  skipped_.clear();
+  if (acknowledge) outbox_.acknowledge_keyframes(durable_);
 }
 
 std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message, std::uint64_t backlog) {
@@ -148,7 +159,7 @@ void RobotProtocol::tick(Time now, bool reading) {
   const double silent_s = seconds(heard_, now);
   if (silent_s >= limits_.silence_s) {
     fail(v1::ERROR_KIND_UNSPECIFIED, "no message within " + tenths(limits_.silence_s) + " s, not even a pong", false);
-  } else if (silent_s >= limits_.ping_s && !asked_) {
+  } else if (silent_s >= (spare_ ? limits_.spare_ping_s : limits_.ping_s) && !asked_) {
     asked_ = true;
     outbox_.ping(++pings_);
   }

@@ -32,8 +32,10 @@ class RobotProtocol {
   /// is not held against it.
   void tick(Time now, bool reading);
 
-  // Answers to HelloReceived.
+  /// Answers HelloReceived.
   void welcome(const Durable& durable);
+  /// Answers ProbeReceived: keyframes go on from here. acknowledge: at once, not only when the next one is durable.
+  void resume(std::uint64_t durable_keyframes, bool acknowledge);
 
   /// Ends the connection with a typed error.
   void fail(v1::ErrorKind kind, const std::string& message, bool permanent);
@@ -77,6 +79,7 @@ class RobotProtocol {
   std::set<std::uint64_t> skipped_;  // clouds that were refused half-way: the rest of them is not looked at
   RobotOutbox outbox_;
   FamilySpec family_;
+  bool spare_ = false;
   std::uint64_t received_ = 0, durable_ = 0;  // keyframes
   bool complete_ = false;
   std::string reason_;

@@ -32,6 +32,10 @@ std::string objection(const SessionRecord& record, const Hello& hello) {
   return "";
 }
 
+bool same_run(const SessionRecord& record, const Hello& hello) {
+  return !hello.spool_runs.empty() && record.spool_run == hello.spool_runs.back();
+}
+
 }  // namespace
 
 Result<void> SessionHub::restore() {
@@ -88,6 +92,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
   Admitted admitted;
   SessionRecord record;
   std::shared_ptr<RobotLink> replaced;
+  std::vector<std::weak_ptr<RobotLink>> spares;  // of another run
   {
     const std::lock_guard lock(mutex_);
     if (!has_room(hello))
@@ -95,26 +100,67 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
                                                  " robots already; raise limits.robots or try again later");
     Session& session = session_of(hello);
     if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
+    if (!same_run(session.record, hello)) spares.swap(session.spares);
     if (!hello.spool_runs.empty()) session.record.spool_run = hello.spool_runs.back();
     record = session.record;
     replaced = session.link.lock();
     session.link = link;
     session.heard = Clock::now();
-    admitted = {record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, nullptr};
-    for (const Component& component : atlas_.components)
-      for (const Placement& placement : component.placements)
-        if (placement.session == record.id && told_.contains(record.id)) admitted.transform = update_of(component);
+    session.answers = hello.clouds != CloudPolicy::never;
+    admitted = {
+        record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
     news_.session_added(record.id, record.family);
     if (replaced) news_.robot_left(record.id);  // what was asked of the old connection has to be asked again
-    news_.robot_came(record.id, hello.clouds != CloudPolicy::never);
+    news_.robot_came(record.id, session.answers);
     news_.trigger(record.id, Trigger::link);
   }
   if (replaced) ++counts_.replaced;
   if (replaced) replaced->close(v1::ERROR_KIND_REFUSED, "replaced by a newer connection of the same spool", false);
+  for (const auto& spare : spares)
+    if (const auto old = spare.lock()) old->close(v1::ERROR_KIND_REFUSED, "its robot was started anew", false);
   write(PutSession{record}, link, 0, [] {});
   spdlog::info("robot {} connected ({}): {} keyframes and {} clouds are here", name_of(record.key), hello.software,
                admitted.durable.keyframes, admitted.durable.clouds.size());
   return admitted;
+}
+
+Result<SessionHub::Admitted> SessionHub::stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link) {
+  std::shared_ptr<RobotLink> oldest;
+  const std::lock_guard lock(mutex_);
+  const auto known = ids_.find(hello.session);
+  if (known == ids_.end() || sessions_.at(known->second).link.expired())
+    return failure(ErrorCode::unavailable, "a spare, and no connection of its session to stand beside");
+  Session& session = sessions_.at(known->second);
+  if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
+  if (!same_run(session.record, hello)) return failure(ErrorCode::unavailable, "a spare of another run of its spool");
+  auto& spares = session.spares;
+  std::erase_if(spares, [](const auto& spare) { return spare.expired(); });
+  if (spares.size() >= static_cast<std::size_t>(limits_.spares)) {
+    if (spares.empty()) return failure(ErrorCode::unavailable, "limits.spares is 0");
+    oldest = spares.front().lock();
+    spares.erase(spares.begin());
+  }
+  if (oldest) oldest->close(v1::ERROR_KIND_OVERLOADED, "more spares than limits.spares", false);
+  spares.push_back(link);
+  return Admitted{known->second, {session.keyframes, {}}, nullptr};
+}
+
+/// From a spare; one that was closed meanwhile is not in the list.
+void SessionHub::take_over(SessionId id, const std::shared_ptr<RobotLink>& link) {
+  const std::lock_guard lock(mutex_);
+  Session& session = sessions_.at(id);
+  const auto same = [&](const auto& spare) { return spare.lock() == link; };
+  if (std::erase_if(session.spares, same) == 0) return;
+  if (!session.link.expired()) session.spares.push_back(session.link);
+  session.link = link;
+  news_.robot_left(id);  // what was asked of the other has to be asked again
+  news_.robot_came(id, session.answers);
+  if (const auto transform = transform_of(id)) link->update_transform(transform);
+}
+
+std::uint64_t SessionHub::durable_keyframes(SessionId session) const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.at(session).keyframes;
 }
 
 std::size_t SessionHub::stored_bytes(const RobotEvent& event) {
@@ -130,6 +176,7 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
+  if (std::holds_alternative<TakenOver>(event)) take_over(session, link);
   if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
     write(PutMerge{}, link, 0, [this, session] { news_.trigger(session, Trigger::request); });
 }
@@ -225,6 +272,7 @@ void SessionHub::received(SessionId session, std::size_t bytes) {
 void SessionHub::left(SessionId session, const RobotLink* link) {
   const std::lock_guard lock(mutex_);
   Session& known = sessions_.at(session);
+  std::erase_if(known.spares, [&](const auto& spare) { return spare.expired() || spare.lock().get() == link; });
   if (known.link.lock().get() != link) return;  // replaced before
   known.link.reset();
   news_.robot_left(session);
@@ -236,11 +284,14 @@ void SessionHub::end_robot(const std::string& robot, const std::string& why) {
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, session] : sessions_)
-      if (session.record.key.robot == robot)
-        if (auto link = session.link.lock()) ended.push_back(std::move(link));
+      if (session.record.key.robot == robot) {
+        ended.push_back(session.link.lock());
+        for (const auto& spare : session.spares) ended.push_back(spare.lock());
+      }
   }
   const std::string reason = "robot " + robot + ": " + why;
-  for (const auto& link : ended) link->close(v1::ERROR_KIND_REFUSED, reason, true);
+  for (const auto& link : ended)
+    if (link) link->close(v1::ERROR_KIND_REFUSED, reason, true);
 }
 
 std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {

@@ -53,10 +53,14 @@ class SessionHub : public Robots {
   /// robots as limits.robots are connected. A living connection of the same spool is replaced: the robot has noticed
   /// before us that it broke. From here on the hub writes to the link.
   Result<Admitted> admit(const Hello& hello, const std::shared_ptr<RobotLink>& link);
-  /// Takes any event but the hello.
+  /// A connection beside the one that carries the session, of the same run of its spool; what is durable, without the
+  /// clouds. unavailable: there is none to stand beside. Of more than limits.spares the oldest is closed.
+  Result<Admitted> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
+  /// Takes any event but the hello and the probe.
   void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
   void received(SessionId session, std::size_t bytes);
   void left(SessionId session, const RobotLink* link);
+  std::uint64_t durable_keyframes(SessionId session) const;
   /// Ends all connections of this robot, for good.
   void end_robot(const std::string& robot, const std::string& why);
 
@@ -98,6 +102,8 @@ class SessionHub : public Robots {
     DataRate rate;
     Clock::time_point heard;
     std::weak_ptr<RobotLink> link;
+    std::vector<std::weak_ptr<RobotLink>> spares;  // the oldest first
+    bool answers = false;                          // requests for clouds
   };
   using Applied = std::function<void()>;
   using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written
@@ -110,6 +116,8 @@ class SessionHub : public Robots {
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
+  void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
+  std::shared_ptr<const std::string> transform_of(SessionId session) const;
   std::shared_ptr<const std::string> update_of(const Component& component) const;
   std::shared_ptr<RobotLink> link_of(SessionId session) const;
 

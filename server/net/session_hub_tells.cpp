@@ -77,6 +77,15 @@ std::shared_ptr<const std::string> SessionHub::update_of(const Component& compon
   return nullptr;
 }
 
+/// Under the lock. Null: the session has never been merged.
+std::shared_ptr<const std::string> SessionHub::transform_of(SessionId session) const {
+  if (!told_.contains(session)) return nullptr;
+  for (const Component& component : atlas_.components)
+    for (const Placement& placement : component.placements)
+      if (placement.session == session) return update_of(component);
+  return nullptr;
+}
+
 void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& changed) {
   std::vector<std::pair<std::shared_ptr<RobotLink>, std::shared_ptr<const std::string>>> updates;
   {

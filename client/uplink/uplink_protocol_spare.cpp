@@ -1,0 +1,39 @@
+// A connection that stands beside the one that carries the session, until it takes over.
+#include "client/uplink/uplink_protocol.hpp"
+
+namespace headframe {
+
+void UplinkProtocol::stand_by() {
+  carries_ = carried_alone_ = false;
+  probed_ = Probed::no;
+  requested_.clear();
+  requested_transfer_.reset();
+  background_transfer_.reset();
+}
+
+/// The two go as one: a packet that comes through brings both.
+void UplinkProtocol::probe(std::uint64_t durable) {
+  sent_keyframes_ = durable_keyframes_ = durable;
+  probed_ = Probed::asked;
+  v1::RobotMessage probe;
+  auto keyframe = durable < source_.last_sequence() && policy_.hold.empty()
+                      ? next_keyframe()
+                      : Result<v1::RobotMessage>(failure(ErrorCode::unavailable, ""));
+  probe.mutable_probe()->set_keyframe_follows(keyframe.has_value());
+  std::string frames;
+  (void)append_frame(frames, probe.SerializeAsString());
+  if (keyframe && append_frame(frames, keyframe->SerializeAsString())) ++sent_keyframes_;
+  control_.push_back(std::move(frames));  // once in a while: the queue needs no bound here
+}
+
+std::vector<UplinkEvent> UplinkProtocol::take_over() {
+  carries_ = true;
+  probed_ = Probed::no;
+  background_from_ = 1;  // what the other sent may not have arrived
+  v1::RobotMessage message;
+  (void)message.mutable_take_over();
+  queue(message);
+  return {policy_};
+}
+
+}  // namespace headframe

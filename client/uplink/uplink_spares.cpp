@@ -1,0 +1,81 @@
+// Which of several connections carries the session.
+#include "client/uplink/kernel_queue.hpp"
+#include "client/uplink/uplink_thread.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr double resend_s = 1;  // TCP's, at most: see expect_losses()
+
+}  // namespace
+
+/// While the link is in doubt the spares are asked, and without any others are tried beside it.
+void Uplink::Thread::doubt() {
+  if (closing) return;
+  if (!doubtful()) return calm_down();
+  probe_next();
+  if (carried() && attempts.empty() && spares.empty()) connect();
+}
+
+/// The link speaks.
+void Uplink::Thread::calm_down() {
+  probing.cancel();
+  for (const Link& l : spares)
+    if (std::exchange(l->probed, false)) l->protocol.stand_by();
+  keep_spares();
+}
+
+std::size_t Uplink::Thread::spares_wanted() const { return lossy ? std::min(config.spares, spares_allowed) : 0; }
+
+void Uplink::Thread::keep_spares() {
+  lossy = lossy || loses_packets(link->stream.socket().native_handle());
+  if (!link->protocol.welcomed() || spares.size() >= spares_wanted())
+    give_up_attempts();
+  else if (attempts.empty() && Clock::now() >= no_spare_before)
+    connect();
+}
+
+void Uplink::Thread::stand_by(const Link& l) {
+  l->probed = false;
+  l->protocol.stand_by();
+  spares.push_back(l);
+}
+
+/// One after the other, so that what TCP sends again is spread over its second and not sent at once.
+void Uplink::Thread::probe_next() {
+  if (probing_now) return;
+  const auto unasked = [](const Link& l) { return !l->probed && l->protocol.welcomed(); };
+  const auto found = std::find_if(spares.begin(), spares.end(), unasked);
+  if (found == spares.end()) return;
+  const Link l = *found;
+  l->probed = probing_now = true;
+  probing.expires_after(seconds(resend_s / static_cast<double>(spares.size() + 1)));
+  probing.async_wait([this](const Code&) {
+    probing_now = false;
+    doubt();
+  });
+  l->protocol.probe(link->protocol.durable_keyframes());
+  pump(l);
+}
+
+/// A spare was answered: it carries the session unless the link has spoken meanwhile.
+void Uplink::Thread::choose(const Link& l) {
+  if (closing || !doubtful()) return;
+  const Link before = std::exchange(link, l);
+  std::erase(spares, l);
+  if (before->protocol.welcomed() && !before->over)
+    stand_by(before);
+  else
+    discard(before);
+  retry.cancel();
+  if (!up) take(l, {Welcomed{spares_allowed}, KeyframesDurable{l->protocol.durable_keyframes()}});
+  take(l, l->protocol.take_over());
+  calm_down();
+  pump(l);
+}
+
+void Uplink::Thread::give_up_spares() {
+  for (const Link& l : std::exchange(spares, {})) discard(l);
+}
+
+}  // namespace headframe
