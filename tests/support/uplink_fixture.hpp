@@ -41,7 +41,7 @@ class UplinkProtocolTest : public testing::Test {
  protected:
   void start(CloudPolicy clouds = CloudPolicy::all) { link_.emplace(limits_, rover(clouds), table_, now_); }
 
-  /// Everything it wants to send now, in words: "k3" keyframe, "c2:0" chunk of cloud 2 at KiB 0, "none2" unavailable.
+  /// Everything it wants to send now, in words, those that go as one in one: "k3" keyframe, "c2:0" chunk of cloud 2 at KiB 0, "none2" unavailable.
   std::vector<std::string> sent(std::size_t most = 1000) {
     std::vector<std::string> words;
     while (words.size() < most) {
@@ -49,15 +49,22 @@ class UplinkProtocolTest : public testing::Test {
       if (!frame) break;
       FrameReader reader;
       reader.feed(*frame);
-      v1::RobotMessage m;
-      EXPECT_TRUE(m.ParseFromString(**reader.next()));
-      words.push_back(word(m));
+      std::string together;
+      for (auto payload = reader.next(); payload && *payload; payload = reader.next()) {
+        v1::RobotMessage m;
+        EXPECT_TRUE(m.ParseFromString(**payload));
+        if (!together.empty()) together += ' ';
+        together += word(m);
+      }
+      words.push_back(together);
     }
     return words;
   }
 
   static std::string word(const v1::RobotMessage& m) {
-    if (m.has_hello()) return "hello";
+    if (m.has_hello()) return m.hello().spare() ? "hello of a spare" : "hello";
+    if (m.has_probe()) return m.probe().keyframe_follows() ? "probe with" : "probe";
+    if (m.has_take_over()) return "take over";
     if (m.has_keyframe()) return "k" + std::to_string(m.keyframe().sequence());
     if (m.has_cloud_chunk())
       return "c" + std::to_string(m.cloud_chunk().sequence()) + ":" + std::to_string(m.cloud_chunk().offset() / 1024);
