@@ -37,6 +37,18 @@ inline std::string keyframe_frame(const Keyframe& keyframe) {
   return frame(message);
 }
 
+inline std::string probe_frame(bool keyframe_follows) {
+  v1::RobotMessage message;
+  message.mutable_probe()->set_keyframe_follows(keyframe_follows);
+  return frame(message);
+}
+
+inline std::string take_over_frame() {
+  v1::RobotMessage message;
+  (void)message.mutable_take_over();
+  return frame(message);
+}
+
 inline std::string chunk_frame(std::uint64_t sequence, std::size_t total, std::size_t offset, const std::string& data) {
   v1::RobotMessage message;
   auto& chunk = *message.mutable_cloud_chunk();
