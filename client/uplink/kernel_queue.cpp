@@ -25,11 +25,11 @@ std::size_t kernel_room(int socket, std::size_t most) {
   return std::clamp(static_cast<std::size_t>(rate * behind_chunk_s), std::min(least_chunk, most), most);
 }
 
-bool loses_packets(int socket) {
+bool loses_packets(int socket, double share) {
   tcp_info info{};
   socklen_t size = sizeof info;
   if (::getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
-  return info.tcpi_total_retrans > 2 && info.tcpi_total_retrans * 50ULL > info.tcpi_segs_out;
+  return info.tcpi_total_retrans > 2 && info.tcpi_total_retrans > share * info.tcpi_segs_out;
 }
 
 }  // namespace headframe

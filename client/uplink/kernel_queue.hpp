@@ -9,8 +9,8 @@ namespace headframe {
 /// second, else what the link delivers in 50 ms. `most` where the kernel does not say.
 std::size_t kernel_room(int socket, std::size_t most);
 
-/// Whether this TCP connection had to send more than one packet in fifty again, and more than two. false where the
-/// kernel does not say.
-bool loses_packets(int socket);
+/// Whether this TCP connection had to send more than this share of its packets again, and more than two of them. false
+/// where the kernel does not say.
+bool loses_packets(int socket, double share);
 
 }  // namespace headframe

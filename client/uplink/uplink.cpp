@@ -82,7 +82,8 @@ void Uplink::Thread::tick(const Link& l) {
   l->deadline.expires_after(tick_every);
   l->deadline.async_wait([this, l](const Code& code) {
     if (code || l->over) return;
-    take(l, l->protocol.tick(Clock::now()));
+    // In the dark a spare is not asked: what it answers would come before the answer to a probe.
+    if (!spare(l) || !doubtful()) take(l, l->protocol.tick(Clock::now()));
     if (l->over) return;
     doubt();
     pump(l);

@@ -16,12 +16,12 @@ struct UplinkConfig {
   std::string fingerprint;  // of the server's certificate, 32 bytes: TLS 1.3 with it alone; empty: in the clear
   double bytes_per_s = 0;   // budget of what is sent; 0: no limit
   double retry_first_s = 0.5;
-  double retry_most_s = 1.5;   // a base station that is back is found within this
-  double connect_s = 5;        // a connection that is not up within this is given up
-  double connect_again_s = 1;  // while one is not up, another is tried beside it: at most four; the first up stays
-  double close_s = 5;          // for the goodbye
-  std::size_t spares =
-      7;  // connections kept beside the first over a link that loses packets; the server may allow less
+  double retry_most_s = 1.5;       // a base station that is back is found within this
+  double connect_s = 5;            // a connection that is not up within this is given up
+  double connect_again_s = 1;      // while one is not up, another is tried beside it: at most four; the first up stays
+  double close_s = 5;              // for the goodbye
+  std::size_t spares = 7;          // kept beside the first over a link that loses packets; the server may allow less
+  double spares_from_loss = 0.02;  // of the packets, lost; 0: spares are always kept
   UplinkLimits limits;
 };
 

@@ -28,7 +28,8 @@ void Uplink::Thread::calm_down() {
 std::size_t Uplink::Thread::spares_wanted() const { return lossy ? std::min(config.spares, spares_allowed) : 0; }
 
 void Uplink::Thread::keep_spares() {
-  lossy = lossy || loses_packets(link->stream.socket().native_handle());
+  lossy = lossy || config.spares_from_loss <= 0 ||
+          loses_packets(link->stream.socket().native_handle(), config.spares_from_loss);
   if (!link->protocol.welcomed() || spares.size() >= spares_wanted())
     give_up_attempts();
   else if (attempts.empty() && Clock::now() >= no_spare_before)

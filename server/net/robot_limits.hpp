@@ -13,9 +13,8 @@ struct RobotLimits {
   int uplink_kib_s = 0;   // what all robots together may send, shared by those that are connected; 0: no limit
   double hello_s = 10;    // a connection that says nothing useful for so long is closed
   double silence_s = 75;  // so is one that was welcomed and falls silent: longer than a link may be dark
-  double ping_s = 10;     // silence after which it is asked
-  double spare_ping_s = 30;  // the same of a spare
-  double write_s = 30;       // a robot that takes no bytes for so long is closed
+  double ping_s = 10;     // silence after which it is asked; a spare asks by itself
+  double write_s = 30;    // a robot that takes no bytes for so long is closed
 };
 
 }  // namespace headframe

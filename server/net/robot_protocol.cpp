@@ -159,7 +159,7 @@ void RobotProtocol::tick(Time now, bool reading) {
   const double silent_s = seconds(heard_, now);
   if (silent_s >= limits_.silence_s) {
     fail(v1::ERROR_KIND_UNSPECIFIED, "no message within " + tenths(limits_.silence_s) + " s, not even a pong", false);
-  } else if (silent_s >= (spare_ ? limits_.spare_ping_s : limits_.ping_s) && !asked_) {
+  } else if (silent_s >= limits_.ping_s && !asked_ && !spare_) {
     asked_ = true;
     outbox_.ping(++pings_);
   }

@@ -25,6 +25,7 @@ struct Pair {
   std::array<std::array<char, 1500>, 2> bytes{};
   std::size_t left = for_good;
   bool stalls = false;
+  int number = 0;
 
   void close() {
     error_code ignored;
@@ -49,7 +50,8 @@ struct FaultyProxy::State {
         pair->close();
       } else {
         if (begun < plan.cuts + plan.stalls) pair->left = pick(plan.most_bytes);
-        pair->stalls = begun++ >= plan.cuts;
+        pair->stalls = begun >= plan.cuts;
+        pair->number = begun++;
         forward(pair, 0);
         forward(pair, 1);
       }
@@ -62,6 +64,7 @@ struct FaultyProxy::State {
     pair->ends[from].async_read_some(
         boost::asio::buffer(bytes, pick(bytes.size())), [this, pair, from](error_code error, std::size_t n) {
           if (error) return pair->close();
+          if (pair->number == stalled) return silent.push_back(pair);
           const std::size_t passed = std::min(n, pair->left);  // a frame is cut anywhere
           if (pair->left != for_good) pair->left -= passed;
           if (from == 0) to_server += passed;
@@ -81,7 +84,7 @@ struct FaultyProxy::State {
   const tcp::endpoint to;
   const LinkFaults plan;
   std::mt19937 random;
-  int begun = 0;
+  std::atomic<int> begun{0}, stalled{-1};
   std::atomic<int> happened{0};
   std::atomic<std::uint64_t> to_server{0};
   std::vector<std::shared_ptr<Pair>> silent;
@@ -100,6 +103,8 @@ FaultyProxy::~FaultyProxy() {
 
 std::uint16_t FaultyProxy::port() const { return state_->acceptor.local_endpoint().port(); }
 int FaultyProxy::faults() const { return state_->happened; }
+int FaultyProxy::connections() const { return state_->begun; }
+void FaultyProxy::stall(int connection) { state_->stalled = connection; }
 std::uint64_t FaultyProxy::bytes_to_server() const { return state_->to_server; }
 
 }  // namespace headframe::test

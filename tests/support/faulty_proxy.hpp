@@ -22,6 +22,8 @@ class FaultyProxy {
 
   std::uint16_t port() const;  // where it listens
   int faults() const;          // that have happened
+  int connections() const;     // that were taken
+  void stall(int connection);  // 0: the first; it falls silent now and stays open
   std::uint64_t bytes_to_server() const;
 
  private:

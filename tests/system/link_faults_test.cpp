@@ -1,6 +1,8 @@
 // Robots and a server with a bad link between them: everything arrives exactly once.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <condition_variable>
 #include <future>
 
 #include "client/uplink/uplink.hpp"
@@ -9,6 +11,7 @@
 #include "tests/bench/link/drive.hpp"
 #include "tests/support/base_station.hpp"
 #include "tests/support/faulty_proxy.hpp"
+#include "tests/support/robot_bytes.hpp"
 #include "tests/support/uplink_fixture.hpp"
 
 namespace headframe::bench {
@@ -70,6 +73,59 @@ TEST(LinkFaults, ConnectionsThatGetStuckHoldNoOtherBack) {
   });
   EXPECT_EQ(answer.get_future().get().code, ErrorCode::refused) << "the fourth got through, if only to be turned away";
   EXPECT_EQ(proxy.faults(), 3);
+}
+
+/// Keyframes that come while the uplink runs.
+class Growing : public UplinkSource {
+ public:
+  std::atomic<std::uint64_t> keyframes{0};
+  std::uint64_t last_sequence() const override { return keyframes; }
+  Result<Keyframe> keyframe(std::uint64_t sequence) const override { return line_keyframe(sequence, 0.001); }
+  bool holds_cloud(std::uint64_t) const override { return false; }
+  std::uint64_t next_held_cloud(std::uint64_t) const override { return 0; }
+  Result<std::string> cloud(std::uint64_t) const override { return failure(ErrorCode::bad_input, "none"); }
+};
+
+TEST(LinkFaults, ASpareTakesOverWhenTheLinkFallsSilent) {
+  const test::ScratchFolder scratch;
+  auto server = MapMergeServer::start({scratch.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}, true});
+  ASSERT_TRUE(server) << server.error().message;
+  test::LinkFaults none;
+  none.cuts = none.stalls = 0;
+  test::FaultyProxy proxy((*server)->robots().port, none);
+  UplinkConfig config;
+  config.host = "127.0.0.1";
+  config.port = proxy.port();
+  config.spares_from_loss = 0;
+  config.limits.doubt_s = 0.2;
+  Hello hello = robot_hello();
+  hello.spool_runs = {10};
+  Growing source;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::uint64_t durable = 0;
+  int welcomed = 0, ended = 0;
+  Uplink uplink(config, hello, source, [&](const auto& event) {
+    const std::lock_guard lock(mutex);
+    if (const auto* k = std::get_if<KeyframesDurable>(&event)) durable = std::max(durable, k->up_to);
+    welcomed += std::holds_alternative<Welcomed>(event);
+    ended += std::holds_alternative<LinkEnded>(event);
+    changed.notify_all();
+  });
+  const auto becomes_durable = [&](std::uint64_t up_to) {
+    source.keyframes = up_to;
+    uplink.wake();
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, std::chrono::seconds(30), [&] { return durable >= up_to; });
+  };
+  for (std::uint64_t k = 1; proxy.connections() < 8; ++k) ASSERT_TRUE(becomes_durable(k));
+  proxy.stall(0);
+  const std::uint64_t before = source.keyframes;
+  EXPECT_TRUE(becomes_durable(before + 5));
+  EXPECT_TRUE(becomes_durable(before + 200)) << "more than fit a window: it carries the session now";
+  EXPECT_EQ(welcomed, 1);
+  EXPECT_EQ(ended, 0) << "nobody noticed";
+  EXPECT_EQ(proxy.connections(), 8);
 }
 
 }  // namespace
