@@ -7,7 +7,7 @@
 namespace headframe {
 
 void UplinkProtocol::on_cloud_ack(std::uint64_t sequence, Events& events) {
-  if (clouds_in_flight_.erase(sequence) == 0)
+  if (clouds_in_flight_.erase(sequence) == 0 && carried_alone_)
     return end(events, ErrorCode::bad_input, "from the server: an ack of a cloud that was not sent", false);
   events.emplace_back(CloudsDurable{sequence, sequence});
 }

@@ -7,6 +7,7 @@ void UplinkProtocol::stand_by() {
   carries_ = carried_alone_ = false;
   probed_ = Probed::no;
   requested_.clear();
+  clouds_in_flight_.clear();
   requested_transfer_.reset();
   background_transfer_.reset();
 }

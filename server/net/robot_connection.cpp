@@ -282,6 +282,10 @@ void RobotConnection::update_transform(std::shared_ptr<const std::string> payloa
   on_strand([payload = std::move(payload)](RobotConnection& self) { self.protocol_.update_transform(payload); });
 }
 
+void RobotConnection::stand_by() {
+  on_strand([](RobotConnection& self) { self.protocol_.stand_by(); });
+}
+
 void RobotConnection::close(v1::ErrorKind kind, const std::string& message, bool permanent) {
   on_strand([=](RobotConnection& self) { self.protocol_.fail(kind, message, permanent); });
 }

@@ -86,12 +86,16 @@ void RobotProtocol::welcome(const Durable& durable) {
   outbox_.welcome(durable, limits_.spares);
 }
 
-/// Other connections of the session may have brought more than this one, and what was half sent here begins anew.
+/// Other connections of the session may have brought more than this one.
 void RobotProtocol::resume(std::uint64_t durable_keyframes, bool acknowledge) {
   received_ = durable_ = durable_keyframes;
+  if (acknowledge) outbox_.acknowledge_keyframes(durable_);
+}
+
+void RobotProtocol::stand_by() {
+  spare_ = true;
   clouds_ = {};
   skipped_.clear();
-  if (acknowledge) outbox_.acknowledge_keyframes(durable_);
 }
 
 std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message, std::uint64_t backlog) {
@@ -111,6 +115,7 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
 }
 
 std::optional<RobotEvent> RobotProtocol::on_chunk(const v1::CloudChunk& message) {
+  if (spare_) return std::nullopt;
   if (message.sequence() == 0 || message.sequence() > received_)
     return out_of_order("cloud of keyframe " + std::to_string(message.sequence()) + ", which was not received");
   const bool is_last = message.offset() + std::uint64_t{message.data().size()} >= message.total_bytes();

@@ -37,6 +37,9 @@ class RobotProtocol {
   /// Answers ProbeReceived: keyframes go on from here. acknowledge: at once, not only when the next one is durable.
   void resume(std::uint64_t durable_keyframes, bool acknowledge);
 
+  /// Another connection carries the session: chunks of clouds are passed over here, for they come anew there.
+  void stand_by();
+
   /// Ends the connection with a typed error.
   void fail(v1::ErrorKind kind, const std::string& message, bool permanent);
 

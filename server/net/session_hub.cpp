@@ -151,7 +151,10 @@ void SessionHub::take_over(SessionId id, const std::shared_ptr<RobotLink>& link)
   Session& session = sessions_.at(id);
   const auto same = [&](const auto& spare) { return spare.lock() == link; };
   if (std::erase_if(session.spares, same) == 0) return;
-  if (!session.link.expired()) session.spares.push_back(session.link);
+  if (const auto before = session.link.lock()) {
+    before->stand_by();
+    session.spares.push_back(before);
+  }
   session.link = link;
   news_.robot_left(id);  // what was asked of the other has to be asked again
   news_.robot_came(id, session.answers);

@@ -32,6 +32,8 @@ class RobotLink {
   virtual void cloud_refused(std::uint64_t sequence, const std::string& reason) = 0;
   virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
   virtual void update_transform(std::shared_ptr<const std::string> payload) = 0;
+  /// Another connection carries the session from now on.
+  virtual void stand_by() = 0;
   virtual void close(v1::ErrorKind kind, const std::string& message, bool permanent) = 0;
 };
 

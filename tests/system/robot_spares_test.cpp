@@ -51,7 +51,7 @@ TEST_F(Spares, ASpareDisturbsNobodyAndBringsTheSameKeyframesOnce) {
   EXPECT_TRUE(spare.acknowledged(3));
 }
 
-TEST_F(Spares, WhoTakesOverIsToldAndTheOtherStandsBy) {
+TEST_F(Spares, WhoTakesOverCarriesTheSessionAndTheOtherStandsBy) {
   serve(2);
   RawRobot first(server->robots()), spare(server->robots());
   first.greet(hello_of_run(10, false));

@@ -5,22 +5,12 @@
 
 #include "server/net/robot_listener.hpp"
 #include "server/store/sqlite_store.hpp"
+#include "tests/support/nobodys_news.hpp"
 #include "tests/support/raw_robot.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace headframe {
 namespace {
-
-class NobodysNews : public MergeNews {
- public:
-  void session_added(SessionId, const FamilyId&) override {}
-  void keyframes_durable(SessionId, std::uint64_t) override {}
-  void cloud_durable(const KeyframeRef&) override {}
-  void clouds_unavailable(SessionId, const std::vector<std::uint64_t>&) override {}
-  void robot_came(SessionId, bool) override {}
-  void robot_left(SessionId) override {}
-  void trigger(SessionId, Trigger) override {}
-};
 
 class StalledReader : public testing::Test {
  protected:

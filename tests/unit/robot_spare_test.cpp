@@ -51,15 +51,19 @@ TEST_F(Spare, AKeyframeThatOthersBroughtIsAcknowledgedAtOnce) {
   EXPECT_EQ(messages(protocol.take_output()).at(0).keyframe_ack().durable_keyframes(), 9U);
 }
 
-TEST_F(Spare, AHalfSentCloudBeginsAnewAfterAProbe) {
-  greet({1, {}});
+TEST_F(Spare, CloudsComeOnlyWhereTheSessionIsCarriedAndBeginAnewThere) {
   const std::string cloud = small_cloud();
-  EXPECT_TRUE(feed(chunk_frame(1, cloud.size(), 0, cloud.substr(0, 100))).empty());
-  (void)feed(probe_frame(false));
-  protocol.resume(1, true);
-  const auto events = feed(chunk_frame(1, cloud.size(), 0, cloud));
+  const std::string begin = chunk_frame(1, cloud.size(), 0, cloud.substr(0, 100)),
+                    rest = chunk_frame(1, cloud.size(), 100, cloud.substr(100));
+  greet({1, {}});
+  EXPECT_TRUE(feed(begin).empty());
+  protocol.stand_by();
+  EXPECT_TRUE(feed(rest).empty()) << "it was on its way";
+  EXPECT_EQ(feed(take_over_frame()).size(), 1U);
+  const auto events = feed(begin + rest);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(std::get<CloudReceived>(events[0]).encoded, cloud);
+  EXPECT_FALSE(protocol.ended());
 }
 
 TEST_F(Spare, ItIsNotAskedUntilItTakesOverButMayNotBeSilentForGood) {

@@ -111,7 +111,10 @@ TEST_F(UplinkSpare, WhoStandsByAgainBeginsItsCloudsAnew) {
   link_->probe(2);
   EXPECT_EQ(sent(), Words{"probe"});
   take(link_->take_over());
-  EXPECT_EQ(sent(3), (Words{"take over", "c1:0", "c1:8"}));
+  EXPECT_EQ(sent(), (Words{"take over", "c1:0", "c1:8", "c1:16"}));
+  link_->stand_by();
+  ack_cloud(1);
+  EXPECT_EQ(count<CloudsDurable>(), 1U) << "it was wholly sent before";
 }
 
 TEST_F(UplinkSpare, AnAckMayCountWhatOthersSentAndNoMore) {
