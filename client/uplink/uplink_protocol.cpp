@@ -49,8 +49,13 @@ std::string UplinkProtocol::hello_frame() const {
 // A full queue drops the newest: only pongs to a server that pings without reading can fill it.
 void UplinkProtocol::queue(const v1::RobotMessage& message) {
   std::string frame;
-  if (control_.size() < most_control_frames && append_frame(frame, message.SerializeAsString()))
-    control_.push_back(std::move(frame));
+  if (append_frame(frame, message.SerializeAsString())) (void)queue_frames(std::move(frame));
+}
+
+bool UplinkProtocol::queue_frames(std::string frames) {
+  if (control_.size() >= most_control_frames) return false;
+  control_.push_back(std::move(frames));
+  return true;
 }
 
 std::vector<UplinkEvent> UplinkProtocol::receive(std::string_view bytes, Time now) {

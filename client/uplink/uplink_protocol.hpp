@@ -134,6 +134,7 @@ class UplinkProtocol {
   void on_error(const v1::ErrorReport& message, Events& events);
   void end(Events& events, ErrorCode code, const std::string& message, bool permanent);
   void queue(const v1::RobotMessage& message);
+  bool queue_frames(std::string frames);
   std::string hello_frame() const;
   Result<v1::RobotMessage> next_keyframe() const;
   bool queue_next_keyframe(Events& events);

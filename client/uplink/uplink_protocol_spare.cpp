@@ -23,8 +23,8 @@ void UplinkProtocol::probe(std::uint64_t durable) {
   probe.mutable_probe()->set_keyframe_follows(keyframe.has_value());
   std::string frames;
   (void)append_frame(frames, probe.SerializeAsString());
-  if (keyframe && append_frame(frames, keyframe->SerializeAsString())) ++sent_keyframes_;
-  control_.push_back(std::move(frames));  // once in a while: the queue needs no bound here
+  if (keyframe) (void)append_frame(frames, keyframe->SerializeAsString());  // a few hundred bytes: it fits
+  if (queue_frames(std::move(frames)) && keyframe) ++sent_keyframes_;
 }
 
 std::vector<UplinkEvent> UplinkProtocol::take_over() {

@@ -50,8 +50,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     protocol.receive(frame, now += std::chrono::milliseconds(100));
     while (const auto event = protocol.next()) {
       if (greets) fuzz::check(*event, received);
+      if (const auto* probe = std::get_if<ProbeReceived>(&*event)) protocol.resume(received, !probe->keyframe_follows);
       if (std::holds_alternative<HelloReceived>(*event)) return 0;  // of their own: what follows has other numbers
     }
+    if (piece.size() % 16 == 5) protocol.stand_by();
     protocol.tick(now, true);
     protocol.keyframes_durable(received);
     (void)protocol.take_output();

@@ -36,6 +36,13 @@ void hear(UplinkProtocol& link, std::string_view payload, UplinkProtocol::Time n
   if (append_frame(frame, payload)) (void)link.receive(frame, now);
 }
 
+void change_roles(UplinkProtocol& link, std::size_t with) {
+  if (!link.welcomed()) return;
+  if (with % 16 == 5) link.stand_by();
+  if (with % 16 == 6) link.probe(with / 16 % keyframes);
+  if (with % 16 == 7 && link.answered()) (void)link.take_over();
+}
+
 }  // namespace
 }  // namespace headframe::fuzz
 
@@ -51,8 +58,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   UplinkProtocol link({}, fuzz::hello(), source, now);
   auto bytes = fuzz::text(data, size);
   std::vector<UplinkEvent> events;
+  const auto first = fuzz::take_byte(bytes);
+  if (first % 16 == 9) link.stand_by();
   (void)link.next_frame(now, 256, events);
-  if (fuzz::take_byte(bytes) % 8 != 0) {
+  if (first % 8 != 0) {
     v1::ServerMessage welcome;
     welcome.mutable_welcome()->set_protocol_version(protocol_version);
     fuzz::hear(link, welcome.SerializeAsString(), now);
@@ -63,6 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::hear(link, piece, now);
     (void)link.tick(now);
     (void)link.doubtful(now);
+    fuzz::change_roles(link, piece.size());
   }
   return 0;
 }
