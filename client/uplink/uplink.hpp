@@ -20,6 +20,7 @@ struct UplinkConfig {
   double connect_s = 5;            // a connection that is not up within this is given up
   double connect_again_s = 1;      // while one is not up, another is tried beside it: at most four; the first up stays
   double close_s = 5;              // for the goodbye
+  double spare_connect_s = 10;     // the same of a spare, which is in no hurry
   std::size_t spares = 7;          // kept beside the first over a link that loses packets; the server may allow less
   double spares_from_loss = 0.02;  // of the packets, lost; 0: spares are always kept
   UplinkLimits limits;

@@ -5,16 +5,16 @@
 namespace headframe {
 namespace {
 
-constexpr double resend_s = 1;  // TCP's, at most: see expect_losses()
+constexpr std::size_t most_spares_at_once = 2;  // that set out: they share a thin link with the keyframes
+constexpr double resend_s = 1;                  // TCP's, at most: see expect_losses()
 
 }  // namespace
 
-/// While the link is in doubt the spares are asked, and without any others are tried beside it.
+/// While the link is in doubt the spares are asked, and then others are tried beside it: all may be dead.
 void Uplink::Thread::doubt() {
   if (closing) return;
   if (!doubtful()) return calm_down();
-  probe_next();
-  if (carried() && attempts.empty() && spares.empty()) connect();
+  if (!probe_next() && carried() && attempts.empty()) connect();
 }
 
 /// The link speaks.
@@ -32,22 +32,28 @@ void Uplink::Thread::keep_spares() {
           loses_packets(link->stream.socket().native_handle(), config.spares_from_loss);
   if (!link->protocol.welcomed() || spares.size() >= spares_wanted())
     give_up_attempts();
-  else if (attempts.empty() && Clock::now() >= no_spare_before)
+  else if (attempts.size() < std::min(most_spares_at_once, spares_wanted() - spares.size()) &&
+           Clock::now() >= no_spare_before)
     connect();
 }
 
+/// The oldest makes room.
 void Uplink::Thread::stand_by(const Link& l) {
+  if (!spares.empty() && spares.size() >= spares_wanted()) {
+    discard(spares.front());
+    spares.erase(spares.begin());
+  }
   l->probed = false;
   l->protocol.stand_by();
   spares.push_back(l);
 }
 
-/// One after the other, so that what TCP sends again is spread over its second and not sent at once.
-void Uplink::Thread::probe_next() {
-  if (probing_now) return;
+/// One after the other, so that what TCP sends again is spread over its second and not sent at once. false: all were.
+bool Uplink::Thread::probe_next() {
+  if (probing_now) return true;
   const auto unasked = [](const Link& l) { return !l->probed && l->protocol.welcomed(); };
   const auto found = std::find_if(spares.begin(), spares.end(), unasked);
-  if (found == spares.end()) return;
+  if (found == spares.end()) return false;
   const Link l = *found;
   l->probed = probing_now = true;
   probing.expires_after(seconds(resend_s / static_cast<double>(spares.size() + 1)));
@@ -57,6 +63,7 @@ void Uplink::Thread::probe_next() {
   });
   l->protocol.probe(link->protocol.durable_keyframes());
   pump(l);
+  return true;
 }
 
 /// A spare was answered: it carries the session unless the link has spoken meanwhile.

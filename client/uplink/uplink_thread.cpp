@@ -16,7 +16,7 @@ using tcp = asio::ip::tcp;
 void Uplink::Thread::connect() {
   const auto l = std::make_shared<Connection>(io, config, hello, source);
   attempts.push_back(l);
-  l->deadline.expires_after(seconds(config.connect_s));
+  l->deadline.expires_after(seconds(doubtful() ? config.connect_s : config.spare_connect_s));
   l->deadline.async_wait([this, l](const Code& code) {
     if (!code) fail(l, "no connection", asio::error::timed_out);
   });
@@ -59,7 +59,6 @@ void Uplink::Thread::connected_to(const Link& l) {
   std::erase(attempts, l);
   l->up = true;
   const bool beside = carried() && link->protocol.welcomed() && spares_wanted() > 0;
-  if (beside && spares.size() >= spares_wanted()) return discard(l);
   if (beside) {
     stand_by(l);
   } else {

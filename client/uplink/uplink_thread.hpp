@@ -62,7 +62,7 @@ struct Uplink::Thread {
   std::size_t spares_wanted() const;
   void keep_spares();
   void stand_by(const Link& link);
-  void probe_next();
+  bool probe_next();
   void calm_down();
   void choose(const Link& link);
   void give_up_spares();

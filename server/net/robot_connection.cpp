@@ -159,7 +159,7 @@ void RobotConnection::greet(const Hello& hello) {
 
 void RobotConnection::admit(const Hello& hello) {
   if (protocol_.ended()) return;  // it took too long
-  const auto admitted = hello.spare ? hub_.stand_by(hello, shared_from_this()) : hub_.admit(hello, shared_from_this());
+  const auto admitted = hub_.admit(hello, shared_from_this());
   if (!admitted) {
     ++hub_.counts().refused;
     return refuse(admitted.error());

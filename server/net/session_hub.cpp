@@ -95,6 +95,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
   std::vector<std::weak_ptr<RobotLink>> spares;  // of another run
   {
     const std::lock_guard lock(mutex_);
+    if (const auto beside = stand_by(hello, link)) return *beside;
     if (!has_room(hello))
       return failure(ErrorCode::unavailable, "the server serves " + std::to_string(limits_.robots) +
                                                  " robots already; raise limits.robots or try again later");
@@ -124,23 +125,22 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
   return admitted;
 }
 
-Result<SessionHub::Admitted> SessionHub::stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link) {
-  std::shared_ptr<RobotLink> oldest;
-  const std::lock_guard lock(mutex_);
+/// nullopt: there is nobody to stand beside. Under the lock.
+std::optional<Result<SessionHub::Admitted>> SessionHub::stand_by(const Hello& hello,
+                                                                 const std::shared_ptr<RobotLink>& link) {
   const auto known = ids_.find(hello.session);
-  if (known == ids_.end() || sessions_.at(known->second).link.expired())
-    return failure(ErrorCode::unavailable, "a spare, and no connection of its session to stand beside");
+  if (!hello.spare || known == ids_.end() || sessions_.at(known->second).link.expired()) return std::nullopt;
   Session& session = sessions_.at(known->second);
   if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
   if (!same_run(session.record, hello)) return failure(ErrorCode::unavailable, "a spare of another run of its spool");
+  if (limits_.spares == 0) return failure(ErrorCode::unavailable, "limits.spares is 0");
   auto& spares = session.spares;
   std::erase_if(spares, [](const auto& spare) { return spare.expired(); });
   if (spares.size() >= static_cast<std::size_t>(limits_.spares)) {
-    if (spares.empty()) return failure(ErrorCode::unavailable, "limits.spares is 0");
-    oldest = spares.front().lock();
+    if (const auto oldest = spares.front().lock())
+      oldest->close(v1::ERROR_KIND_OVERLOADED, "more spares than limits.spares", false);
     spares.erase(spares.begin());
   }
-  if (oldest) oldest->close(v1::ERROR_KIND_OVERLOADED, "more spares than limits.spares", false);
   spares.push_back(link);
   return Admitted{known->second, {session.keyframes, {}}, nullptr};
 }
@@ -149,9 +149,10 @@ Result<SessionHub::Admitted> SessionHub::stand_by(const Hello& hello, const std:
 void SessionHub::take_over(SessionId id, const std::shared_ptr<RobotLink>& link) {
   const std::lock_guard lock(mutex_);
   Session& session = sessions_.at(id);
+  const auto before = session.link.lock();
   const auto same = [&](const auto& spare) { return spare.lock() == link; };
-  if (std::erase_if(session.spares, same) == 0) return;
-  if (const auto before = session.link.lock()) {
+  if (before != link && std::erase_if(session.spares, same) == 0) return;
+  if (before && before != link) {
     before->stand_by();
     session.spares.push_back(before);
   }

@@ -53,11 +53,10 @@ class SessionHub : public Robots {
   };
   /// refused: the session belongs to another spool or another copy of it, or has another family. unavailable: as many
   /// robots as limits.robots are connected. A living connection of the same spool is replaced: the robot has noticed
-  /// before us that it broke. From here on the hub writes to the link.
+  /// before us that it broke. From here on the hub writes to the link. A spare disturbs none: it has to be of the same
+  /// run of the spool (else unavailable), and of more than limits.spares the oldest is closed. Where nobody carries the
+  /// session it does.
   Result<Admitted> admit(const Hello& hello, const std::shared_ptr<RobotLink>& link);
-  /// A connection beside the one that carries the session, of the same run of its spool; what is durable, without the
-  /// clouds. unavailable: there is none to stand beside. Of more than limits.spares the oldest is closed.
-  Result<Admitted> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   /// Takes any event but the hello and the probe.
   void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
   void received(SessionId session, std::size_t bytes);
@@ -118,6 +117,7 @@ class SessionHub : public Robots {
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
+  std::optional<Result<Admitted>> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
   std::shared_ptr<const std::string> transform_of(SessionId session) const;
   std::shared_ptr<const std::string> update_of(const Component& component) const;

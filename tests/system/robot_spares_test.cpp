@@ -77,9 +77,8 @@ TEST_F(Spares, OneMoreThanAllowedClosesTheOldest) {
   EXPECT_TRUE(newer.acknowledged(0));
 }
 
-TEST_F(Spares, NoneStandsWhereNoneMayOrNothingToStandBesideIs) {
+TEST_F(Spares, NoneStandsWhereNoneMay) {
   serve(0);
-  EXPECT_FALSE(refusal(hello_of_run(10, true)).permanent()) << "the session is not known";
   RawRobot first(server->robots());
   EXPECT_EQ(first.greet(hello_of_run(10, false)).spares(), 0U);
   EXPECT_FALSE(refusal(hello_of_run(10, true)).permanent());

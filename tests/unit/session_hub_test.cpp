@@ -44,7 +44,7 @@ class Hub : public testing::Test {
   void SetUp() override {
     id_ = hub_.admit(hello(false), first_).value().session;
     const SessionId other = hub_.admit(robot_hello("bee"), std::make_shared<HeardLink>()).value().session;
-    ASSERT_EQ(hub_.stand_by(hello(true), spare_).value().session, id_);
+    ASSERT_EQ(hub_.admit(hello(true), spare_).value().session, id_);
     atlas_.components.push_back({id_, {{id_, Pose::Identity()}, {other, Pose::Identity()}}});
   }
   void TearDown() override { store_.reset(); }  // its callbacks find the hub
@@ -83,6 +83,19 @@ TEST_F(Hub, ASpareThatLeavesIsNoLossAndTheFirstOneIs) {
   EXPECT_EQ(news_.heard, Words{}) << "it is not there any more";
   hub_.left(id_, first_.get());
   EXPECT_EQ(news_.heard, Words{"left"});
+}
+
+TEST_F(Hub, ASpareCarriesWhatNobodyElseCarries) {
+  hub_.publish(atlas_, atlas_.components);
+  hub_.left(id_, first_.get());
+  const auto late = std::make_shared<HeardLink>();
+  EXPECT_TRUE(hub_.admit(hello(true), late).value().transform);
+  hub_.request_submap(id_, {1});
+  EXPECT_EQ(late->heard, Words{"request"});
+  hub_.take(id_, TakenOver{}, late);
+  EXPECT_EQ(late->heard, (Words{"request", "transform"})) << "it did not listen before";
+  hub_.take(id_, TakenOver{}, spare_);
+  EXPECT_EQ(late->heard.back(), "stand by");
 }
 
 TEST_F(Hub, ARobotThatIsRevokedLosesItsSparesToo) {
