@@ -7,6 +7,7 @@
 
 #include "client/uplink/uplink.hpp"
 #include "server/map_merge_server.hpp"
+#include "server/store/sqlite_store.hpp"
 #include "tests/bench/link/audit.hpp"
 #include "tests/bench/link/drive.hpp"
 #include "tests/support/base_station.hpp"
@@ -86,46 +87,77 @@ class Growing : public UplinkSource {
   Result<std::string> cloud(std::uint64_t) const override { return failure(ErrorCode::bad_input, "none"); }
 };
 
-TEST(LinkFaults, ASpareTakesOverWhenTheLinkFallsSilent) {
-  const test::ScratchFolder scratch;
-  auto server = MapMergeServer::start({scratch.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}, true});
-  ASSERT_TRUE(server) << server.error().message;
-  test::LinkFaults none;
-  none.cuts = none.stalls = 0;
-  test::FaultyProxy proxy((*server)->robots().port, none);
-  UplinkConfig config;
-  config.host = "127.0.0.1";
-  config.port = proxy.port();
-  config.spares_from_loss = 0;
-  config.limits.doubt_s = 0.2;
-  Hello hello = robot_hello();
-  hello.spool_runs = {10};
-  Growing source;
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::uint64_t durable = 0;
-  int welcomed = 0, ended = 0;
-  Uplink uplink(config, hello, source, [&](const auto& event) {
-    const std::lock_guard lock(mutex);
-    if (const auto* k = std::get_if<KeyframesDurable>(&event)) durable = std::max(durable, k->up_to);
-    welcomed += std::holds_alternative<Welcomed>(event);
-    ended += std::holds_alternative<LinkEnded>(event);
-    changed.notify_all();
-  });
-  const auto becomes_durable = [&](std::uint64_t up_to) {
-    source.keyframes = up_to;
-    uplink.wake();
-    std::unique_lock lock(mutex);
-    return changed.wait_for(lock, std::chrono::seconds(30), [&] { return durable >= up_to; });
-  };
-  for (std::uint64_t k = 1; proxy.connections() < 8; ++k) ASSERT_TRUE(becomes_durable(k));
-  proxy.stall(0);
-  const std::uint64_t before = source.keyframes;
+/// An uplink with spares over a proxy that can stall its connections.
+class SparesOverAProxy : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto started = MapMergeServer::start({scratch_.path() / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, {}, true});
+    ASSERT_TRUE(started) << started.error().message;
+    server_ = std::move(*started);
+    test::LinkFaults none;
+    none.cuts = none.stalls = 0;
+    proxy_.emplace(server_->robots().port, none);
+    UplinkConfig config;
+    config.host = "127.0.0.1";
+    config.port = proxy_->port();
+    config.spares_from_loss = 0;
+    config.limits.doubt_s = 0.2;
+    Hello hello = robot_hello();
+    hello.spool_runs = {10};
+    uplink_.emplace(config, hello, source_, [this](const auto& event) {
+      const std::lock_guard lock(mutex_);
+      if (const auto* k = std::get_if<KeyframesDurable>(&event)) durable_ = std::max(durable_, k->up_to);
+      welcomed_ += std::holds_alternative<Welcomed>(event);
+      ended_ += std::holds_alternative<LinkEnded>(event);
+      changed_.notify_all();
+    });
+  }
+
+  bool becomes_durable(std::uint64_t up_to) {
+    source_.keyframes = up_to;
+    uplink_->wake();
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(30), [&] { return durable_ >= up_to; });
+  }
+
+  const test::ScratchFolder scratch_;
+  Growing source_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t durable_ = 0;
+  int welcomed_ = 0, ended_ = 0;
+  std::unique_ptr<MapMergeServer> server_;
+  std::optional<test::FaultyProxy> proxy_;
+  std::optional<Uplink> uplink_;
+};
+
+TEST_F(SparesOverAProxy, OneTakesOverWhenTheLinkFallsSilent) {
+  for (std::uint64_t k = 1; proxy_->connections() < 8; ++k) ASSERT_TRUE(becomes_durable(k));
+  proxy_->stall(0);
+  const std::uint64_t before = source_.keyframes;
   EXPECT_TRUE(becomes_durable(before + 5));
   EXPECT_TRUE(becomes_durable(before + 200)) << "more than fit a window: it carries the session now";
-  EXPECT_EQ(welcomed, 1);
-  EXPECT_EQ(ended, 0) << "nobody noticed";
-  EXPECT_EQ(proxy.connections(), 8);
+  EXPECT_EQ(welcomed_, 1);
+  EXPECT_EQ(ended_, 0) << "nobody noticed";
+}
+
+TEST_F(SparesOverAProxy, AllMayDieAndEverythingArrivesOnce) {
+  std::uint64_t k = 0;
+  for (int dead = 0; dead < 12; ++dead) {  // more than stand at a time
+    while (proxy_->connections() <= dead) ASSERT_TRUE(becomes_durable(++k));
+    proxy_->stall(dead);
+    ASSERT_TRUE(becomes_durable(k += 20)) << "after " << dead << " were dead";
+  }
+  uplink_->close(true);
+  server_.reset();
+  const auto store = open_sqlite_store(scratch_.path() / "data");
+  ASSERT_TRUE(store) << store.error().message;
+  std::uint64_t stored = 0;
+  ASSERT_TRUE((*store)->each_keyframe(1, 1, [&](const Keyframe& kept) {
+    EXPECT_EQ(kept.sequence, ++stored);
+    EXPECT_EQ(kept.stamp_s, line_keyframe(stored, 0.001).stamp_s);
+  }));
+  EXPECT_EQ(stored, k);
 }
 
 }  // namespace
