@@ -29,7 +29,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
 }
 
 void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report) {
-  const auto [a, b] = pair;
+  const SessionId a = pair.a, b = pair.b;
   Alignment* known = find(a, b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
   if (in_force && still_holds(*known, clouds, report)) return;

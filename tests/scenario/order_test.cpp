@@ -67,7 +67,7 @@ void expect_same(const Seen& seen, const Seen& first) {
 Seen expect_any_order_gives_the_same(const std::vector<DrivenSession>& sessions) {
   std::vector<std::size_t> order(sessions.size());
   std::iota(order.begin(), order.end(), 0U);
-  const Seen first = seen_in_order(sessions, order);
+  Seen first = seen_in_order(sessions, order);
   while (std::next_permutation(order.begin(), order.end())) expect_same(seen_in_order(sessions, order), first);
   return first;
 }
