@@ -73,7 +73,9 @@ std::optional<Objection> MergePipeline::State::objection_of(
 
 /// True: something was found that was not known. Clouds that can be had are asked for first, one contact's at a time.
 bool MergePipeline::State::look_at(const Nearing& n, CloudSource& clouds, AttemptReport& report) {
-  const Case now = make_case(n.a, n.b, {n.T_a_b, 0, {}}, clouds);
+  const Laid pair = laid(n.a, n.b);
+  const Pose T_0 = by_ids(pair, n.T_a_b);
+  const Case now = make_case(pair.a, pair.b, {T_0, 0, {}}, clouds);
   const std::size_t stands = now.a.size() + now.b.size();
   SeenContact* before = seen_contact(n);
   if (before && static_cast<double>(stands) <= growth * static_cast<double>(before->stands)) return false;
@@ -83,15 +85,15 @@ bool MergePipeline::State::look_at(const Nearing& n, CloudSource& clouds, Attemp
   }
   SeenContact seen{n.T_a_b, stands, Contact::none, {}, before && before->recorded};
   if (!now.a.empty() && !now.b.empty()) {
-    seen.judgement = judge_again(scene(n.a, now.a, clouds), scene(n.b, now.b, clouds), n.T_a_b, judge_config());
-    Judgement& judged = seen.judgement;
-    compare_descriptors({sessions[n.a].keyframes, sessions[n.b].keyframes}, judged);
+    Judgement judged = judge_again(scene(pair.a, now.a, clouds), scene(pair.b, now.b, clouds), T_0, judge_config());
+    compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, judged);
     weigh(judged);
+    seen.judgement = by_ids(pair, judged);
     // Where it lies is known from the others: look-alikes elsewhere, and a runner-up, cast no doubt on it.
-    const Evidence& e = judged.evidence;
     if (violation_of(seen) >= contradiction)
       seen.contact = Contact::contradicts;
-    else if (e.probability >= config.accept_probability && agrees(n.T_a_b, judged.T_a_b, {}))
+    else if (judged.evidence.probability >= config.accept_probability &&
+             agrees(n.T_a_b, seen.judgement.T_a_b, {}))
       seen.contact = Contact::agrees;
   }
   auto& kept = contacts[{n.a, n.b}];
@@ -118,7 +120,7 @@ bool MergePipeline::State::record_agreeing(const MergeResult& merged, AttemptRep
         const bool spoken_for = known && (known->ruling != Ruling::none || known->state == AlignmentState::verified ||
                                           known->state == AlignmentState::published);
         if (spoken_for) continue;
-        record(a.session, b.session, seen->judgement, std::nullopt, report);
+        record({a.session, b.session}, seen->judgement, std::nullopt, report);
         news = true;
       }
   return news;

@@ -22,13 +22,14 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   State& s = *state_;
   if (!s.sessions.contains(id)) return report;
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
-  for (const SessionId other : s.partners(id)) s.merge_pair(std::min(id, other), std::max(id, other), clouds, report);
+  for (const SessionId other : s.partners(id)) s.merge_pair(s.laid(id, other), clouds, report);
   s.look_at_contacts(clouds, report);  // what the others say of it, where their maps come to lie on each other
   s.update_atlas(report);              // 9: maps merge one after another
   return report;
 }
 
-void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clouds, AttemptReport& report) {
+void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report) {
+  const SessionId a = pair.a, b = pair.b;
   Alignment* known = find(a, b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
   if (in_force && still_holds(*known, clouds, report)) return;
@@ -68,7 +69,7 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
       cases.push_back(std::move(made));
     }
   }
-  if (auto& before = judged_on[{a, b}]; before == judged_now)
+  if (auto& before = judged_on[std::minmax(a, b)]; before == judged_now)
     return;
   else
     before = judged_now;
@@ -78,7 +79,8 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
   if (verdicts.empty()) verdicts.emplace_back();
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {
-      return decisions.proposal(known->id, v.judgement.T_a_b, v.judgement.evidence.seen_points) == Proposal::suppressed;
+      const Evidence& e = v.judgement.evidence;
+      return decisions.proposal(known->id, by_ids(pair, v.judgement.T_a_b), e.seen_points) == Proposal::suppressed;
     });
   if (verdicts.empty()) return;  // the operator has ruled on all there is
   Judgement best = verdicts.front().judgement;
@@ -89,14 +91,16 @@ void MergePipeline::State::merge_pair(SessionId a, SessionId b, CloudSource& clo
     T_a_b_runner_up = v.judgement.T_a_b;
   }
   if (!cases.empty() && (awaited == 0 || best.evidence.probability < config.accept_probability))
-    record(a, b, best, T_a_b_runner_up, report);
+    record(pair, best, T_a_b_runner_up, report);
 }
 
 /// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
 /// one that the operator confirmed always does.
 bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report) {
   // Missing clouds are not asked for: the merge stands, more may come in the background.
-  const Case now = make_case(published.a, published.b, {published.T_a_b, 0, {}}, clouds);
+  const Laid pair = laid(published.a, published.b);
+  const Pose T_0 = by_ids(pair, published.T_a_b);
+  const Case now = make_case(pair.a, pair.b, {T_0, 0, {}}, clouds);
   if (now.a.empty() || now.b.empty()) return true;
   const std::vector<std::size_t> judged_now{now.a.size(), now.b.size()};
   if (auto& before = judged_on[{published.a, published.b}]; before == judged_now)
@@ -104,18 +108,18 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   else
     before = judged_now;
   const Stopwatch watch(report.times.verification_ms);
-  Judgement again = judge_again(scene(published.a, now.a, clouds), scene(published.b, now.b, clouds), published.T_a_b,
-                                judge_config());
+  Judgement again =
+      judge_again(scene(pair.a, now.a, clouds), scene(pair.b, now.b, clouds), T_0, judge_config());
   again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
   again.evidence.repetition = repetition();
   again.evidence.support = published.evidence.support;
   again.evidence.runner_up = published.evidence.runner_up;
-  compare_descriptors({sessions[published.a].keyframes, sessions[published.b].keyframes}, again);
+  compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, again);
   weigh(again);
   if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b[now.b.size() / 2].p;
-  if (again.evidence.probability >= config.accept_probability &&
-      differ(again.T_a_b, published.T_a_b, middle, news_m, news_rad)) {
+  if (again.evidence.probability >= config.accept_probability && differ(again.T_a_b, T_0, middle, news_m, news_rad)) {
+    again = by_ids(pair, again);
     published.T_a_b = again.T_a_b;
     published.evidence = again.evidence;
     report.changed.push_back(published);
@@ -123,8 +127,11 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   return true;
 }
 
-void MergePipeline::State::record(SessionId a, SessionId b, const Judgement& best,
-                                  const std::optional<Pose>& T_a_b_runner_up, AttemptReport& report) {
+void MergePipeline::State::record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up,
+                                  AttemptReport& report) {
+  const auto [a, b] = std::minmax(pair.a, pair.b);
+  const Judgement best = by_ids(pair, judged);
+  const std::optional<Pose> T_a_b_runner_up = T_runner_up ? std::optional(by_ids(pair, *T_runner_up)) : std::nullopt;
   const Evidence& e = best.evidence;
   AlignmentState now = AlignmentState::rejected;
   if (e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share)
@@ -194,15 +201,8 @@ MergePipeline::~MergePipeline() = default;
 void MergePipeline::add_session(SessionId id, const FamilyId& family) { state_->sessions[id].family = family; }
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
-  Session& session = state_->sessions[id];
   state_->index_keyframe(id, keyframe);
-  const Eigen::Vector3d here = keyframe.T_local_sensor.translation();
-  session.path_to_m.push_back(session.keyframes.empty()
-                                  ? 0
-                                  : session.path_m() +
-                                        (here - session.keyframes.back().T_local_sensor.translation()).norm());
-  session.keyframes.push_back(std::move(keyframe));
-  session.set_aside_odd();
+  state_->sessions[id].add(std::move(keyframe));
 }
 
 bool MergePipeline::prepare_ahead(CloudSource& clouds) { return state_->prepare_ahead(clouds); }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/place/sanity.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
@@ -44,17 +43,6 @@ double promise(const Glance& glance, const DescriptorAgreement& agreement) {
 }
 
 }  // namespace
-
-void Session::set_aside_odd() {
-  const std::size_t n = keyframes.size(), known = complete ? n : n - std::min<std::size_t>(n, 2);
-  for (; asked < known; ++asked) {
-    Keyframe& k = keyframes[asked];
-    if (fits_neighbours(keyframes, asked)) continue;
-    k.walls = {};
-    k.point_count = 0;
-    k.descriptor = {};
-  }
-}
 
 MergePipeline::State::State(const MergeConfig& c)
     : config(c),
@@ -272,7 +260,8 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
   return verdicts;
 }
 
-Alignment* MergePipeline::State::find(SessionId a, SessionId b) {
+Alignment* MergePipeline::State::find(SessionId one, SessionId other) {
+  const auto [a, b] = std::minmax(one, other);
   for (Alignment& alignment : alignments)
     if (alignment.a == a && alignment.b == b) return &alignment;
   return nullptr;

@@ -22,14 +22,14 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name);
 /// API and reports never repeat them.
 struct Evidence {
   double probability = 0;      // calibrated, that T_a_b is right
-  double pairs = 0;            // keyframes of b that lie within 10 m of one of a's
-  double places = 0;           // spread over the overlap, each registered by itself
+  double pairs = 0;            // keyframes that lie within 10 m of one of the other's, mean of both sessions
+  double places = 0;           // spread over the overlap, where both saw some rock; each registered by itself
   double places_agreeing = 0;  // ... that stayed within the drift of T_a_b
-  double inlier_fraction = 0;  // of b's points where they meet, with a partner in a
+  double inlier_fraction = 0;  // of the longer session's points where they meet, with a partner in the other
   double rmse_m = 0;           // of the inliers, along the normals
   double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square
-  double overlap_m = 0;        // path of b along those pairs
+  double overlap_m = 0;        // path along those, mean of both sessions
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
   double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
@@ -40,8 +40,8 @@ struct Evidence {
   double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
-  double end_on_match = 0;  // share of b's surfaces that face along the weakest axis and meet one of a's that does
-  double descriptors_compared = 0;   // keyframes of b within 3 m of one of a's
+  double end_on_match = 0;  // share of surfaces that face along the weakest axis and meet one of the other's that does
+  double descriptors_compared = 0;   // keyframes of the longer session within 3 m of one of the other's
   double descriptors_alike = 0;      // ... how alike they are, 0 to 1 (Agreement::mean)
   double tilt_deg = 0;               // gravity disagreement after registration
   double support = 0;                // wall map score of the hypothesis it came from
@@ -66,7 +66,7 @@ double counted_aliases(const Evidence& evidence);
 /// For each alias that counts. With 30 m two mines of the same 20 m tiles were merged over 24 m.
 inline constexpr double asked_each_m = 33;
 
-/// Overlap, along b's path, that is asked for where the mine repeats itself. Where all sessions together show copies,
+/// Overlap that is asked for where the mine repeats itself. Where all sessions together show copies,
 /// up to 70 m without any alias: the copy that would be merged wrongly need not have been driven through twice. At most
 /// 100 m.
 double asked_overlap_m(const Evidence& evidence);

@@ -6,18 +6,13 @@
 #include <cstdio>
 
 #include "tests/support/base_station.hpp"
+#include "tests/support/recordings.hpp"
 #include "tests/support/truth.hpp"
 
 namespace headframe::test {
 namespace {
 
 using namespace std::chrono_literals;
-
-/// HEADFRAME_RECORDINGS, or the folder that lies beside the checkout.
-std::filesystem::path recordings() {
-  if (const char* named = std::getenv("HEADFRAME_RECORDINGS")) return named;
-  return std::filesystem::path(HEADFRAME_SOURCE_DIR).parent_path() / "shared" / "data";
-}
 
 struct Placed {
   std::string component;
@@ -37,7 +32,7 @@ class Recordings : public testing::Test {
       GTEST_SKIP() << "no recordings at " << recordings() << "; set HEADFRAME_RECORDINGS";
   }
 
-  /// All robots stream into a fresh server, one setting out after the other; where each ended up, by robot.
+  /// All robots stream at once into a fresh server; where each ended up, by robot.
   std::map<std::string, Placed> run(const std::string& name, const std::vector<std::string>& robots) {
     const ScratchFolder scratch;
     auto station = BaseStation::start(scratch.path() / "data");
@@ -47,10 +42,7 @@ class Recordings : public testing::Test {
     }
     std::vector<Process> replays;
     replays.reserve(robots.size());
-    for (const auto& robot : robots) {
-      replays.push_back(station->replay(robot, recordings() / name / robot).value());
-      await_session(*station, robot);
-    }
+    for (const auto& robot : robots) replays.push_back(station->replay(robot, recordings() / name / robot).value());
     for (auto& replay : replays) {
       const auto ended = replay.wait(300s);
       EXPECT_TRUE(ended && ended->status == 0) << (ended ? ended->output : ended.error().message);
@@ -68,16 +60,6 @@ class Recordings : public testing::Test {
     const auto ended = station->process().wait(30s);
     EXPECT_TRUE(ended && ended->status == 0) << "SIGTERM ends the server cleanly";
     return placed;
-  }
-
-  /// Sessions are numbered as robots come, and which one is laid on the other matters: README, "Limits".
-  static void await_session(const BaseStation& station, const std::string& robot) {
-    const auto give_up = std::chrono::steady_clock::now() + 60s;
-    while (std::chrono::steady_clock::now() < give_up) {
-      const auto sessions = station.command({"sessions"});
-      if (sessions && sessions->output.find(robot + "/") != std::string::npos) return;
-    }
-    ADD_FAILURE() << robot << " did not come";
   }
 
   static void expect_near_truth(const std::string& name, const std::map<std::string, Placed>& placed, double most_m,

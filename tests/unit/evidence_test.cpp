@@ -172,5 +172,21 @@ TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
             RegistrationStatus::too_little_overlap);
 }
 
+TEST(Judge, APlaceWhereRockLiesBetweenTheRobotsSaysNothing) {
+  // Both drive the same drift; much later b passes 9 m from where a was: near enough to be asked, but there is no way
+  // through.
+  const BoxMine mine({BoxMine::drift(-40, -40, 0, -40), BoxMine::drift(-20, -40, -20, -28, 6),
+                      BoxMine::drift(0, -40, 0, 0), BoxMine::drift(0, 0, 40, 0), BoxMine::drift(-36, -40, -36, 9),
+                      BoxMine::drift(-36, 9, 30, 9)});
+  const auto a = drive(mine, {{-38, -40}, {0, -40}, {0, 0}, {38, 0}}, 0, 1);
+  const auto b = drive(mine, {{-8, -40}, {-36, -40}, {-36, 9}, {28, 9}}, 1, 2);
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  const Eigen::Vector3d branch = b.T_mine_local.inverse() * Eigen::Vector3d(-20, -40, 1);
+  const Judgement right = judged(placed(a), placed(b), truth, branch);
+  EXPECT_LT(right.evidence.places, JudgeConfig{}.places) << "some were left out";
+  EXPECT_EQ(right.evidence.places_agreeing, right.evidence.places);
+  EXPECT_GT(right.evidence.probability, 0.9);
+}
+
 }  // namespace
 }  // namespace headframe
