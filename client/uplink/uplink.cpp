@@ -99,11 +99,13 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
       bucket.set_rate(tighter(config.bytes_per_s, policy->bytes_per_s), Clock::now());
     if (const auto* welcomed = std::get_if<Welcomed>(&event)) {
       spares_allowed = welcomed->spares;
+      durable = 0;
       bucket.set_rate(config.bytes_per_s, Clock::now());  // until the server says otherwise
       up = true;
       backoff.reset();
       if (!pending_trigger.empty()) l->protocol.trigger(std::exchange(pending_trigger, {}));
     }
+    if (const auto* keyframes = std::get_if<KeyframesDurable>(&event)) durable = std::max(durable, keyframes->up_to);
     const auto* ended = std::get_if<LinkEnded>(&event);
     if (ended) end(l, ended->permanent ? std::nullopt : std::optional(backoff.next_s()));
     on_event(event);

@@ -66,7 +66,7 @@ struct UplinkLimits {
   double ping_s = 10;        // silence after which the server is asked
   double silence_s = 75;     // silence after which it is given up: longer than a link may be dark
   double doubt_s = 3;        // an answer that takes this long puts the link in doubt; asked for after half of it
-  double spare_ping_s = 30;  // silence after which the server is asked on a spare
+  double spare_ping_s = 45;  // silence after which the server is asked on a spare
 };
 
 /// What a peer wrote, for people: cut, and without control characters.
@@ -107,9 +107,6 @@ class UplinkProtocol {
 
   /// The spare carries the session from now on; says what it was told before.
   std::vector<UplinkEvent> take_over();
-
-  /// All keyframes up to here are on the server's disk.
-  std::uint64_t durable_keyframes() const { return durable_keyframes_; }
 
   bool welcomed() const { return state_ == State::welcomed; }
   bool ended() const { return state_ == State::ended; }

@@ -61,7 +61,7 @@ bool Uplink::Thread::probe_next() {
     probing_now = false;
     doubt();
   });
-  l->protocol.probe(link->protocol.durable_keyframes());
+  l->protocol.probe(durable);
   pump(l);
   return true;
 }
@@ -76,7 +76,7 @@ void Uplink::Thread::choose(const Link& l) {
   else
     discard(before);
   retry.cancel();
-  if (!up) take(l, {Welcomed{spares_allowed}, KeyframesDurable{l->protocol.durable_keyframes()}});
+  if (!up) take(l, {Welcomed{spares_allowed}, KeyframesDurable{durable}});
   take(l, l->protocol.take_over());
   calm_down();
   pump(l);

@@ -92,6 +92,7 @@ struct Uplink::Thread {
   std::vector<Link> attempts;      // being made; beside a link in doubt, for a spare, or without one
   std::vector<Link> spares;        // up, and beside the link
   std::size_t spares_allowed = 0;  // by the server
+  std::uint64_t durable = 0;       // keyframes, whichever connection said so
   bool lossy = false;              // the link has lost packets: spares are worth their pings
   bool probing_now = false;        // one was asked, the next one's turn comes
   Clock::time_point no_spare_before{};

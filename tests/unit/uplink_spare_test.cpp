@@ -49,7 +49,7 @@ TEST_F(UplinkSpare, NothingOfTheSessionGoesOverIt) {
 
 TEST_F(UplinkSpare, ItAsksSeldomWhetherTheServerIsThere) {
   stand(0, 0);
-  now_ += std::chrono::milliseconds(29999);
+  now_ += std::chrono::milliseconds(44999);
   take(link_->tick(now_));
   EXPECT_EQ(sent(), Words{});
   now_ += std::chrono::milliseconds(1);
