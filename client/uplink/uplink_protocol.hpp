@@ -65,7 +65,7 @@ struct UplinkLimits {
   double welcome_s = 10;     // a server that does not welcome within this is given up
   double ping_s = 10;        // silence after which the server is asked
   double silence_s = 75;     // silence after which it is given up: longer than a link may be dark
-  double doubt_s = 3;        // an answer that takes this long puts the link in doubt; asked for after half of it
+  double doubt_s = 5;        // an answer that takes this long puts the link in doubt; asked for after half of it
   double spare_ping_s = 45;  // silence after which the server is asked on a spare
 };
 

@@ -91,6 +91,9 @@ class SessionHub : public Robots {
   /// What an event counts in settled(): 0 when nothing of it is stored.
   static std::size_t stored_bytes(const RobotEvent& event);
 
+  /// For the log: ROBOT/SESSION.
+  static std::string name_of(const SessionKey& key) { return key.robot + "/" + key.session; }
+
  private:
   using Clock = std::chrono::steady_clock;
   struct Session {

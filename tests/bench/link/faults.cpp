@@ -105,7 +105,6 @@ Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::pa
     robots[i].client = std::move(*client);
   }
   FaultOutcome outcome;
-  outcome.name = plan.radio.name;
   (*link)->set(plan.radio);
   if (auto done = drive(robots, plan.seconds); !done) return tl::unexpected(done.error());
   outcome.bytes = (*link)->bytes_to_server();

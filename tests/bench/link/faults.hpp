@@ -19,7 +19,6 @@ struct FaultPlan {
 };
 
 struct FaultOutcome {
-  std::string name;
   Faults faults;                   // everything compared when all has arrived
   std::vector<double> lag_s;       // keyframe added to its ack, those made outside blackouts
   std::vector<double> recovery_s;  // end of a blackout to the next ack, each robot and blackout
