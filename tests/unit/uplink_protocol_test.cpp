@@ -82,7 +82,7 @@ TEST_F(UplinkProtocolTest, AnAnswerThatIsLateIsAskedForAndThenPutsTheLinkInDoubt
   start();
   sent();
   welcome();
-  now_ += 8s;
+  now_ += 5s;
   EXPECT_FALSE(link_->doubtful(now_)) << "nothing was sent that is answered";
   EXPECT_EQ(sent(), (Words{"k1", "k2"}));
   now_ += 2499ms;
