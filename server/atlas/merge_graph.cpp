@@ -1,18 +1,16 @@
 #include "server/atlas/merge_graph.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
 #include <set>
 #include <tuple>
 
+#include "server/atlas/relax.hpp"
+
 namespace headframe {
 namespace {
 
 using Pair = std::pair<SessionId, SessionId>;  // first < second
-
-/// Sessions of one component with their poses relative to some member.
-using Frames = std::map<SessionId, Pose>;
 
 struct Growing {
   std::map<SessionId, std::size_t> component_of;
@@ -108,47 +106,6 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
   return order;
 }
 
-/// Gauss-Newton over the session frames of one component (the first stays), each alignment with equal weight: a metre
-/// counts as much as 0.05 rad.
-void relax(Frames& frames, const std::vector<Alignment>& edges) {
-  std::map<SessionId, Eigen::Index> column;
-  for (const auto& [session, T] : frames) column[session] = 6 * (static_cast<Eigen::Index>(column.size()) - 1);
-  const Eigen::Index n = 6 * (static_cast<Eigen::Index>(frames.size()) - 1);
-  Vector6d weight;
-  weight << 400, 400, 400, 1, 1, 1;
-  for (int iteration = 0; iteration < 10; ++iteration) {
-    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
-    for (const Alignment& edge : edges) {
-      // r = log(T_a_b^-1 T_a^-1 T_b); right increments: T_b moves r by d_b, T_a by -Ad(T_b^-1 T_a) d_a, to first order.
-      const Pose T_b_a = frames[edge.b].inverse() * frames[edge.a];
-      const Vector6d r = se3_log(edge.T_a_b.inverse() * T_b_a.inverse());
-      Eigen::Matrix<double, 6, 6> J_a = Eigen::Matrix<double, 6, 6>::Zero();
-      J_a.topLeftCorner<3, 3>() = J_a.bottomRightCorner<3, 3>() = -T_b_a.linear();
-      J_a.bottomLeftCorner<3, 3>() = -skew(T_b_a.translation()) * T_b_a.linear();
-      const Eigen::Index a = column[edge.a], b = column[edge.b];
-      const Eigen::Matrix<double, 6, 6> W = weight.asDiagonal();
-      if (a >= 0) {
-        H.block<6, 6>(a, a) += J_a.transpose() * W * J_a;
-        g.segment<6>(a) += J_a.transpose() * W * r;
-      }
-      if (b >= 0) {
-        H.block<6, 6>(b, b) += W;
-        g.segment<6>(b) += W * r;
-      }
-      if (a >= 0 && b >= 0) {
-        H.block<6, 6>(a, b) += J_a.transpose() * W;
-        H.block<6, 6>(b, a) += W * J_a;
-      }
-    }
-    H.diagonal().array() += 1e-9;
-    const Eigen::VectorXd d = -H.ldlt().solve(g);
-    for (auto& [session, T] : frames)
-      if (column[session] >= 0) T = orthonormalised(T * se3_exp(d.segment<6>(column[session])));
-    if (d.norm() < 1e-9) break;
-  }
-}
-
 Component component_from(const Frames& frames, std::span<const SessionId> anchors) {
   const auto chosen = std::find_if(anchors.rbegin(), anchors.rend(), [&](SessionId id) { return frames.contains(id); });
   const auto anchor = chosen == anchors.rend() ? frames.begin() : frames.find(*chosen);
@@ -161,6 +118,128 @@ Component component_from(const Frames& frames, std::span<const SessionId> anchor
   return component;
 }
 
+/// Alignments that are not believed, and the sessions that would contradict each other.
+using Doubts = std::map<std::size_t, Pair>;
+
+/// Takes the usable alignments one after another. Those in doubt come last, and are asked but not taken: what
+/// contradicts them goes on doing so.
+class Merging {
+ public:
+  /// Adds to the doubts; when it has added some, it has to be done again.
+  Merging(std::span<const SessionId> sessions, std::span<const Alignment> alignments, const LoopTolerance& tolerance,
+          const Contacts& contacts, Doubts& doubts)
+      : alignments_(alignments), contacts_(contacts), doubts_(doubts), growing_(sessions) {
+    for (const Alignment& alignment : alignments) result_.states.push_back(alignment.state);
+    result_.contradicted_by.resize(alignments.size());
+    for (const Alignment& alignment : alignments)
+      if (usable(alignment)) aligned_.emplace(alignment.a, alignment.b);
+    std::vector<std::size_t> order = by_strength(alignments, tolerance);
+    std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return !doubts.contains(i); });
+    for (const std::size_t i : order) take(i, tolerance);
+  }
+
+  MergeResult result(std::span<const SessionId> anchors) {
+    for (Frames& frames : growing_.components) {
+      if (frames.empty()) continue;
+      std::vector<Alignment> edges;
+      for (const Alignment& alignment : published_)
+        if (frames.contains(alignment.a)) edges.push_back(alignment);
+      if (edges.size() >= frames.size()) relax(frames, edges);
+      result_.components.push_back(component_from(frames, anchors));
+    }
+    std::sort(result_.components.begin(), result_.components.end(),
+              [](const auto& x, const auto& y) { return x.id < y.id; });
+    return result_;
+  }
+
+ private:
+  void take(std::size_t i, const LoopTolerance& tolerance) {
+    const Alignment& alignment = alignments_[i];
+    const bool loop = growing_.component_of.at(alignment.a) == growing_.component_of.at(alignment.b);
+    if (loop ? agrees(growing_.T_a_b(alignment), alignment.T_a_b, tolerance) : may_join(i)) {
+      if (!loop) {
+        growing_.join(alignment);
+        joined_.push_back(i);
+      }
+      result_.states[i] = AlignmentState::published;
+      published_.push_back(alignment);
+      return;
+    }
+    // A confirmed one waits: it comes back when what it contradicts is retracted. So does one in doubt.
+    const bool waits =
+        alignment.ruling == Ruling::confirmed || alignment.state != AlignmentState::published || doubts_.contains(i);
+    result_.states[i] = waits ? AlignmentState::verified : AlignmentState::retracted;
+  }
+
+  bool may_join(std::size_t i) {
+    const Alignment& alignment = alignments_[i];
+    if (!contacts_ || alignment.ruling == Ruling::confirmed) return true;
+    const Growing::Met met = growing_.met(alignment, aligned_, contacts_);
+    if (met.contact == Contact::contradicts) {
+      result_.contradicted_by[i] = met.by;
+      doubt_between(i, met.by);
+    }
+    if (const auto doubt = doubts_.find(i); doubt != doubts_.end()) {
+      result_.contradicted_by[i] = doubt->second;
+      return false;
+    }
+    const bool waits = met.contact == Contact::unknown && alignment.state != AlignmentState::published;
+    return met.contact != Contact::contradicts && !waits;
+  }
+
+  /// One of those by which both sessions come to lie where they contradict each other is wrong. Where the mine is known
+  /// to repeat itself it is a copy, as long as the overlap that it was found on, and none that is not clearly longer is
+  /// to be believed.
+  void doubt_between(std::size_t i, const Pair& by) {
+    constexpr double copies_known = 0.15;  // Evidence::repetition; over all recordings in one database it is 0.05
+    constexpr double clearly = 1.5;
+    const std::vector<std::size_t> way = way_between(i, by);
+    const bool copies = std::any_of(way.begin(), way.end(),
+                                    [&](std::size_t k) { return alignments_[k].evidence.repetition >= copies_known; });
+    if (!copies) return;
+    const double shared_m = alignments_[i].evidence.overlap_m;
+    bool equals = false;
+    for (const std::size_t k : way) {
+      const double other_m = alignments_[k].evidence.overlap_m;
+      if (k == i || alignments_[k].ruling == Ruling::confirmed || other_m >= clearly * shared_m) continue;
+      doubts_.emplace(k, by);
+      equals |= shared_m < clearly * other_m;
+    }
+    if (equals) doubts_.emplace(i, by);
+  }
+
+  /// i, and those that were joined, by which one comes to the other.
+  std::vector<std::size_t> way_between(std::size_t i, const Pair& by) const {
+    std::map<SessionId, std::size_t> came_by;  // over which alignment, going out from the first
+    std::vector<SessionId> reached{by.first};
+    std::vector<std::size_t> edges = joined_;
+    edges.push_back(i);
+    for (std::size_t at = 0; at < reached.size(); ++at)
+      for (const std::size_t k : edges) {
+        const auto [a, b] = std::pair(alignments_[k].a, alignments_[k].b);
+        if (reached[at] != a && reached[at] != b) continue;
+        const SessionId next = reached[at] == a ? b : a;
+        if (next == by.first || !came_by.emplace(next, k).second) continue;
+        reached.push_back(next);
+      }
+    std::vector<std::size_t> way;
+    for (SessionId at = by.second; at != by.first;) {
+      way.push_back(came_by.at(at));
+      at = alignments_[way.back()].a == at ? alignments_[way.back()].b : alignments_[way.back()].a;
+    }
+    return way;
+  }
+
+  std::span<const Alignment> alignments_;
+  const Contacts& contacts_;
+  Doubts& doubts_;
+  Growing growing_;
+  std::set<Pair> aligned_;
+  std::vector<std::size_t> joined_;
+  std::vector<Alignment> published_;
+  MergeResult result_;
+};
+
 }  // namespace
 
 bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
@@ -172,47 +251,12 @@ bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance, std::span<const SessionId> anchors,
                            const Contacts& contacts) {
-  MergeResult result;
-  for (const Alignment& alignment : alignments) result.states.push_back(alignment.state);
-  result.contradicted_by.resize(alignments.size());
-  std::set<Pair> aligned;
-  for (const Alignment& alignment : alignments)
-    if (usable(alignment)) aligned.emplace(alignment.a, alignment.b);
-  Growing growing(sessions);
-  std::vector<Alignment> published;
-  for (const std::size_t i : by_strength(alignments, tolerance)) {
-    const Alignment& alignment = alignments[i];
-    const bool loop = growing.component_of.at(alignment.a) == growing.component_of.at(alignment.b);
-    bool admitted = true;
-    if (loop) {
-      admitted = agrees(growing.T_a_b(alignment), alignment.T_a_b, tolerance);
-    } else if (contacts && alignment.ruling != Ruling::confirmed) {
-      const Growing::Met met = growing.met(alignment, aligned, contacts);
-      if (met.contact == Contact::contradicts) result.contradicted_by[i] = met.by;
-      const bool waits = met.contact == Contact::unknown && alignment.state != AlignmentState::published;
-      admitted = met.contact != Contact::contradicts && !waits;
-    }
-    if (!admitted) {
-      // A confirmed one waits: it comes back when what it contradicts is retracted.
-      const bool waits = alignment.ruling == Ruling::confirmed || alignment.state != AlignmentState::published;
-      result.states[i] = waits ? AlignmentState::verified : AlignmentState::retracted;
-      continue;
-    }
-    if (!loop) growing.join(alignment);
-    result.states[i] = AlignmentState::published;
-    published.push_back(alignment);
+  Doubts doubts;
+  for (;;) {
+    const std::size_t before = doubts.size();
+    Merging merging(sessions, alignments, tolerance, contacts, doubts);
+    if (doubts.size() == before) return merging.result(anchors);
   }
-  for (Frames& frames : growing.components) {
-    if (frames.empty()) continue;
-    std::vector<Alignment> edges;
-    for (const Alignment& alignment : published)
-      if (frames.contains(alignment.a)) edges.push_back(alignment);
-    if (edges.size() >= frames.size()) relax(frames, edges);
-    result.components.push_back(component_from(frames, anchors));
-  }
-  std::sort(result.components.begin(), result.components.end(),
-            [](const auto& x, const auto& y) { return x.id < y.id; });
-  return result;
 }
 
 }  // namespace headframe

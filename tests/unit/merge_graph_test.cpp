@@ -219,6 +219,44 @@ TEST(MergeGraph, OfTwoThatCanNotBothBeRightTheSurerStands) {
   EXPECT_EQ(stands(of_copies, sure), 1) << "aliases are left aside";
 }
 
+/// What became of 1-2, 2-3 and 3-5 when what 1 saw contradicts what 5 saw.
+std::vector<AlignmentState> states_of(const std::vector<double>& overlaps_m, double repetition,
+                                      Ruling of_the_second = Ruling::none) {
+  std::vector<Alignment> edges{edge(1, 2, 0.99), edge(2, 3, 0.98), edge(3, 5, 0.91)};
+  for (std::size_t i = 0; i < edges.size(); ++i) edges[i].evidence.overlap_m = overlaps_m[i];
+  edges[0].evidence.repetition = repetition;
+  edges[1].ruling = of_the_second;
+  return Asked{{1, 5}, Contact::contradicts, {}}.merge(edges).states;
+}
+
+TEST(MergeGraph, InAMineOfCopiesNeitherOfTwoThatCanNotBothBeRightIsBelieved) {
+  constexpr auto waits = AlignmentState::verified, stands = AlignmentState::published;
+  using States = std::vector<AlignmentState>;
+  EXPECT_EQ(states_of({30, 30, 30}, 0.14), (States{stands, stands, waits})) << "no copies are known: the surer stand";
+  EXPECT_EQ(states_of({30, 30, 30}, 0.15), (States{waits, waits, waits}));
+  EXPECT_EQ(states_of({44, 44, 30}, 0.15), (States{waits, waits, waits}));
+  EXPECT_EQ(states_of({45, 45, 30}, 0.15), (States{stands, stands, waits})) << "clearly longer than the copy may be";
+  EXPECT_EQ(states_of({45, 30, 30}, 0.15), (States{stands, waits, waits}));
+  EXPECT_EQ(states_of({45, 30, 45}, 0.15), (States{waits, waits, waits}));
+  EXPECT_EQ(states_of({45, 29, 45}, 0.15), (States{waits, waits, waits})) << "1-2 is no longer than 3-5";
+  EXPECT_EQ(states_of({100, 20, 45}, 0.15), (States{stands, waits, stands})) << "the short one was the copy";
+  EXPECT_EQ(states_of({30, 30, 30}, 0.15, Ruling::confirmed), (States{waits, stands, waits}));
+}
+
+TEST(MergeGraph, OneInDoubtThatWasPublishedGoesOnContradicting) {
+  std::vector<Alignment> edges{edge(1, 3, 0.99), edge(3, 5, 0.98)};
+  for (Alignment& k : edges) k.evidence.overlap_m = 30, k.evidence.repetition = 1;
+  edges[0].state = AlignmentState::published;
+  for (int update = 0; update < 3; ++update) {
+    const auto result = Asked{{1, 5}, Contact::contradicts, {}}.merge(edges);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      EXPECT_EQ(result.states[i], AlignmentState::verified) << update;
+      EXPECT_EQ(result.contradicted_by[i], (std::pair<SessionId, SessionId>(1, 5))) << update;
+      edges[i].state = result.states[i];
+    }
+  }
+}
+
 TEST(MergeGraph, WhileNobodyHasLookedWhatIsPublishedStaysAndWhatIsNotWaits) {
   std::vector<Alignment> edges{edge(1, 2, 0.99), edge(2, 3, 0.98)};
   EXPECT_EQ((Asked{{1, 3}, Contact::unknown, {}}.merge(edges).states[1]), AlignmentState::verified);
