@@ -92,8 +92,7 @@ bool MergePipeline::State::look_at(const Nearing& n, CloudSource& clouds, Attemp
     // Where it lies is known from the others: look-alikes elsewhere, and a runner-up, cast no doubt on it.
     if (violation_of(seen) >= contradiction)
       seen.contact = Contact::contradicts;
-    else if (judged.evidence.probability >= config.accept_probability &&
-             agrees(n.T_a_b, seen.judgement.T_a_b, {}))
+    else if (judged.evidence.probability >= config.accept_probability && agrees(n.T_a_b, seen.judgement.T_a_b, {}))
       seen.contact = Contact::agrees;
   }
   auto& kept = contacts[{n.a, n.b}];

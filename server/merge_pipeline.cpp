@@ -52,7 +52,8 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
   Evidence of_all;  // sessions: when more of them show copies, or fewer, the pair is judged again
   of_all.repetition = repetition();
   std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(in_time),
-                                      static_cast<std::size_t>(asked_overlap_m(of_all) / 10)};
+                                      static_cast<std::size_t>(asked_overlap_m(of_all) / 10),
+                                      static_cast<std::size_t>(of_all.repetition >= copies_known)};
   std::size_t awaited = 0;
   const bool accepted = known && known->evidence.probability >= config.accept_probability;
   {
@@ -108,10 +109,10 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   else
     before = judged_now;
   const Stopwatch watch(report.times.verification_ms);
-  Judgement again =
-      judge_again(scene(pair.a, now.a, clouds), scene(pair.b, now.b, clouds), T_0, judge_config());
+  Judgement again = judge_again(scene(pair.a, now.a, clouds), scene(pair.b, now.b, clouds), T_0, judge_config());
   again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
   again.evidence.repetition = repetition();
+  again.evidence.farther_violation = published.evidence.farther_violation;
   again.evidence.support = published.evidence.support;
   again.evidence.runner_up = published.evidence.runner_up;
   compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, again);

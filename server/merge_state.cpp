@@ -50,7 +50,8 @@ MergePipeline::State::State(const MergeConfig& c)
               .walls_bytes = mb * static_cast<std::size_t>(c.walls_mb),
               .threads = c.threads}),
       prepared(mb * static_cast<std::size_t>(c.clouds_mb), c.threads),
-      places(mb * static_cast<std::size_t>(c.places_mb), c.threads, JudgeConfig{}.place, prepared) {}
+      places(mb * static_cast<std::size_t>(c.places_mb), c.threads, JudgeConfig{}.place, prepared),
+      far_places(mb * static_cast<std::size_t>(c.places_mb) / 8, c.threads, far_places_config(), prepared) {}
 
 JudgeConfig MergePipeline::State::judge_config() const {
   JudgeConfig judge;
@@ -252,6 +253,10 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
                                                  g.place.p_b, same_placement_m, same_placement_rad);
                 }));
     weigh(verdict.judgement);
+    if (e.repetition >= copies_known && e.probability >= config.accept_probability) {
+      look_farther({a, b}, cases[i], verdict.judgement, clouds);
+      weigh(verdict.judgement);
+    }
     verdicts.push_back(verdict);
   }
   std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {

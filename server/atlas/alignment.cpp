@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 26> fields{{
+constexpr std::array<EvidenceField, 27> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -27,6 +27,7 @@ constexpr std::array<EvidenceField, 26> fields{{
     {"seen_points", &Evidence::seen_points},
     {"freespace_violation", &Evidence::freespace_violation},
     {"worst_place_violation", &Evidence::worst_place_violation},
+    {"farther_violation", &Evidence::farther_violation},
     {"own_violation", &Evidence::own_violation},
     {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},

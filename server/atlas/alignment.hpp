@@ -37,6 +37,7 @@ struct Evidence {
   double seen_points = 0;            // that speak for it, both ways
   double freespace_violation = 0;    // points of one map that the other's rays pass through / points that say anything
   double worst_place_violation = 0;  // the same at the place that contradicts most
+  double farther_violation = 0;      // the same up to 25 m from a place instead of 15; 0 unless the mine repeats itself
   double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
@@ -52,6 +53,13 @@ struct Evidence {
 /// Weakest hold from which on nothing slides along a drift, and the end-on match from which on a place of a drift that
 /// holds less is told from its neighbours: in the recordings right placements match 0.22 and more, wrong ones 0.07.
 inline constexpr double held_well = 0.03, ends_meet = 0.12;
+
+/// Repetition from which on the database is known to hold copies: over all recordings at once it is 0.05.
+inline constexpr double copies_known = 0.15;
+
+/// Farther violation from which on a placement is at most a candidate. In drawn mines of copies 65 of 68 right ones had
+/// less, and of 56 wrong ones that nothing near contradicted 39 had more.
+inline constexpr double contradicted_farther = 0.003;
 
 /// How alike the descriptors have to be: .72; .85 where the mine repeats itself. At right placements of drawn mines
 /// they were .76 and more but for one, .80 in mines of copies, on a campus .73; of copies that were merged wrongly .62

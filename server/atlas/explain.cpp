@@ -37,6 +37,9 @@ std::vector<Finding> findings_of(const Evidence& e) {
   add("freespace_violation", e.freespace_violation, side(violated(e)),
       text("%.2f %% of the points lie where the other's rays passed through; %.2f %% do so within each session itself",
            100 * e.freespace_violation, 100 * e.own_violation));
+  if (e.farther_violation > 0)
+    add("farther_violation", e.farther_violation, side(e.farther_violation >= contradicted_farther),
+        text("%.2f %% do so up to 25 m away at one place: a copy would end there", 100 * e.farther_violation));
   add("overlap_a", e.overlap_a, side(std::min(e.overlap_a, e.overlap_b) < thin_overlap),
       text("near the overlap the second has seen %.0f %% of the first's points, the first %.0f %% of the second's",
            100 * e.overlap_a, 100 * e.overlap_b));

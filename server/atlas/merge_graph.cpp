@@ -191,7 +191,6 @@ class Merging {
   /// to repeat itself it is a copy, as long as the overlap that it was found on, and none that is not clearly longer is
   /// to be believed.
   void doubt_between(std::size_t i, const Pair& by) {
-    constexpr double copies_known = 0.15;  // Evidence::repetition; over all recordings in one database it is 0.05
     constexpr double clearly = 1.5;
     const std::vector<std::size_t> way = way_between(i, by);
     const bool copies = std::any_of(way.begin(), way.end(),

@@ -281,7 +281,8 @@ double probability(RegistrationStatus status, const Evidence& e) {
                    6 * tiny_overlap + long_overlap;
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
-  return status == RegistrationStatus::converged ? p : 0.4 * p;
+  if (status != RegistrationStatus::converged) return 0.4 * p;
+  return e.farther_violation >= contradicted_farther ? 0.5 * p : p;  // a copy that ends where it was not driven
 }
 
 }  // namespace headframe

@@ -68,6 +68,33 @@ TEST(Contacts, AThirdSessionFullOfCopiesAsksForALongerOverlap) {
   EXPECT_EQ(short_one.state, AlignmentState::candidate);
 }
 
+/// A drift with branches that two mines have in common; 19 m beyond where both robots stopped one of them ends.
+Drive along(double end_m, double yaw_rad, unsigned seed) {
+  const BoxMine mine({BoxMine::drift(0, 0, 94, 0), BoxMine::drift(15, 0, 15, 14), BoxMine::drift(42, -9, 42, 0, 6),
+                      BoxMine::drift(66, 0, 66, 20), BoxMine::drift(80, -16, 80, 0, 3),
+                      BoxMine::drift(94, 0, end_m, 0, 10)});
+  return test::drive(mine, {{2, 0}, {88, 0}}, yaw_rad, seed);
+}
+
+TEST(Contacts, WhereCopiesAreKnownAPairIsLookedAtFartherOff) {
+  for (const bool copies : {false, true}) {
+    Base base({along(100, 0, 5), along(130, 1.1, 6)});
+    if (copies) base.arrive(of_copies());
+    while (base.pipeline.prepare_ahead(base.shelf)) {
+    }
+    attempt_all(base);
+    const Alignment& k = between(base, 1, 2);
+    EXPECT_EQ(k.evidence.repetition >= copies_known, copies);
+    EXPECT_EQ(k.evidence.farther_violation >= contradicted_farther, copies) << k.evidence.farther_violation;
+    EXPECT_EQ(k.state, copies ? AlignmentState::candidate : AlignmentState::published);
+  }
+  Base same({along(100, 0, 5), along(100, 1.1, 6), of_copies()});
+  while (same.pipeline.prepare_ahead(same.shelf)) {
+  }
+  attempt_all(same);
+  EXPECT_EQ(between(same, 1, 2).state, AlignmentState::published) << "one mine";
+}
+
 TEST(Contacts, AThirdSessionThatContradictsHoldsTheMergeBack) {
   Base base({of_one(), of_two(), witness()});
   attempt_all(base);

@@ -49,6 +49,15 @@ Speaks side(const Explanation& e, std::string_view evidence) {
   return at == e.findings.end() ? Speaks::neither : at->speaks;
 }
 
+TEST(Explain, WhatIsContradictedFartherOffSpeaksAgainst) {
+  Alignment k = good();
+  EXPECT_EQ(side(explained(k), "farther_violation"), Speaks::neither) << "not asked";
+  k.evidence.farther_violation = 0.99 * contradicted_farther;
+  EXPECT_EQ(side(explained(k), "farther_violation"), Speaks::in_favour);
+  k.evidence.farther_violation = contradicted_farther;
+  EXPECT_EQ(side(explained(k), "farther_violation"), Speaks::against);
+}
+
 TEST(Explain, AMergeSaysWhereAndHowSureAndMissesNothing) {
   const Explanation e = explained(good(), true);
   EXPECT_EQ(e.outcome,

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "server/merge_config.hpp"
 #include "server/registration/verification.hpp"
 
 namespace headframe {
@@ -80,6 +81,20 @@ TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
   EXPECT_LT(p(39), 0.9);
   EXPECT_GT(j.evidence.probability_if_unique, 0.95);
   EXPECT_GT(p(70), 0.95);
+}
+
+TEST(Probability, WhatIsContradictedFartherOffIsAtMostACandidate) {
+  Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
+  const auto p = [&](double farther) {
+    j.evidence.farther_violation = farther;
+    weigh(j);
+    return j.evidence.probability;
+  };
+  const double believed = p(0);
+  EXPECT_EQ(p(0.99 * contradicted_farther), believed);
+  EXPECT_LT(p(contradicted_farther), MergeConfig{}.accept_probability);
+  EXPECT_GT(p(contradicted_farther), MergeConfig{}.candidate_probability);
+  EXPECT_LT(j.evidence.probability_if_unique, MergeConfig{}.accept_probability);
 }
 
 TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {

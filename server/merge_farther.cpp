@@ -1,0 +1,62 @@
+// Where the mine is known to repeat itself, a placement that is about to be believed is looked at once more, as far as
+// the lidars see: copies end somewhere.
+
+#include <algorithm>
+#include <limits>
+
+#include "server/merge_state.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr double close_m = 5, step_m = 4;  // of b's path, where it passes so near to a's
+
+/// Free space alone: what a registration needs is kept small.
+PlaceConfig farther() {
+  PlaceConfig config;
+  config.radius_m = 1;
+  config.slack_m = 0;
+  config.look_m = 25;
+  config.look_leaf_m = 0.8F;
+  config.view_reach_m = 35;
+  return config;
+}
+
+/// The stand of a's nearest to p, if it is close.
+const Stand* close_to(const std::vector<Stand>& a, const Eigen::Vector3d& p) {
+  const auto distance = [&](const Stand& s) { return (s.p - p).norm(); };
+  const auto nearest =
+      std::min_element(a.begin(), a.end(), [&](const Stand& s, const Stand& t) { return distance(s) < distance(t); });
+  return nearest == a.end() || distance(*nearest) > close_m ? nullptr : &*nearest;
+}
+
+}  // namespace
+
+PlaceConfig MergePipeline::State::far_places_config() { return farther(); }
+
+void MergePipeline::State::look_farther(const Laid& pair, const Case& c, Judgement& judgement, CloudSource& clouds) {
+  std::vector<PlaceRequest> asked;
+  double next_m = std::numeric_limits<double>::lowest();
+  for (const Stand& s : c.b) {
+    const double path_m = sessions.at(pair.b).path_to_m[s.keyframe];
+    const Stand* other = close_to(c.a, judgement.T_a_b * s.p);
+    if (!other || path_m < next_m) continue;
+    next_m = path_m + step_m;
+    asked.push_back(place_at(pair.a, other->keyframe));
+    asked.push_back(place_at(pair.b, s.keyframe));
+  }
+  const std::vector<PlacePtr> near = places.get(asked, clouds), far = far_places.get(asked, clouds);
+  const JudgeConfig judge = judge_config();
+  for (std::size_t i = 0; i < near.size(); i += 2) {
+    // Looked at where its own registration puts it: drift is not a contradiction.
+    PlaceCheck place = register_place(*near[i], *near[i + 1], judgement.T_a_b, judge.place);
+    const Pose& T = place.registration.T_target_source;
+    const bool drifted = place.registration.status != RegistrationStatus::too_little_overlap &&
+                         !differ(T, judgement.T_a_b, near[i + 1]->p, judge.place_drift_m, judge.place_drift_rad);
+    look_at_place(place, *far[i], *far[i + 1], drifted ? T : judgement.T_a_b, farther());
+    double& worst = judgement.evidence.farther_violation;
+    worst = std::max(worst, place.between().violation());
+  }
+}
+
+}  // namespace headframe
