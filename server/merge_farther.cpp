@@ -2,6 +2,7 @@
 // the lidars see: copies end somewhere.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "server/merge_state.hpp"
@@ -30,6 +31,17 @@ const Stand* close_to(const std::vector<Stand>& a, const Eigen::Vector3d& p) {
   return nearest == a.end() || distance(*nearest) > close_m ? nullptr : &*nearest;
 }
 
+/// Whether all clouds of the path within look_m of a keyframe are stored: of what is half known, far walls say nothing.
+bool known_around(const Session& session, SessionId id, std::size_t keyframe, const CloudSource& clouds) {
+  const double reach_m = farther().look_m, here_m = session.path_to_m[keyframe];
+  for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
+    const Keyframe& k = session.keyframes[i];
+    const bool asked = k.point_count > 0 && std::abs(session.path_to_m[i] - here_m) < reach_m;
+    if (asked && clouds.state({id, k.sequence}) != CloudState::stored) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 PlaceConfig MergePipeline::State::far_places_config() { return farther(); }
@@ -40,7 +52,9 @@ void MergePipeline::State::look_farther(const Laid& pair, const Case& c, Judgeme
   for (const Stand& s : c.b) {
     const double path_m = sessions.at(pair.b).path_to_m[s.keyframe];
     const Stand* other = close_to(c.a, judgement.T_a_b * s.p);
-    if (!other || path_m < next_m) continue;
+    if (!other || path_m < next_m || !known_around(sessions.at(pair.a), pair.a, other->keyframe, clouds) ||
+        !known_around(sessions.at(pair.b), pair.b, s.keyframe, clouds))
+      continue;
     next_m = path_m + step_m;
     asked.push_back(place_at(pair.a, other->keyframe));
     asked.push_back(place_at(pair.b, s.keyframe));
