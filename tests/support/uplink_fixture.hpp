@@ -41,7 +41,8 @@ class UplinkProtocolTest : public testing::Test {
  protected:
   void start(CloudPolicy clouds = CloudPolicy::all) { link_.emplace(limits_, rover(clouds), table_, now_); }
 
-  /// Everything it wants to send now, in words, those that go as one in one: "k3" keyframe, "c2:0" chunk of cloud 2 at KiB 0, "none2" unavailable.
+  /// Everything it wants to send now, in words, those that go as one in one: "k3" keyframe, "c2:0" chunk of cloud 2 at
+  /// KiB 0, "none2" unavailable.
   std::vector<std::string> sent(std::size_t most = 1000) {
     std::vector<std::string> words;
     while (words.size() < most) {
