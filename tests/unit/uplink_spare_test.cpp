@@ -26,9 +26,8 @@ class UplinkSpare : public UplinkProtocolTest {
   }
   template <class Event>
   std::size_t count() const {
-    return static_cast<std::size_t>(std::count_if(events_.begin(), events_.end(), [](const UplinkEvent& e) {
-      return std::holds_alternative<Event>(e);
-    }));
+    return static_cast<std::size_t>(std::count_if(
+        events_.begin(), events_.end(), [](const UplinkEvent& e) { return std::holds_alternative<Event>(e); }));
   }
 };
 
