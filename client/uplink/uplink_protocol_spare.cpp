@@ -16,15 +16,14 @@ void UplinkProtocol::stand_by() {
 void UplinkProtocol::probe(std::uint64_t durable) {
   sent_keyframes_ = durable_keyframes_ = durable;
   probed_ = Probed::asked;
+  std::string keyframe;  // none when it can not be read: that ends the connection that carries the session
+  if (durable < source_.last_sequence() && policy_.hold.empty())
+    if (const auto next = next_keyframe()) (void)append_frame(keyframe, next->SerializeAsString());
   v1::RobotMessage probe;
-  auto keyframe = durable < source_.last_sequence() && policy_.hold.empty()
-                      ? next_keyframe()
-                      : Result<v1::RobotMessage>(failure(ErrorCode::unavailable, ""));
-  probe.mutable_probe()->set_keyframe_follows(keyframe.has_value());
+  probe.mutable_probe()->set_keyframe_follows(!keyframe.empty());
   std::string frames;
   (void)append_frame(frames, probe.SerializeAsString());
-  if (keyframe) (void)append_frame(frames, keyframe->SerializeAsString());  // a few hundred bytes: it fits
-  if (queue_frames(std::move(frames)) && keyframe) ++sent_keyframes_;
+  if (queue_frames(frames + keyframe) && !keyframe.empty()) ++sent_keyframes_;
 }
 
 std::vector<UplinkEvent> UplinkProtocol::take_over() {

@@ -50,16 +50,15 @@ void Uplink::Thread::next_attempt() {
   next.expires_after(seconds(config.connect_again_s));
   next.async_wait([this](const Code& code) {
     if (code || closing || attempts.empty()) return;
-    if (!doubtful()) return;  // a spare in the making is in no hurry
-    attempts.size() < most_attempts ? connect() : next_attempt();
+    // A spare in the making is in no hurry.
+    doubtful() && attempts.size() < most_attempts ? connect() : next_attempt();
   });
 }
 
 void Uplink::Thread::connected_to(const Link& l) {
   std::erase(attempts, l);
   l->up = true;
-  const bool beside = carried() && link->protocol.welcomed() && spares_wanted() > 0;
-  if (beside) {
+  if (carried() && link->protocol.welcomed() && spares_wanted() > 0) {
     stand_by(l);
   } else {
     if (link) discard(link);  // in doubt: the server replaces it too

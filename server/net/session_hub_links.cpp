@@ -102,13 +102,16 @@ std::optional<Result<SessionHub::Admitted>> SessionHub::stand_by(const Hello& he
   if (!hello.spare || known == ids_.end() || sessions_.at(known->second).link.expired()) return std::nullopt;
   Session& session = sessions_.at(known->second);
   if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
-  if (!same_run(session.record, hello)) return failure(ErrorCode::unavailable, "a spare of another run of its spool");
-  if (limits_.spares == 0) return failure(ErrorCode::unavailable, "limits.spares is 0");
+  if (!same_run(session.record, hello))
+    return failure(ErrorCode::unavailable, "a spare of another run of its spool: begin with a hello that is none");
+  if (limits_.spares == 0)
+    return failure(ErrorCode::unavailable, "this server takes no spares (limits.spares = 0), as its welcome says");
   auto& spares = session.spares;
   std::erase_if(spares, [](const auto& spare) { return spare.expired(); });
   if (spares.size() >= static_cast<std::size_t>(limits_.spares)) {
     if (const auto oldest = spares.front().lock())
-      oldest->close(v1::ERROR_KIND_OVERLOADED, "more spares than limits.spares", false);
+      oldest->close(v1::ERROR_KIND_OVERLOADED,
+                    "more spares than the " + std::to_string(limits_.spares) + " that limits.spares allows", false);
     spares.erase(spares.begin());
   }
   spares.push_back(link);
