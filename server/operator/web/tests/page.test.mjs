@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { audit, finished, launch, needs, open, outputs, picture, scratchFolder, shown, start, Station, until } from './support.mjs';
+import { audit, endAll, finished, launch, needs, open, outputs, picture, scratchFolder, shown, start, Station, until } from './support.mjs';
 
 needs('headframe-server', 'headframe-replay', 'headframe-drawn-sessions');
 const scratch = scratchFolder();
@@ -23,7 +23,7 @@ before(async () => {
 
 after(async () => {
   await browser?.close();
-  await station?.kill();
+  endAll();
 });
 
 const clean = (opened) => assert.deepEqual(opened.faults, []);
@@ -287,6 +287,7 @@ test('everything that can be pressed has a name, in both colours and on a tablet
   assert.deepEqual(nameless, []);
   const tablet = await open(browser, station.url, { viewport: { width: 820, height: 1180 }, colorScheme: 'light' });
   await until('points', async () => (await shown(tablet)).points > 0);
+  await tablet.locator('.robot').first().waitFor();
   assert.equal(await tablet.evaluate(() => document.documentElement.scrollWidth), 820, 'nothing hangs over');
   assert.equal(await tablet.evaluate(() => document.documentElement.dataset.theme), 'light');
   await picture(tablet, 'tablet_light');
@@ -366,7 +367,7 @@ test('fifty robots fit on the page', async () => {
   const crowd = await open(browser, many.url);
   await until('all fifty', async () => (await shown(crowd)).keyframes.length === 50);
   await until('their points', async () => (await shown(crowd)).points > 5000);
-  assert.equal(await crowd.locator('.robot').count(), 50);
+  await until('all fifty in the list', async () => (await crowd.locator('.robot').count()) === 50);
   assert.ok((await shown(crowd)).points <= mostPoints);
   await picture(crowd, 'fifty');
   clean(crowd);

@@ -36,7 +36,6 @@ export function needs(...programs) {
   if (!runs(browserPath)) stop(`there is no browser at ${browserPath}; install chromium, or say in CHROMIUM where one is`);
 }
 
-process.setMaxListeners(0);
 const between_ms = 50; // of two looks: what is waited for needs the processor itself
 export const patience_ms = 150_000; // for machines that are busy; nothing waits longer than it has to
 
@@ -47,13 +46,22 @@ export function scratchFolder() {
   return folder;
 }
 
+const children = new Set();
+
 export function start(program, args, options = {}) {
   const child = spawn(join(bin, program), args, { stdio: ['ignore', 'pipe', 'pipe'], ...options });
   child.text = '';
   for (const stream of [child.stdout, child.stderr]) stream.on('data', (data) => (child.text += data));
-  process.on('exit', () => child.kill('SIGKILL'));
+  children.add(child);
+  child.on('exit', () => children.delete(child));
   return child;
 }
+
+/** Ends every program that still runs: one that a failed test left behind would keep the script from ending. */
+export function endAll() {
+  for (const child of children) child.kill('SIGKILL');
+}
+process.on('exit', endAll);
 
 /** Its output; throws when it fails. */
 export async function finished(child) {
