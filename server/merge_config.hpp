@@ -13,7 +13,7 @@ struct MergeConfig {
   double least_path_m = 50;            // a growing session waits until it has come so far, or its robot asks
   int hypotheses = 8;                  // glanced at for each pair of sessions in one attempt
   int searches = 4;                    // pairs of sessions whose walls are searched anew in one attempt
-  int clouds_requested = 6;            // of each session, at most, for one hypothesis
+  int clouds_requested = 4;            // of each session for a first look at a hypothesis; twice as many while in doubt
   int clouds_mb = 256;                 // memory for prepared clouds, ...
   int places_mb = 768;                 // ... for summed up surroundings, and the sweeps they look from ...
   int walls_mb = 64;                   // ... and for drawn walls; what was used least recently is made anew

@@ -75,17 +75,19 @@ std::optional<Objection> MergePipeline::State::objection_of(
 bool MergePipeline::State::look_at(const Nearing& n, CloudSource& clouds, AttemptReport& report) {
   const Laid pair = laid(n.a, n.b);
   const Pose T_0 = by_ids(pair, n.T_a_b);
-  const Case now = make_case(pair.a, pair.b, {T_0, 0, {}}, clouds);
-  const std::size_t stands = now.a.size() + now.b.size();
+  Case now = make_case(pair.a, pair.b, {T_0, 0, {}}, clouds);
+  now.hypothesis.place_b = middle_of_overlap(now);
+  const std::size_t stands = now.a.stored.size() + now.b.stored.size();
   SeenContact* before = seen_contact(n);
   if (before && static_cast<double>(stands) <= growth * static_cast<double>(before->stands)) return false;
-  if (!before && !now.missing.empty()) {
-    if (report.wanted.empty()) report.wanted = now.missing;
+  if (const auto wanted = wanted_to_look(pair, now); !before && !wanted.empty()) {
+    if (report.wanted.empty()) report.wanted = wanted;
     return false;
   }
   SeenContact seen{n.T_a_b, stands, Contact::none, {}, before && before->recorded};
-  if (!now.a.empty() && !now.b.empty()) {
-    Judgement judged = judge_again(scene(pair.a, now.a, clouds), scene(pair.b, now.b, clouds), T_0, judge_config());
+  if (!now.a.stored.empty() && !now.b.stored.empty()) {
+    Judgement judged =
+        judge_again(scene(pair.a, now.a.stored, clouds), scene(pair.b, now.b.stored, clouds), T_0, judge_config());
     compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, judged);
     weigh(judged);
     seen.judgement = by_ids(pair, judged);
@@ -119,7 +121,7 @@ bool MergePipeline::State::record_agreeing(const MergeResult& merged, AttemptRep
         const bool spoken_for = known && (known->ruling != Ruling::none || known->state == AlignmentState::verified ||
                                           known->state == AlignmentState::published);
         if (spoken_for) continue;
-        record({a.session, b.session}, seen->judgement, std::nullopt, report);
+        record({a.session, b.session}, seen->judgement, std::nullopt, false, report);
         news = true;
       }
   return news;

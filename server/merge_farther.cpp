@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "server/merge_state.hpp"
 
@@ -32,33 +33,42 @@ const Stand* close_to(const std::vector<Stand>& a, const Eigen::Vector3d& p) {
 }
 
 /// Whether all clouds of the path within look_m of a keyframe are stored: of what is half known, far walls say nothing.
-bool known_around(const Session& session, SessionId id, std::size_t keyframe, const CloudSource& clouds) {
+/// Those that can be had are wanted.
+bool known_around(const Session& session, SessionId id, std::size_t keyframe, const CloudSource& clouds,
+                  std::set<KeyframeRef>& wanted) {
   const double reach_m = farther().look_m, here_m = session.path_to_m[keyframe];
+  bool known = true;
   for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
     const Keyframe& k = session.keyframes[i];
-    const bool asked = k.point_count > 0 && std::abs(session.path_to_m[i] - here_m) < reach_m;
-    if (asked && clouds.state({id, k.sequence}) != CloudState::stored) return false;
+    if (k.point_count == 0 || std::abs(session.path_to_m[i] - here_m) >= reach_m) continue;
+    const CloudState state = clouds.state({id, k.sequence});
+    known &= state == CloudState::stored;
+    if (state == CloudState::obtainable) wanted.insert({id, k.sequence});
   }
-  return true;
+  return known;
 }
 
 }  // namespace
 
 PlaceConfig MergePipeline::State::far_places_config() { return farther(); }
 
-void MergePipeline::State::look_farther(const Laid& pair, const Case& c, Judgement& judgement, CloudSource& clouds) {
+void MergePipeline::State::look_farther(const Laid& pair, const Case& c, Verdict& verdict, CloudSource& clouds) {
+  Judgement& judgement = verdict.judgement;
   std::vector<PlaceRequest> asked;
+  std::set<KeyframeRef> wanted;
   double next_m = std::numeric_limits<double>::lowest();
-  for (const Stand& s : c.b) {
+  for (const Stand& s : c.b.stored) {
     const double path_m = sessions.at(pair.b).path_to_m[s.keyframe];
-    const Stand* other = close_to(c.a, judgement.T_a_b * s.p);
-    if (!other || path_m < next_m || !known_around(sessions.at(pair.a), pair.a, other->keyframe, clouds) ||
-        !known_around(sessions.at(pair.b), pair.b, s.keyframe, clouds))
-      continue;
+    const Stand* other = close_to(c.a.stored, judgement.T_a_b * s.p);
+    if (!other || path_m < next_m) continue;
+    const bool known_a = known_around(sessions.at(pair.a), pair.a, other->keyframe, clouds, wanted),
+               known_b = known_around(sessions.at(pair.b), pair.b, s.keyframe, clouds, wanted);
+    if (!known_a || !known_b) continue;
     next_m = path_m + step_m;
     asked.push_back(place_at(pair.a, other->keyframe));
     asked.push_back(place_at(pair.b, s.keyframe));
   }
+  verdict.wanted.assign(wanted.begin(), wanted.end());
   const std::vector<PlacePtr> near = places.get(asked, clouds), far = far_places.get(asked, clouds);
   const JudgeConfig judge = judge_config();
   for (std::size_t i = 0; i < near.size(); i += 2) {

@@ -8,8 +8,6 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t cases_awaited = 1;  // that may wait for clouds at a time: the link is thin
-constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
 constexpr double news_m = 0.05, news_rad = 0.2 * std::numbers::pi / 180;  // smaller changes of a transform are not told
 constexpr double rival_m = 2, rival_rad = 0.17;                           // nearer than this it is the same placement
 
@@ -47,36 +45,25 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
     return;
   }
   // 7: the clouds around each; what is not here is asked for, the likeliest first.
-  std::vector<Case> cases;
-  const bool in_time = may_merge(a) && may_merge(b);  // before that no cloud is worth its bytes
-  Evidence of_all;  // sessions: when more of them show copies, or fewer, the pair is judged again
-  of_all.repetition = repetition();
-  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(in_time),
-                                      static_cast<std::size_t>(asked_overlap_m(of_all) / 10),
-                                      static_cast<std::size_t>(of_all.repetition >= copies_known)};
-  std::size_t awaited = 0;
-  const bool accepted = known && known->evidence.probability >= config.accept_probability;
+  Candidates candidates;
   {
     const Stopwatch watch(report.times.sampling_ms);
-    for (const Hypothesis& h : found->hypotheses) {
-      Case made = make_case(a, b, h, clouds);
-      const bool weak_rival = accepted && h.score < rival_share * known->evidence.support;
-      if (in_time && !made.missing.empty() && awaited < cases_awaited && !weak_rival) {
-        ++awaited;
-        report.wanted.insert(report.wanted.end(), made.missing.begin(), made.missing.end());
-        continue;
-      }
-      judged_now.push_back(made.a.size() + made.b.size());
-      cases.push_back(std::move(made));
-    }
+    candidates = look_for_clouds(pair, found->hypotheses, known, clouds, report);
   }
+  Evidence of_all;  // sessions: when more of them show copies, or fewer, the pair is judged again
+  of_all.repetition = repetition();
+  std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(worth_clouds(pair)),
+                                      static_cast<std::size_t>(asked_overlap_m(of_all) / 10),
+                                      static_cast<std::size_t>(of_all.repetition >= copies_known)};
+  for (const Case& c : candidates.cases) judged_now.push_back(c.a.stored.size() + c.b.stored.size());
   if (auto& before = judged_on[std::minmax(a, b)]; before == judged_now)
     return;
   else
     before = judged_now;
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
-  std::vector<Verdict> verdicts = judge_cases(a, b, cases, clouds, known && known->ruling != Ruling::none, report);
+  const bool ruled = known && known->ruling != Ruling::none;
+  std::vector<Verdict> verdicts = judge_cases(a, b, candidates.cases, clouds, ruled, report);
   if (verdicts.empty()) verdicts.emplace_back();
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {
@@ -84,15 +71,17 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
       return decisions.proposal(known->id, by_ids(pair, v.judgement.T_a_b), e.seen_points) == Proposal::suppressed;
     });
   if (verdicts.empty()) return;  // the operator has ruled on all there is
-  Judgement best = verdicts.front().judgement;
+  Judgement& best = verdicts.front().judgement;
   std::optional<Pose> T_a_b_runner_up;
   for (const Verdict& v : verdicts) {  // the more probable first
     if (T_a_b_runner_up || !differ(v.judgement.T_a_b, best.T_a_b, v.p_b, rival_m, rival_rad)) continue;
     best.evidence.runner_up = v.judgement.evidence.probability;
     T_a_b_runner_up = v.judgement.T_a_b;
   }
-  if (!cases.empty() && (awaited == 0 || best.evidence.probability < config.accept_probability))
-    record(pair, best, T_a_b_runner_up, report);
+  const bool waits = ask_for_more(pair, verdicts, candidates.awaited, report);
+  if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))
+    return;  // rivals of what would be accepted are looked at first
+  record(pair, best, T_a_b_runner_up, waits, report);
 }
 
 /// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
@@ -102,14 +91,15 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   const Laid pair = laid(published.a, published.b);
   const Pose T_0 = by_ids(pair, published.T_a_b);
   const Case now = make_case(pair.a, pair.b, {T_0, 0, {}}, clouds);
-  if (now.a.empty() || now.b.empty()) return true;
-  const std::vector<std::size_t> judged_now{now.a.size(), now.b.size()};
+  if (now.a.stored.empty() || now.b.stored.empty()) return true;
+  const std::vector<std::size_t> judged_now{now.a.stored.size(), now.b.stored.size()};
   if (auto& before = judged_on[{published.a, published.b}]; before == judged_now)
     return true;
   else
     before = judged_now;
   const Stopwatch watch(report.times.verification_ms);
-  Judgement again = judge_again(scene(pair.a, now.a, clouds), scene(pair.b, now.b, clouds), T_0, judge_config());
+  Judgement again =
+      judge_again(scene(pair.a, now.a.stored, clouds), scene(pair.b, now.b.stored, clouds), T_0, judge_config());
   again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
   again.evidence.repetition = repetition();
   again.evidence.farther_violation = published.evidence.farther_violation;
@@ -118,7 +108,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, again);
   weigh(again);
   if (again.evidence.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
-  const Eigen::Vector3d middle = now.b[now.b.size() / 2].p;
+  const Eigen::Vector3d middle = now.b.stored[now.b.stored.size() / 2].p;
   if (again.evidence.probability >= config.accept_probability && differ(again.T_a_b, T_0, middle, news_m, news_rad)) {
     again = by_ids(pair, again);
     published.T_a_b = again.T_a_b;
@@ -128,15 +118,16 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   return true;
 }
 
+/// waits: however probable, a candidate for now.
 void MergePipeline::State::record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up,
-                                  AttemptReport& report) {
+                                  bool waits, AttemptReport& report) {
   const auto [a, b] = std::minmax(pair.a, pair.b);
   const Judgement best = by_ids(pair, judged);
   const std::optional<Pose> T_a_b_runner_up = T_runner_up ? std::optional(by_ids(pair, *T_runner_up)) : std::nullopt;
   const Evidence& e = best.evidence;
   AlignmentState now = AlignmentState::rejected;
-  if (e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share)
-    now = may_merge(a) && may_merge(b) ? AlignmentState::verified : AlignmentState::candidate;
+  if (convinces(e, config))
+    now = worth_clouds(pair) && !waits ? AlignmentState::verified : AlignmentState::candidate;
   else if (e.probability >= config.candidate_probability)
     now = AlignmentState::candidate;
   Alignment* known = find(a, b);

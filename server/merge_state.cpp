@@ -95,47 +95,6 @@ Scene MergePipeline::State::scene(SessionId id, std::vector<Stand> stands, Cloud
           }};
 }
 
-Case MergePipeline::State::make_case(SessionId a, SessionId b, const Hypothesis& hypothesis,
-                                     const CloudSource& clouds) {
-  Case made{hypothesis, {}, {}, {}};
-  made.a = stands_near(a, b, hypothesis.T_a_b, clouds, made.missing);
-  made.b = stands_near(b, a, hypothesis.T_a_b.inverse(), clouds, made.missing);
-  return made;
-}
-
-/// Keyframes of `id` with a cloud that lie within reach of the other session; what is missing of the clouds and can be
-/// had is listed, the nearest first.
-std::vector<Stand> MergePipeline::State::stands_near(SessionId id, SessionId other, const Pose& T_id_other,
-                                                     const CloudSource& clouds,
-                                                     std::vector<KeyframeRef>& missing) const {
-  const double reach_m = JudgeConfig{}.look_m, needed_m = 2.5 * JudgeConfig{}.meet_m;
-  const auto &own = sessions.at(id).keyframes, &theirs = sessions.at(other).keyframes;
-  std::vector<Eigen::Vector3d> others;
-  others.reserve(theirs.size());
-  for (const Keyframe& k : theirs) others.push_back(T_id_other * k.T_local_sensor.translation());
-  std::vector<Stand> near;
-  std::vector<std::pair<double, KeyframeRef>> absent;
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    const Keyframe& k = own[i];
-    double squared = reach_m * reach_m;
-    for (const auto& p : others) squared = std::min(squared, (k.T_local_sensor.translation() - p).squaredNorm());
-    if (squared >= reach_m * reach_m || k.point_count == 0) continue;
-    const KeyframeRef ref{id, k.sequence};
-    const CloudState state = clouds.state(ref);
-    if (state == CloudState::stored)
-      near.push_back({i, k.T_local_sensor.translation()});
-    else if (std::sqrt(squared) < needed_m && state == CloudState::obtainable)
-      absent.emplace_back(squared, ref);
-  }
-  std::sort(absent.begin(), absent.end());
-  if (absent.size() > static_cast<std::size_t>(config.clouds_requested))
-    absent.resize(static_cast<std::size_t>(config.clouds_requested));
-  // Enough is there when the request limit's worth of clouds is: the rest comes in the background.
-  if (near.size() < static_cast<std::size_t>(config.clouds_requested))
-    for (const auto& [distance, ref] : absent) missing.push_back(ref);
-  return near;
-}
-
 bool MergePipeline::State::self_likeness_known(SessionId id, const CloudSource& clouds) const {
   constexpr double growth = 1.25;
   const SelfLikeness& known = sessions.at(id).self;
@@ -195,7 +154,7 @@ std::vector<Glance> MergePipeline::State::glance_at(SessionId a, SessionId b, co
   std::vector<PlaceRequest> asked;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
-    const auto meeting = first_meeting(c.a, c.b, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
+    const auto meeting = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
     if (!meeting) continue;
     meet.push_back(i);
     asked.push_back(place_at(a, meeting->keyframe_a));
@@ -242,10 +201,11 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
     });
     if (known || verdicts.size() == judged_closely || (!all && hopeless_rival(glances[i], agreement, verdicts)))
       continue;
-    Verdict verdict{judge(scene(a, cases[i].a, clouds), scene(b, cases[i].b, clouds), glances[i], judge_config()),
+    const Case& c = cases[i];
+    Verdict verdict{judge(scene(a, c.a.stored, clouds), scene(b, c.b.stored, clouds), glances[i], judge_config()),
                     place.p_b};
     Evidence& e = verdict.judgement.evidence;
-    e.support = cases[i].hypothesis.score;
+    e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
     e.repetition = repetition();
     e.aliases = self + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
@@ -253,8 +213,10 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
                                                  g.place.p_b, same_placement_m, same_placement_rad);
                 }));
     weigh(verdict.judgement);
-    if (e.repetition >= copies_known && e.probability >= config.accept_probability) {
-      look_farther({a, b}, cases[i], verdict.judgement, clouds);
+    if (e.probability < config.accept_probability) {
+      verdict.wanted = wanted_to_tell({a, b}, c, verdict);
+    } else if (e.repetition >= copies_known) {
+      look_farther({a, b}, c, verdict, clouds);
       weigh(verdict.judgement);
     }
     verdicts.push_back(verdict);

@@ -36,17 +36,31 @@ struct Session {
   double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
 };
 
-/// A hypothesis with the keyframes whose clouds can speak on it.
+/// Keyframes of a session that lie near another, in the order of the session.
+struct Nearby {
+  std::vector<Stand> stored;      // whose clouds can speak
+  std::vector<Stand> obtainable;  // whose clouds could
+};
+
+/// A hypothesis with the keyframes that can speak on it.
 struct Case {
   Hypothesis hypothesis;
-  std::vector<Stand> a, b;
-  std::vector<KeyframeRef> missing;  // can be had and are needed, the nearest first
+  Nearby a, b;
 };
+
+struct Candidates {
+  std::vector<Case> cases;
+  std::size_t awaited = 0;  // that wait for clouds
+};
+
+/// The middle of where the two meet, in b's frame.
+Eigen::Vector3d middle_of_overlap(const Case& c);
 
 /// A hypothesis as it was judged; with rivals the runner-up can be told.
 struct Verdict {
   Judgement judgement;
   Eigen::Vector3d p_b = Eigen::Vector3d::Zero();  // where the placement was registered first, in b's frame
+  std::vector<KeyframeRef> wanted = {};           // clouds that could tell more
 };
 
 /// Two sessions, the second laid on the first. Searching, registering and judging are not the same both ways, so which
@@ -94,7 +108,8 @@ struct MergePipeline::State {
   Laid laid(SessionId one, SessionId other) const;
   void merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report);
   bool still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report);
-  void record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up, AttemptReport& report);
+  void record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up, bool waits,
+              AttemptReport& report);
   /// Looks where sessions that alignments would bring together meet. Those that agree become alignments themselves.
   void look_at_contacts(CloudSource& clouds, AttemptReport& report);
   /// Nothing where they do not come near each other; unknown where nobody has looked.
@@ -106,6 +121,15 @@ struct MergePipeline::State {
   /// Sessions of the same family, those whose descriptors look most alike first.
   std::vector<SessionId> partners(SessionId id) const;
   Case make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, const CloudSource& clouds);
+  /// The hypotheses that can be judged now; for the first of the others clouds are asked for.
+  Candidates look_for_clouds(const Laid& pair, const std::vector<Hypothesis>& hypotheses, const Alignment* known,
+                             const CloudSource& clouds, AttemptReport& report);
+  /// What the verdicts want, the best first. True: the best would be believed but for what it wants.
+  bool ask_for_more(const Laid& pair, const std::vector<Verdict>& verdicts, std::size_t awaited, AttemptReport& report);
+  /// Of the clouds that can be had, those around the spot where the hypothesis is looked at first.
+  std::vector<KeyframeRef> wanted_to_look(const Laid& pair, const Case& c) const;
+  /// More of those of the overlap, from that spot on, if they could make it believed.
+  std::vector<KeyframeRef> wanted_to_tell(const Laid& pair, const Case& c, const Verdict& verdict) const;
   Scene scene(SessionId id, std::vector<Stand> stands, CloudSource& clouds);
   /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats
   /// itself. Looked for again when the session, or what is stored of its clouds, has grown by a quarter.
@@ -118,8 +142,9 @@ struct MergePipeline::State {
   /// for. Best first.
   std::vector<Verdict> judge_cases(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds,
                                    bool all, AttemptReport& report);
-  /// Evidence::farther_violation. Takes some 20 ms for each 4 m of shared path, so it is asked last.
-  void look_farther(const Laid& pair, const Case& c, Judgement& judgement, CloudSource& clouds);
+  /// Evidence::farther_violation, where all clouds around are stored; those that could be are wanted. Takes some 20 ms
+  /// for each 4 m of shared path, so it is asked last.
+  void look_farther(const Laid& pair, const Case& c, Verdict& verdict, CloudSource& clouds);
   static PlaceConfig far_places_config();
   /// Makes one of the places that a merge may need; false: there is none left to make.
   bool prepare_ahead(CloudSource& clouds);
@@ -129,14 +154,16 @@ struct MergePipeline::State {
   void index_keyframe(SessionId id, const Keyframe& keyframe);
   /// A few metres of drift look like many others: a growing session waits until it has seen more.
   bool may_merge(SessionId id) { return sessions[id].complete || sessions[id].path_m() >= config.least_path_m; }
+  bool worth_clouds(const Laid& pair) { return may_merge(pair.a) && may_merge(pair.b); }
   JudgeConfig judge_config() const;
 
  private:
   SeenContact* seen_contact(const Nearing& nearing);
   bool look_at(const Nearing& nearing, CloudSource& clouds, AttemptReport& report);
   bool record_agreeing(const MergeResult& merged, AttemptReport& report);
-  std::vector<Stand> stands_near(SessionId id, SessionId other, const Pose& T_id_other, const CloudSource& clouds,
-                                 std::vector<KeyframeRef>& missing) const;
+  Nearby nearby(SessionId id, SessionId other, const Pose& T_id_other, const CloudSource& clouds) const;
+  void ask(SessionId id, std::vector<Stand> obtainable, const Eigen::Vector3d& p, std::size_t most,
+           std::vector<KeyframeRef>& wanted) const;
   PlaceRequest place_at(SessionId id, std::size_t keyframe) const;
 };
 

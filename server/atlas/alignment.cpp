@@ -75,6 +75,10 @@ double runner_up_share(const Evidence& e) {
   return e.probability > 0 ? doubt * odds(e.runner_up) / odds(e.probability) : 1;
 }
 
+bool convinces(const Evidence& e, const MergeConfig& config) {
+  return e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share;
+}
+
 std::span<const EvidenceField> evidence_fields() { return fields; }
 
 }  // namespace headframe

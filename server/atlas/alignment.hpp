@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/geometry/se3.hpp"
+#include "server/merge_config.hpp"
 
 namespace headframe {
 
@@ -82,6 +83,9 @@ double asked_overlap_m(const Evidence& evidence);
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told
 /// apart.
 double runner_up_share(const Evidence& evidence);
+
+/// Probable enough, and told from its runner-up.
+bool convinces(const Evidence& evidence, const MergeConfig& config);
 
 struct EvidenceField {
   std::string_view name;

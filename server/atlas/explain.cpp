@@ -88,7 +88,7 @@ std::string decision_of(Ruling ruling) {
   return {};
 }
 
-std::string outcome_of(const std::string& both, const Alignment& k, bool together) {
+std::string outcome_of(const std::string& both, const Alignment& k, bool together, const MergeConfig& config) {
   if (k.state == AlignmentState::published) return both + " are merged: " + placement_of(k);
   const std::string apart =
       together ? both + " are merged through other sessions; of the pair itself: " : both + " are not merged: ";
@@ -101,7 +101,10 @@ std::string outcome_of(const std::string& both, const Alignment& k, bool togethe
       return apart + "it stands up, but " +
              (k.objection ? "other sessions contradict it" : "contradicts stronger alignments") + best;
     case AlignmentState::retracted: return apart + "it was merged once, and later evidence contradicts it" + best;
-    case AlignmentState::candidate: return apart + "it may be right, but is not sure enough" + best;
+    case AlignmentState::candidate:
+      return apart +
+             (convinces(k.evidence, config) ? "it looks right, and waits" : "it may be right, but is not sure enough") +
+             best;
     case AlignmentState::rejected:
     case AlignmentState::published: break;
   }
@@ -112,7 +115,7 @@ void add_lacks(const ExplainedSession& s, const MergeConfig& config, std::vector
   if (!s.complete && s.path_m < config.least_path_m)
     missing.push_back(s.name + text(" is too short: %.0f of %.0f m; it merges when it has come so far, ends, or asks",
                                     s.path_m, config.least_path_m));
-  if (s.clouds < s.keyframes && s.clouds < static_cast<std::uint64_t>(config.clouds_requested))
+  if (s.clouds < s.keyframes)
     missing.push_back(
         s.name +
         text(": %.0f of %.0f clouds are here; ", static_cast<double>(s.clouds), static_cast<double>(s.keyframes)) +
@@ -183,7 +186,7 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
     add_lacks(b, config, out.missing);
     return out;
   }
-  out.outcome = outcome_of(both, *alignment, together);
+  out.outcome = outcome_of(both, *alignment, together, config);
   if (has_placement(*alignment)) out.findings = findings_of(alignment->evidence);
   out.decision = decision_of(alignment->ruling);
   if (alignment->state != AlignmentState::published) out.missing = missing_of(a, b, *alignment, config, names);

@@ -25,14 +25,6 @@ Nearest nearest_to(std::span<const Stand> stands, const Eigen::Vector3d& p) {
   return out;
 }
 
-/// Stands of b that come within reach of one of a's.
-Stands near_other(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b, double reach_m) {
-  Stands out;
-  for (const Stand& s : b)
-    if (nearest_to(a, T_a_b * s.p).distance_m < reach_m) out.push_back(s);
-  return out;
-}
-
 /// Adds candidates as far from each other as can be, none nearer than 4 m to another or to the first place, which is
 /// taken already.
 void spread(const Eigen::Vector3d& first, const Stands& candidates, std::size_t most, Stands& chosen) {
@@ -106,12 +98,6 @@ double shared_path_m(const Stands& near) {
   return path;
 }
 
-/// Of those of each session that come near the other. One may pass where the other stopped: the mean of both.
-void measure_overlap(Evidence& e, const Stands& of_a, const Stands& of_b) {
-  e.pairs = static_cast<double>(of_a.size() + of_b.size()) / 2;
-  e.overlap_m = (shared_path_m(of_a) + shared_path_m(of_b)) / 2;
-}
-
 /// The first place's pair stands for itself: it is in `first` already.
 std::vector<PlacePair> other_places(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
   const Pose& T = first.place.registration.T_target_source;
@@ -146,6 +132,21 @@ std::vector<bool> agreeing(const std::vector<PlaceCheck>& places, const Pose& T,
 }
 
 }  // namespace
+
+std::vector<Stand> near_other(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b, double reach_m) {
+  Stands out;
+  for (const Stand& s : b)
+    if (nearest_to(a, T_a_b * s.p).distance_m < reach_m) out.push_back(s);
+  return out;
+}
+
+void measure_overlap(Evidence& e, std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b,
+                     const JudgeConfig& config) {
+  // One may pass where the other stopped: the mean of both.
+  const Stands of_a = near_other(b, a, T_a_b.inverse(), config.meet_m), of_b = near_other(a, b, T_a_b, config.meet_m);
+  e.pairs = static_cast<double>(of_a.size() + of_b.size()) / 2;
+  e.overlap_m = (shared_path_m(of_a) + shared_path_m(of_b)) / 2;
+}
 
 std::optional<Meeting> first_meeting(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_0,
                                      const Eigen::Vector3d& p_b, const JudgeConfig& config) {
@@ -207,8 +208,7 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
                   config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
-  measure_overlap(out.evidence, near_other(a.stands, b.stands, out.T_a_b, config.meet_m),
-                  near_other(b.stands, a.stands, out.T_a_b.inverse(), config.meet_m));
+  measure_overlap(out.evidence, a.stands, b.stands, out.T_a_b, config);
   out.status = first.place.registration.status;
   if (overlap.weakest_hold < config.held_by_nothing)
     out.status = RegistrationStatus::degenerate;

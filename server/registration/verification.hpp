@@ -60,6 +60,13 @@ struct Meeting {
 std::optional<Meeting> first_meeting(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b_0,
                                      const Eigen::Vector3d& p_b, const JudgeConfig& config);
 
+/// Stands of b that come within reach of one of a's.
+std::vector<Stand> near_other(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b, double reach_m);
+
+/// Evidence::pairs and overlap_m.
+void measure_overlap(Evidence& evidence, std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b,
+                     const JudgeConfig& config);
+
 /// Pure, thread safe.
 Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_a_b_0, const JudgeConfig& config);
 

@@ -14,6 +14,10 @@ namespace {
 constexpr double bar_overlap_pct = 18;
 constexpr std::uint64_t first_seed = 90000;  // README, "How sure", says on which others the weights were set
 
+struct Sent {
+  std::size_t clouds = 0, of = 0;
+};
+
 struct PairResult {
   std::string kind, a, b;
   double overlap_pct = 0;
@@ -85,14 +89,18 @@ void draw(const PipelineRun& run, SessionId a, SessionId b, const PairResult& re
   (void)picture::write_png(view, file);
 }
 
-/// Two mines of a kind in one database: 6 pairs within them, 9 across.
-void run_batch(mine::Kind kind, std::uint64_t number, std::vector<PairResult>& results,
+/// Two mines of a kind in one database: 6 pairs within them, 9 across. What was sent of their clouds.
+Sent run_batch(mine::Kind kind, std::uint64_t number, Clouds clouds, std::vector<PairResult>& results,
                const std::filesystem::path& pictures) {
   std::vector<DrivenMine> mines;
   for (const std::uint64_t n : {number, number + 1}) mines.push_back(drive_somehow(request_for(kind, n)));
-  PipelineRun run;
+  PipelineRun run(clouds);
+  Sent sent;
   for (const DrivenMine& mine : mines)
-    for (const DrivenSession& session : mine.sessions) run.add(session);
+    for (const DrivenSession& session : mine.sessions) {
+      run.add(session);
+      sent.of += session.keyframes.size();
+    }
   const auto count = static_cast<SessionId>(run.sessions.size());
   for (SessionId id = 1; id <= count; ++id) run.attempt(id);
   for (SessionId a = 1; a <= count; ++a)
@@ -113,6 +121,8 @@ void run_batch(mine::Kind kind, std::uint64_t number, std::vector<PairResult>& r
       if (bad) draw(run, a, b, r, pictures / (r.kind + "-" + std::to_string(results.size()) + ".png"));
       results.push_back(r);
     }
+  sent.clouds = clouds == Clouds::at_once ? sent.of : run.came();
+  return sent;
 }
 
 struct Row {
@@ -151,15 +161,18 @@ bool knowable(const PairResult& r) { return r.kind != "look_alike" && r.kind != 
 
 }  // namespace
 
-nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
+nlohmann::json campaign(int mines, Clouds clouds, const std::filesystem::path& pictures) {
   std::filesystem::create_directories(pictures);
+  Sent sent;
   std::vector<PairResult> results;
   static constexpr std::array kinds{mine::Kind::junctions, mine::Kind::grid,     mine::Kind::room_and_pillar,
                                     mine::Kind::ramp,      mine::Kind::straight, mine::Kind::look_alike};
   for (int m = 0; m + 1 < mines; m += 2) {
     const auto kind = kinds[static_cast<std::size_t>(m / 2) % kinds.size()];
     std::fprintf(stderr, "\rmines %d of %d, %zu pairs", m + 2, mines, results.size());
-    run_batch(kind, static_cast<std::uint64_t>(m), results, pictures);
+    const Sent more = run_batch(kind, static_cast<std::uint64_t>(m), clouds, results, pictures);
+    sent.clouds += more.clouds;
+    sent.of += more.of;
   }
   std::fprintf(stderr, "\n");
   std::printf(
@@ -189,6 +202,7 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
       "drift %.3f m %.2f deg\n",
       all.pairs, all.wrong, bound, recall, bar.merged, bar.pairs, quantile(still.te_m, 0.5),
       quantile(still.re_deg, 0.5));
+  std::printf("  %zu of %zu clouds sent\n", sent.clouds, sent.of);
   for (const PairResult& r : results)
     if (r.merged ? !r.right : knowable(r) && r.overlap_pct >= bar_overlap_pct)
       std::printf(
@@ -196,6 +210,8 @@ nlohmann::json campaign(int mines, const std::filesystem::path& pictures) {
           r.merged ? "FALSE" : "missed", r.a.c_str(), r.b.c_str(), r.overlap_pct, r.evidence.probability,
           r.evidence.freespace_violation, r.evidence.residual_m, r.evidence.overlap_m, r.evidence.aliases);
   out.update({{"pairs", all.pairs},
+              {"clouds", sent.clouds},
+              {"clouds_in_all", sent.of},
               {"false", all.wrong},
               {"false_rate_bound_95", bound},
               {"recall", recall},

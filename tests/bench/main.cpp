@@ -52,10 +52,14 @@ int fail(const std::string& message, int status) {
   return status;
 }
 
+nlohmann::json campaign(const Options& options, Clouds clouds, const char* pictures) {
+  return campaign(options.mines.value_or(56), clouds, options.out / pictures);
+}
+
 nlohmann::json merges(const Options& options) {
   nlohmann::json figures;
   figures["recordings"] = recordings_crossed(options.recordings);
-  figures["merges"] = campaign(options.mines.value_or(56), options.out / "merges");
+  figures["merges"] = campaign(options, Clouds::at_once, "merges");
   figures["merge"] = merge_times();
   return figures;
 }
@@ -88,15 +92,17 @@ int run(const Options& options) {
   part("places", true, walls);
   // Minutes: only when asked for.
   part("merges", false, [&] { return merges(options); });
+  part("merges-on-request", false, [&] { return campaign(options, Clouds::on_request, "merges-on-request"); });
   part("recordings", false, [&] { return recordings_crossed(options.recordings); });
   part("merge-times", false, merge_times);
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
-  return fail("no bench '" + options.what +
-                  "'; there are: registration, places, all; minutes each: basin, merges, recordings, merge-times, "
-                  "descriptors, link",
-              2);
+  return fail(
+      "no bench '" + options.what +
+          "'; there are: registration, places, all; minutes each: basin, merges, merges-on-request, recordings, "
+          "merge-times, descriptors, link",
+      2);
 }
 
 }  // namespace

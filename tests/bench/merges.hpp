@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/bench/pipeline_run.hpp"
+
 namespace headframe::bench {
 
 /// Pairs of sessions in simulated mines that were never used to set a weight: what was merged, what should have been,
 /// how far off; a table by kind and by overlap. Draws the five worst into `pictures`.
-nlohmann::json campaign(int mines, const std::filesystem::path& pictures);
+nlohmann::json campaign(int mines, Clouds clouds, const std::filesystem::path& pictures);
 
 /// All pairs of the recordings, within and across their sets, with the evidence: as they are, with every frame turned,
 /// and with 5 % of the keyframes noise besides. Null, and a line that says so, where there are none.

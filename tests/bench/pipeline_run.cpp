@@ -22,7 +22,11 @@ StageTimes PipelineRun::attempt(SessionId id) {
   StageTimes total;
   for (bool more = true; more;) {
     const AttemptReport report = pipeline.attempt(id, *this);
-    more = report.unfinished;
+    more = report.unfinished || !report.wanted.empty();
+    for (const KeyframeRef& cloud : report.wanted) {
+      came_.insert(cloud);
+      pipeline.prepare_cloud(cloud, *this);
+    }
     total.hypotheses_ms += report.times.hypotheses_ms;
     total.sampling_ms += report.times.sampling_ms;
     total.registration_ms += report.times.registration_ms;
@@ -32,7 +36,9 @@ StageTimes PipelineRun::attempt(SessionId id) {
   return total;
 }
 
-CloudState PipelineRun::state(const KeyframeRef& /*keyframe*/) const { return CloudState::stored; }
+CloudState PipelineRun::state(const KeyframeRef& keyframe) const {
+  return clouds_ == Clouds::at_once || came_.contains(keyframe) ? CloudState::stored : CloudState::obtainable;
+}
 
 Result<KeyframeCloud> PipelineRun::load(const KeyframeRef& keyframe) {
   return session(keyframe.session).clouds.at(keyframe.sequence - 1);

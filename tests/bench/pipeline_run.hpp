@@ -1,6 +1,6 @@
 #pragma once
 
-#include <map>
+#include <set>
 #include <vector>
 
 #include "server/merge_pipeline.hpp"
@@ -8,15 +8,19 @@
 
 namespace headframe::bench {
 
-/// Sessions with all their clouds at hand, numbered from 1 in the order they were added.
+/// How robots give their clouds.
+enum class Clouds { at_once, on_request };
+
+/// Sessions, numbered from 1 in the order they were added.
 class PipelineRun : private CloudSource {
  public:
-  explicit PipelineRun(const MergeConfig& config = {}) : pipeline(config) {}
+  explicit PipelineRun(Clouds clouds = Clouds::at_once) : pipeline({}), clouds_(clouds) {}
 
   /// The session must outlive the run. Its clouds are prepared as they are when they arrive at a server.
   SessionId add(const DrivenSession& session);
-  /// Attempts until there is nothing more to try; the times of all of them together.
+  /// Attempts until there is nothing more to try, and gives the clouds that are wanted; the times of all together.
   StageTimes attempt(SessionId id);
+  std::size_t came() const { return came_.size(); }  // of clouds on request
 
   MergePipeline pipeline;
   std::vector<const DrivenSession*> sessions;
@@ -25,6 +29,9 @@ class PipelineRun : private CloudSource {
  private:
   CloudState state(const KeyframeRef& keyframe) const override;
   Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+
+  Clouds clouds_;
+  std::set<KeyframeRef> came_;
 };
 
 /// What became of a pair, against the truth.

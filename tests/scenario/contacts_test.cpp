@@ -5,13 +5,16 @@
 #include <algorithm>
 
 #include "tests/scenario/drawn_base.hpp"
+#include "tests/scenario/drawn_copies.hpp"
 
 namespace headframe {
 namespace {
 
+using test::along_copies;
 using test::Base;
 using test::BoxMine;
 using test::Drive;
+using test::drive_through_copies;
 
 /*  70                      +          Two mines, the same but for the east end: there one goes on to the north, the
  *                          |  (one)   other to the south.
@@ -47,18 +50,8 @@ TEST(Contacts, TwoMinesThatAreTheSameWhereTwoRobotsMetCanNotBeToldApartByThemAlo
   EXPECT_EQ(between(base, 1, 2).state, AlignmentState::published) << "what the tests below rest on";
 }
 
-/// Through five blocks that are the same: what is not seen of this mine may well be another.
-Drive of_copies() {
-  std::vector<test::Box> drifts{BoxMine::drift(0, 0, 200, 0)};
-  for (double x = 20; x < 200; x += 40) {
-    drifts.push_back(BoxMine::drift(x, 0, x, 12));
-    drifts.push_back(BoxMine::drift(x + 7, -9, x + 7, 0, 6));
-  }
-  return test::drive(BoxMine(drifts), {{2, 0}, {198, 0}}, 0.7, 4);
-}
-
 TEST(Contacts, AThirdSessionFullOfCopiesAsksForALongerOverlap) {
-  Base base({of_one(), of_two(), of_copies()});
+  Base base({of_one(), of_two(), drive_through_copies()});
   while (base.pipeline.prepare_ahead(base.shelf)) {
   }
   attempt_all(base);
@@ -68,18 +61,10 @@ TEST(Contacts, AThirdSessionFullOfCopiesAsksForALongerOverlap) {
   EXPECT_EQ(short_one.state, AlignmentState::candidate);
 }
 
-/// A drift with branches that two mines have in common; 19 m beyond where both robots stopped one of them ends.
-Drive along(double end_m, double yaw_rad, unsigned seed) {
-  const BoxMine mine({BoxMine::drift(0, 0, 94, 0), BoxMine::drift(15, 0, 15, 14), BoxMine::drift(42, -9, 42, 0, 6),
-                      BoxMine::drift(66, 0, 66, 20), BoxMine::drift(80, -16, 80, 0, 3),
-                      BoxMine::drift(94, 0, end_m, 0, 10)});
-  return test::drive(mine, {{2, 0}, {88, 0}}, yaw_rad, seed);
-}
-
 TEST(Contacts, WhereCopiesAreKnownAPairIsLookedAtFartherOff) {
   for (const bool copies : {false, true}) {
-    Base base({along(100, 0, 5), along(130, 1.1, 6)});
-    if (copies) base.arrive(of_copies());
+    Base base({along_copies(100, 0, 5), along_copies(130, 1.1, 6)});
+    if (copies) base.arrive(drive_through_copies());
     while (base.pipeline.prepare_ahead(base.shelf)) {
     }
     attempt_all(base);
@@ -88,7 +73,7 @@ TEST(Contacts, WhereCopiesAreKnownAPairIsLookedAtFartherOff) {
     EXPECT_EQ(k.evidence.farther_violation >= contradicted_farther, copies) << k.evidence.farther_violation;
     EXPECT_EQ(k.state, copies ? AlignmentState::candidate : AlignmentState::published);
   }
-  Base same({along(100, 0, 5), along(100, 1.1, 6), of_copies()});
+  Base same({along_copies(100, 0, 5), along_copies(100, 1.1, 6), drive_through_copies()});
   while (same.pipeline.prepare_ahead(same.shelf)) {
   }
   attempt_all(same);

@@ -131,6 +131,7 @@ TEST(Explain, WhatTheVerdictAsksForIsNamedWithBothFigures) {
   Alignment k = good();
   k.state = AlignmentState::candidate;
   EXPECT_TRUE(explained(k).missing.empty());
+  EXPECT_NE(explained(k).outcome.find("looks right, and waits"), std::string::npos);
   k.evidence.probability = 0.85;
   k.evidence.runner_up = 0.8;
   const Explanation e = explained(k);
@@ -156,6 +157,10 @@ TEST(Explain, SessionsSayWhatTheyLack) {
   const auto less = explain(brief, away, nullptr, false, {}, name).missing;
   EXPECT_FALSE(says(less, "too short"));
   EXPECT_TRUE(says(less, "asked for"));
+  away.clouds = 59;
+  EXPECT_TRUE(says(explain(brief, away, nullptr, false, {}, name).missing, "59 of 60 clouds are here"));
+  away.clouds = 60;
+  EXPECT_FALSE(says(explain(brief, away, nullptr, false, {}, name).missing, "clouds are here"));
 }
 
 TEST(Explain, FamiliesThatDifferAndPairsNotTriedAreSaidFirst) {

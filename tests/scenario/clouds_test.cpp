@@ -1,0 +1,128 @@
+// Robots that send a cloud only when it is asked for: what is asked, when, and what is believed meanwhile.
+
+#include <gtest/gtest.h>
+
+#include "server/registration/place.hpp"
+#include "tests/scenario/drawn_base.hpp"
+#include "tests/scenario/drawn_copies.hpp"
+
+namespace headframe {
+namespace {
+
+using test::Base;
+using test::BoxMine;
+using test::Drive;
+
+/// So few that the first look leaves a doubt.
+constexpr std::size_t a_few = 1;
+MergeConfig config() {
+  MergeConfig out;
+  out.clouds_requested = a_few;
+  return out;
+}
+
+struct OnRequest : Base {
+  explicit OnRequest(const std::vector<Drive>& all, const std::set<SessionId>& on_robots) : Base(all, config()) {
+    for (const auto& [ref, cloud] : shelf.clouds)
+      if (on_robots.contains(ref.session)) shelf.on_robots.insert(ref);
+    while (pipeline.prepare_ahead(shelf)) {
+    }
+  }
+  void send(const std::vector<KeyframeRef>& wanted) {
+    for (const KeyframeRef& ref : wanted) sent += shelf.on_robots.erase(ref);
+  }
+  /// Attempts for the second session until nothing more is wanted. each: what to look at in between.
+  template <class Each>
+  void send_all(Each&& each) {
+    for (auto report = pipeline.attempt(2, shelf); !report.wanted.empty(); report = pipeline.attempt(2, shelf)) {
+      each(report);
+      const std::size_t before = sent;
+      send(report.wanted);
+      ASSERT_GT(sent, before) << "asks for what it has";
+    }
+  }
+  void send_all() {
+    send_all([](const auto&) {});
+  }
+  void lose_the_robots() {
+    for (const KeyframeRef& ref : shelf.on_robots) shelf.clouds.erase(ref);
+    shelf.on_robots.clear();
+  }
+  /// Of the first two sessions; null: not tried yet.
+  const Alignment* pair() const {
+    const auto& all = pipeline.alignments();
+    const auto found = std::find_if(all.begin(), all.end(), [](const Alignment& k) { return k.a == 1 && k.b == 2; });
+    return found == all.end() ? nullptr : &*found;
+  }
+  Eigen::Vector3d in_mine(const KeyframeRef& ref) const {
+    return drive(ref.session).T_mine_local *
+           drive(ref.session).keyframes[ref.sequence - 1].T_local_sensor.translation();
+  }
+
+  std::size_t sent = 0;
+};
+
+/// Sixty metres of drift with branches, driven by both; each goes on where the other was not.
+const BoxMine& long_mine() {
+  static const BoxMine mine({BoxMine::drift(0, 0, 220, 0), BoxMine::drift(85, 0, 85, 14),
+                             BoxMine::drift(112, -9, 112, 0, 6), BoxMine::drift(136, 0, 136, 20)});
+  return mine;
+}
+Drive west() { return test::drive(long_mine(), {{2, 0}, {140, 0}}, 0, 1); }
+Drive east() { return test::drive(long_mine(), {{218, 0}, {80, 0}}, 1.1, 2); }
+
+TEST(CloudsOnRequest, AFirstLookTakesAFewOfEachAroundOneSpot) {
+  OnRequest base({west(), east()}, {1, 2});
+  const auto report = base.pipeline.attempt(2, base.shelf);
+  std::map<SessionId, std::size_t> asked;
+  for (const KeyframeRef& ref : report.wanted) {
+    ++asked[ref.session];
+    EXPECT_LT((base.in_mine(ref) - base.in_mine(report.wanted.front())).norm(), 2 * PlaceConfig{}.radius_m);
+  }
+  EXPECT_EQ(asked, (std::map<SessionId, std::size_t>{{1, a_few}, {2, a_few}}));
+}
+
+TEST(CloudsOnRequest, WhatIsInDoubtAsksForMoreOfTheOverlapUntilItIsTold) {
+  OnRequest base({west(), east()}, {1, 2});
+  bool doubted = false;
+  base.send_all([&](const AttemptReport&) {
+    if (!base.pair()) return;
+    doubted |= base.pair()->state == AlignmentState::candidate;
+  });
+  EXPECT_TRUE(doubted);
+  EXPECT_EQ(base.pair()->state, AlignmentState::published);
+  EXPECT_LT(base.error_m(), 0.15);
+  EXPECT_LT(base.sent, base.shelf.clouds.size()) << "not the whole maps";
+}
+
+TEST(CloudsOnRequest, ADoubtThatNobodyCanLiftStaysACandidate) {
+  OnRequest base({west(), east()}, {1, 2});
+  base.send(base.pipeline.attempt(2, base.shelf).wanted);
+  base.lose_the_robots();
+  EXPECT_TRUE(base.pipeline.attempt(2, base.shelf).wanted.empty());
+  EXPECT_EQ(base.pair()->state, AlignmentState::candidate);
+}
+
+TEST(CloudsOnRequest, ThoseWhoShareNothingSendFew) {
+  OnRequest base({test::along_copies(100, 0, 5), test::drive_b_to_a(3)}, {1, 2});
+  base.send_all();
+  EXPECT_EQ(base.pair()->state, AlignmentState::rejected);
+  EXPECT_LT(base.sent, base.shelf.clouds.size());
+}
+
+TEST(CloudsOnRequest, InAMineOfCopiesTheLookFartherOffIsWaitedFor) {
+  OnRequest base({test::along_copies(100, 0, 5), test::along_copies(130, 1.1, 6), test::drive_through_copies()},
+                 {1, 2});
+  bool waited = false;
+  base.send_all([&](const AttemptReport&) {
+    if (!base.pair()) return;
+    EXPECT_NE(base.pair()->state, AlignmentState::published);
+    waited |= base.pair()->evidence.probability >= MergeConfig{}.accept_probability;
+  });
+  EXPECT_TRUE(waited);
+  EXPECT_EQ(base.pair()->state, AlignmentState::candidate);
+  EXPECT_GE(base.pair()->evidence.farther_violation, contradicted_farther);
+}
+
+}  // namespace
+}  // namespace headframe
