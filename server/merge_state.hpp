@@ -178,15 +178,14 @@ void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgem
 /// Adds the time of a scope to a total.
 class Stopwatch {
  public:
-  explicit Stopwatch(double& total_ms) : total_ms_(total_ms), start_(Clock::now()) {}
-  ~Stopwatch() { total_ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
+  explicit Stopwatch(double& total_ms) : total_ms_(total_ms) {}
+  ~Stopwatch() { total_ms_ += ms_since(start_); }
   Stopwatch(const Stopwatch&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;
 
  private:
-  using Clock = std::chrono::steady_clock;
   double& total_ms_;
-  Clock::time_point start_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// Whether two placements put p more than so many metres, or turn more than so many radians, apart.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <chrono>
+
 namespace headframe {
 
 /// Where the time of an attempt went.
@@ -19,5 +21,9 @@ struct StageTimes {
     return *this;
   }
 };
+
+inline double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
 
 }  // namespace headframe

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "common/cloud/cloud_codec.hpp"
 #include "server/registration/parallel.hpp"
 
 namespace headframe {
@@ -14,11 +13,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int merge_nice = 10;
-constexpr auto retry_after = std::chrono::seconds(1);  // a write that failed: the disk may have room again
-
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 }  // namespace
 
@@ -209,96 +203,6 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   if (report.unfinished) schedule_.again(attempt);
 }
 
-Result<void> MergeWorker::carry_out(AlignmentId id, Decision decision) {
-  const auto report = pipeline_->decide(id, decision);
-  if (!report) return tl::unexpected(report.error());
-  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
-  spdlog::info("the operator's decision on alignment {}: {}; revision {}", id, to_string(decision), atlas_.revision);
-  for (const Alignment& alignment : report->changed)  // what a decision had suppressed is found again
-    if (decision == Decision::undo && alignment.id == id)
-      schedule_.trigger(alignment.b, Trigger::command, Clock::now());
-  return {};
-}
-
-Result<void> MergeWorker::carry_out_anchor(SessionId session) {
-  const auto report = pipeline_->anchor(session);
-  if (!report) return tl::unexpected(report.error());
-  if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
-  spdlog::info("the operator made session {} its component's anchor; revision {}", session, atlas_.revision);
-  return {};
-}
-
-Result<std::size_t> MergeWorker::ask_for_clouds(SessionId session) {
-  const auto it = known_.find(session);
-  if (it == known_.end()) return failure(ErrorCode::not_found, "there is no session " + std::to_string(session));
-  const Known& known = it->second;
-  if (!known.answers)
-    return failure(ErrorCode::refused, "the session's robot is away, or was told never to send clouds");
-  std::vector<std::uint64_t> missing;
-  for (std::uint64_t sequence = 1; sequence <= known.keyframes; ++sequence)
-    if (!known.stored.contains(sequence) && !known.without_cloud.contains(sequence)) missing.push_back(sequence);
-  if (!missing.empty()) robots_->request_submap(session, missing);
-  return missing.size();
-}
-
-void MergeWorker::request(const std::vector<KeyframeRef>& clouds) {
-  std::map<SessionId, std::vector<std::uint64_t>> of_robot;
-  for (const KeyframeRef& cloud : clouds) of_robot[cloud.session].push_back(cloud.sequence);
-  for (const auto& [session, sequences] : of_robot) robots_->request_submap(session, sequences);
-}
-
-/// On disk first, then told. attempt: what led to it; null: the operator's decision. False: the server stops.
-bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
-  write.changed = report.changed;
-  write.decided = report.decided;
-  write.anchored = report.anchored;
-  if (report.atlas_changed) write.atlas = pipeline_->atlas();
-  const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0;
-  if (!news && !write.atlas) return true;
-  if (!write_durably(write)) return false;
-  if (report.atlas_changed) published(attempt);
-  if (report.atlas_changed || !report.changed.empty()) update_view();
-  return true;
-}
-
-void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
-  const Atlas& now = pipeline_->atlas();
-  const auto changed = changed_components(atlas_, now);
-  atlas_ = now;
-  robots_->publish(atlas_, changed);
-  if (!attempt) return;
-  const double ms = ms_since(attempt->triggered);
-  draft_.sessions[attempt->session].trigger_to_transform_ms = ms;
-  spdlog::info("revision {}: session {}, {:.0f} ms from its trigger ({}) to the transform; {} components changed",
-               atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
-}
-
-/// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the
-/// write can not be made at all, and merging stops.
-bool MergeWorker::write_durably(const PutMerge& write) {
-  while (true) {
-    auto result = std::make_shared<std::optional<Result<void>>>();
-    store_.write(write, [this, result](const Result<void>& done) {
-      const std::lock_guard lock(mutex_);
-      *result = done;
-      wake_.notify_all();
-    });
-    std::unique_lock lock(mutex_);
-    wake_.wait(lock, [&] { return result->has_value() || stopping_; });
-    if (!result->has_value()) return false;
-    if (result->value()) return true;
-    const Error& why = result->value().error();
-    if (why.code != ErrorCode::unavailable) {  // as often as it is tried
-      stop_reason_ = "merging has stopped until the server is started anew: " + why.message;
-      spdlog::error("{}", stop_reason_);
-      stopping_ = true;
-      return false;
-    }
-    spdlog::error("the merge waits for the disk: {}", why.message);
-    if (wake_.wait_for(lock, retry_after, [&] { return stopping_; })) return false;
-  }
-}
-
 void MergeWorker::update_view() {
   draft_.atlas = pipeline_->atlas();
   draft_.alignments = pipeline_->alignments();
@@ -312,22 +216,6 @@ void MergeWorker::update_view() {
   auto made = std::make_shared<const MergeView>(draft_);
   const std::lock_guard lock(mutex_);
   view_ = std::move(made);
-}
-
-CloudState MergeWorker::state(const KeyframeRef& keyframe) const {
-  const auto it = known_.find(keyframe.session);
-  if (it == known_.end()) return CloudState::unobtainable;
-  const Known& known = it->second;
-  if (known.stored.contains(keyframe.sequence)) return CloudState::stored;
-  const bool can_come =
-      known.answers && !known.without_cloud.contains(keyframe.sequence) && !schedule_.in_vain(keyframe);
-  return can_come ? CloudState::obtainable : CloudState::unobtainable;
-}
-
-Result<KeyframeCloud> MergeWorker::load(const KeyframeRef& keyframe) {
-  const auto encoded = store_.cloud(keyframe);
-  if (!encoded) return tl::unexpected(encoded.error());
-  return decode_cloud(*encoded);
 }
 
 }  // namespace headframe

@@ -27,11 +27,7 @@ StageTimes PipelineRun::attempt(SessionId id) {
       came_.insert(cloud);
       pipeline.prepare_cloud(cloud, *this);
     }
-    total.hypotheses_ms += report.times.hypotheses_ms;
-    total.sampling_ms += report.times.sampling_ms;
-    total.registration_ms += report.times.registration_ms;
-    total.verification_ms += report.times.verification_ms;
-    total.atlas_ms += report.times.atlas_ms;
+    total += report.times;
   }
   return total;
 }
