@@ -1,6 +1,6 @@
 // Which clouds are asked of the robots, for links are thin: those around the spot where a hypothesis is looked at
-// first; while these leave it in doubt, more of the overlap's; and before it is believed in a mine of copies, what the
-// look farther off needs (merge_farther.cpp).
+// first; while these leave it in doubt, more of the overlap's; and before it is believed those that tell whether the
+// mine repeats itself, and where it does what the look farther off needs (merge_farther.cpp).
 
 #include <algorithm>
 
@@ -51,17 +51,23 @@ Candidates MergePipeline::State::look_for_clouds(const Laid& pair, const std::ve
 }
 
 bool MergePipeline::State::ask_for_more(const Laid& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
-                                        AttemptReport& report) {
+                                        const CloudSource& clouds, AttemptReport& report) {
   if (!worth_clouds(pair)) return false;
-  const bool convinced = convinces(verdicts.front().judgement.evidence, config);
-  if (convinced && awaited > 0) return false;  // it waits for its rivals anyway
-  const auto asks =
-      convinced ? verdicts.begin()
-                : std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
-  if (asks == verdicts.end() || asks->wanted.empty()) return false;
-  report.wanted.insert(report.wanted.end(), asks->wanted.begin(), asks->wanted.end());
-  if (convinced) judged_on.erase(std::minmax(pair.a, pair.b));  // it is judged anew even if they do not come
-  return convinced;
+  if (!convinces(verdicts.front().judgement.evidence, config)) {
+    const auto asks =
+        std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
+    if (asks != verdicts.end()) report.wanted.insert(report.wanted.end(), asks->wanted.begin(), asks->wanted.end());
+    return false;
+  }
+  if (awaited > 0) return false;  // it waits for its rivals anyway
+  std::vector<KeyframeRef> wanted = verdicts.front().wanted;
+  for (const SessionId id : {pair.a, pair.b})
+    for (const KeyframeRef& k : sessions.at(id).self.wanted)
+      if (clouds.state(k) == CloudState::obtainable) wanted.push_back(k);
+  if (wanted.empty()) return false;
+  report.wanted.insert(report.wanted.end(), wanted.begin(), wanted.end());
+  judged_on.erase(std::minmax(pair.a, pair.b));  // it is judged anew even if they do not come
+  return true;
 }
 
 Case MergePipeline::State::make_case(SessionId a, SessionId b, const Hypothesis& hypothesis,

@@ -78,7 +78,7 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
     best.evidence.runner_up = v.judgement.evidence.probability;
     T_a_b_runner_up = v.judgement.T_a_b;
   }
-  const bool waits = ask_for_more(pair, verdicts, candidates.awaited, report);
+  const bool waits = ask_for_more(pair, verdicts, candidates.awaited, clouds, report);
   if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))
     return;  // rivals of what would be accepted are looked at first
   record(pair, best, T_a_b_runner_up, waits, report);

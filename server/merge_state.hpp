@@ -18,6 +18,7 @@ struct SelfLikeness {
   double path_m = -1;
   std::size_t clouds = 0;
   double aliases = 0;
+  std::vector<KeyframeRef> wanted;  // clouds of spots whose walls look alike, and that nobody has looked at closely
 };
 
 struct Session {
@@ -125,7 +126,8 @@ struct MergePipeline::State {
   Candidates look_for_clouds(const Laid& pair, const std::vector<Hypothesis>& hypotheses, const Alignment* known,
                              const CloudSource& clouds, AttemptReport& report);
   /// What the verdicts want, the best first. True: the best would be believed but for what it wants.
-  bool ask_for_more(const Laid& pair, const std::vector<Verdict>& verdicts, std::size_t awaited, AttemptReport& report);
+  bool ask_for_more(const Laid& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
+                    const CloudSource& clouds, AttemptReport& report);
   /// Of the clouds that can be had, those around the spot where the hypothesis is looked at first.
   std::vector<KeyframeRef> wanted_to_look(const Laid& pair, const Case& c) const;
   /// More of those of the overlap, from that spot on, if they could make it believed.
@@ -134,7 +136,8 @@ struct MergePipeline::State {
   /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats
   /// itself. Looked for again when the session, or what is stored of its clouds, has grown by a quarter.
   double self_aliases(SessionId id, CloudSource& clouds);
-  /// Of what is known of that so far; see Evidence::repetition. Of less than 500 m little can be said.
+  /// Of what is known of that so far; see Evidence::repetition. Of less than 500 m little can be said, and of sessions
+  /// that have yet to be looked at nothing.
   double repetition() const;
   /// Glances at all, in parallel.
   std::vector<Glance> glance_at(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds);

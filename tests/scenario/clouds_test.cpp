@@ -110,6 +110,27 @@ TEST(CloudsOnRequest, ThoseWhoShareNothingSendFew) {
   EXPECT_LT(base.sent, base.shelf.clouds.size());
 }
 
+/// Three blocks that are the same, and what is like nothing else.
+BoxMine half_copies() {
+  std::vector<test::Box> drifts{BoxMine::drift(0, 0, 220, 0), BoxMine::drift(150, 0, 150, 16),
+                                BoxMine::drift(171, -11, 171, 0, 6), BoxMine::drift(196, 0, 196, 24)};
+  for (double x = 20; x < 120; x += 40) {
+    drifts.push_back(BoxMine::drift(x, 0, x, 12));
+    drifts.push_back(BoxMine::drift(x + 7, -9, x + 7, 0, 6));
+  }
+  return BoxMine(drifts);
+}
+
+TEST(CloudsOnRequest, BeforeAMergeIsBelievedBothAreAskedWhetherTheirMineRepeatsItself) {
+  OnRequest base(
+      {test::drive(half_copies(), {{2, 0}, {200, 0}}, 0, 1), test::drive(half_copies(), {{218, 0}, {145, 0}}, 1.1, 2)},
+      {1, 2});
+  base.send_all();
+  ASSERT_TRUE(base.pair());
+  EXPECT_EQ(base.pair()->state, AlignmentState::published);
+  EXPECT_GE(base.pair()->evidence.repetition, copies_known);
+}
+
 TEST(CloudsOnRequest, InAMineOfCopiesTheLookFartherOffIsWaitedFor) {
   OnRequest base({test::along_copies(100, 0, 5), test::along_copies(130, 1.1, 6), test::drive_through_copies()},
                  {1, 2});
