@@ -9,6 +9,7 @@
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -69,6 +70,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   bool turned_away() const { return turn_away_; }
 
  private:
+  static constexpr double linger_s = 2;
   using Code = boost::beast::error_code;
   using Piece = Result<std::optional<std::string>>;
 
@@ -86,6 +88,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_piece(Piece piece);
   void write_piece(std::optional<std::string> piece);
   void on_written();
+  void allow(double seconds) { stream_.expires_after(std::chrono::milliseconds(std::llround(seconds * 1000))); }
   void linger();
   void drain(std::size_t drained_bytes);
   void finish();

@@ -1,0 +1,154 @@
+// What a session of the operator's HTTP sends, whole or piece by piece, and how its connection ends.
+
+#include <sys/socket.h>
+
+#include <array>
+#include <boost/asio/post.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <sstream>
+
+#include "server/operator/http_session.hpp"
+
+namespace headframe {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+
+constexpr std::size_t linger_bytes = 1024 * 1024;
+
+template <class Response>
+void set_common(Response& response, std::string_view content_type, bool keep_alive) {
+  response.set(http::field::server, "headframe");
+  response.set(http::field::content_type, beast::string_view(content_type.data(), content_type.size()));
+  response.set(http::field::cache_control, "no-store");
+  response.keep_alive(keep_alive);
+}
+
+}  // namespace
+
+void HttpSession::send(Ready ready) {
+  auto response = std::make_shared<http::response<http::string_body>>();
+  response->version(11);
+  response->result(static_cast<unsigned>(ready.status));
+  set_common(*response, ready.content_type, keep_alive_);
+  if (ready.gzip) response->set(http::field::content_encoding, "gzip");
+  if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
+  if (ready.bearer) response->set(http::field::www_authenticate, "Bearer");
+  response->body() = std::move(ready.body);
+  response->prepare_payload();
+  response_ = response;
+  allow(shared_->limits.write_s);
+  http::async_write(stream_, *response, [self = shared_from_this()](Code code, std::size_t) {
+    self->response_.reset();
+    code ? self->finish() : self->on_written();
+  });
+}
+
+/// Answers when the answer comes; ends when the client goes before that.
+void HttpSession::answer_later(const Later& later) {
+  stream_.socket().async_wait(net::ip::tcp::socket::wait_read, [self = shared_from_this()](Code code) {
+    if (!code && self->client_gone()) self->finish();
+  });
+  later.start([weak = weak_from_this()](Ready ready) {
+    const auto self = weak.lock();
+    if (!self) return;
+    net::post(self->stream_.get_executor(), [self, ready = std::move(ready)]() mutable {
+      if (!self->stream_.socket().is_open()) return;
+      Code ignored;
+      self->stream_.socket().cancel(ignored);  // the wait for the client's end
+      self->send(std::move(ready));
+    });
+  });
+}
+
+void HttpSession::pull() {
+  if (client_gone()) return finish();
+  net::post(shared_->disk, [self = shared_from_this()] {
+    Piece piece;
+    try {
+      piece = self->body_->body->next();
+    } catch (const std::exception& exception) {
+      piece = failure(ErrorCode::internal, exception.what());
+    }
+    net::post(self->stream_.get_executor(),
+              [self, piece = std::move(piece)]() mutable { self->on_piece(std::move(piece)); });
+  });
+}
+
+void HttpSession::on_piece(Piece piece) {
+  if (!stream_.socket().is_open()) return finish();
+  if (!piece) {
+    if (head_sent_) return finish();  // without the last chunk: the client knows that something is missing
+    Error error = piece.error();
+    body_.reset();
+    const bool ours = error.code == ErrorCode::bad_input;  // what is on our disk, not what was asked
+    return send(ours ? error_reply(500, error) : error_reply(error));
+  }
+  if (*piece && (*piece)->empty()) return pull();
+  write_piece(std::move(*piece));
+}
+
+void HttpSession::write_piece(std::optional<std::string> piece) {
+  std::ostringstream head;
+  const bool last = !piece;
+  if (!std::exchange(head_sent_, true)) {
+    left_ = body_->body->total_bytes();
+    http::response<http::empty_body> response(http::status::ok, 11);
+    set_common(response, body_->content_type, keep_alive_);
+    left_ ? response.content_length(*left_) : response.chunked(true);
+    head << response.base();
+  }
+  if (left_) {
+    if (last ? *left_ > 0 : piece->size() > *left_) return finish();  // not what was promised: it must not look whole
+    *left_ -= last ? 0 : piece->size();
+  } else {
+    head << std::hex << (last ? 0 : piece->size()) << "\r\n";
+  }
+  head_ = head.str();
+  piece_ = std::move(piece).value_or("");
+  const std::array<net::const_buffer, 3> buffers{net::buffer(head_), net::buffer(piece_),
+                                                 net::buffer("\r\n", left_ ? 0 : 2)};
+  allow(shared_->limits.write_s);
+  net::async_write(stream_, buffers, [self = shared_from_this(), last](Code code, std::size_t) {
+    if (code) return self->finish();
+    if (!last) return self->pull();
+    self->body_.reset();
+    self->on_written();
+  });
+}
+
+void HttpSession::on_written() { keep_alive_ ? read() : linger(); }
+
+/// Closes so that the client can still read the response: what it goes on to send is taken for a while, or the kernel
+/// would reset the connection.
+void HttpSession::linger() {
+  Code ignored;
+  stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+  allow(linger_s);
+  drain(0);
+}
+
+void HttpSession::drain(std::size_t drained_bytes) {
+  buffer_.clear();
+  stream_.async_read_some(buffer_.prepare(4096),
+                          [self = shared_from_this(), drained_bytes](Code code, std::size_t bytes) {
+                            if (code || drained_bytes + bytes > linger_bytes) return self->finish();
+                            self->drain(drained_bytes + bytes);
+                          });
+}
+
+void HttpSession::finish() {
+  stream_.close();
+  shared_->forget(shared_from_this());
+}
+
+bool HttpSession::client_gone() {
+  char byte = 0;
+  return ::recv(stream_.socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
+}  // namespace headframe
