@@ -1,6 +1,7 @@
 // A line at the lower edge that says what was done, with a button that takes it back. Read out by screen readers.
 
 const stays_ms = 12_000;
+const offerStays_ms = 60_000; // what can be taken back leaves time to read, look at the map and think
 
 const host = document.createElement('div');
 host.className = 'toasts';
@@ -33,9 +34,15 @@ export function toast(text: string, { bad = false, offer }: { bad?: boolean; off
   }
   host.append(line);
   while (host.children.length > 3) host.firstChild!.remove();
-  let timer = setTimeout(close, stays_ms);
-  line.onpointerenter = () => clearTimeout(timer);
-  line.onpointerleave = () => (timer = setTimeout(close, stays_ms / 2));
+  const lasts_ms = offer ? offerStays_ms : stays_ms;
+  let timer = setTimeout(close, lasts_ms);
+  const hold = () => clearTimeout(timer);
+  const letGo = () => {
+    hold();
+    timer = setTimeout(close, lasts_ms / 2);
+  };
+  for (const reached of ['pointerenter', 'focusin']) line.addEventListener(reached, hold);
+  for (const left of ['pointerleave', 'focusout']) line.addEventListener(left, letGo);
   return close;
 }
 
