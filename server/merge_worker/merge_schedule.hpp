@@ -70,7 +70,7 @@ class MergeSchedule {
   std::size_t queued() const { return queue_.size(); }
   std::size_t awaited() const { return awaited_.size(); }
 
-  static constexpr int most_rounds = 50;  // a pair takes some fifteen: eight hypotheses, then more of the overlap
+  static constexpr int most_rounds = 50;  // ten hypotheses one by one, more of the overlap, contacts one by one
 
  private:
   struct Waiting {

@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Measures; the figures also land in build/bench/WHAT.json"};
   app.add_option("WHAT", options.what,
-                 "registration, places, basin, merges, recordings, merge-times, descriptors; all");
+                 "registration, places, basin, merges, merges-on-request, recordings, merge-times, descriptors; all");
   app.add_option("RECORDINGS", options.recordings, "folder of the data sets");
   app.add_option("MINES", options.mines, "of merges: mines in all; of descriptors: of each kind")
       ->check(CLI::Range(1, 1000));

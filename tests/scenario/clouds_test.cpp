@@ -103,7 +103,7 @@ TEST(CloudsOnRequest, ADoubtThatNobodyCanLiftStaysACandidate) {
   EXPECT_EQ(base.pair()->state, AlignmentState::candidate);
 }
 
-TEST(CloudsOnRequest, ThoseWhoShareNothingSendFew) {
+TEST(CloudsOnRequest, ThoseWhoShareNothingDoNotSendAll) {
   OnRequest base({test::along_copies(100, 0, 5), test::drive_b_to_a(3)}, {1, 2});
   base.send_all();
   EXPECT_EQ(base.pair()->state, AlignmentState::rejected);
@@ -112,13 +112,9 @@ TEST(CloudsOnRequest, ThoseWhoShareNothingSendFew) {
 
 /// Three blocks that are the same, and what is like nothing else.
 BoxMine half_copies() {
-  std::vector<test::Box> drifts{BoxMine::drift(0, 0, 220, 0), BoxMine::drift(150, 0, 150, 16),
-                                BoxMine::drift(171, -11, 171, 0, 6), BoxMine::drift(196, 0, 196, 24)};
-  for (double x = 20; x < 120; x += 40) {
-    drifts.push_back(BoxMine::drift(x, 0, x, 12));
-    drifts.push_back(BoxMine::drift(x + 7, -9, x + 7, 0, 6));
-  }
-  return BoxMine(drifts);
+  return test::with_copies({BoxMine::drift(0, 0, 220, 0), BoxMine::drift(150, 0, 150, 16),
+                            BoxMine::drift(171, -11, 171, 0, 6), BoxMine::drift(196, 0, 196, 24)},
+                           3);
 }
 
 TEST(CloudsOnRequest, BeforeAMergeIsBelievedBothAreAskedWhetherTheirMineRepeatsItself) {

@@ -5,14 +5,19 @@
 
 namespace headframe::test {
 
-/// Through five blocks that are the same: what is not seen of this mine may well be another.
-inline Drive drive_through_copies() {
-  std::vector<Box> drifts{BoxMine::drift(0, 0, 200, 0)};
-  for (double x = 20; x < 200; x += 40) {
+/// These drifts, and along the x axis blocks of 40 m that are the same.
+inline BoxMine with_copies(std::vector<Box> drifts, int blocks) {
+  for (int i = 0; i < blocks; ++i) {
+    const double x = 20 + 40 * i;
     drifts.push_back(BoxMine::drift(x, 0, x, 12));
     drifts.push_back(BoxMine::drift(x + 7, -9, x + 7, 0, 6));
   }
-  return drive(BoxMine(drifts), {{2, 0}, {198, 0}}, 0.7, 4);
+  return BoxMine(drifts);
+}
+
+/// Through five blocks that are the same: what is not seen of this mine may well be another.
+inline Drive drive_through_copies() {
+  return drive(with_copies({BoxMine::drift(0, 0, 200, 0)}, 5), {{2, 0}, {198, 0}}, 0.7, 4);
 }
 
 /// A drift with branches that two mines have in common; 19 m beyond where both robots stopped one of them ends.
