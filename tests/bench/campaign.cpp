@@ -79,10 +79,12 @@ void draw(const PipelineRun& run, SessionId a, SessionId b, const PairResult& re
   picture::TopView view;
   view.title = result.a + " and " + result.b;
   char line[160];
-  std::snprintf(line, sizeof line, "overlap %.0f %%, %s, probability %.3f, %.2f m off", result.overlap_pct,
+  std::snprintf(line, sizeof line, "overlap %.0f %%, %s, probability %.3f", result.overlap_pct,
                 result.merged ? (result.right ? "merged" : "merged WRONGLY") : "not merged",
-                result.evidence.probability, result.te_m);
+                result.evidence.probability);
   view.subtitle = line;
+  std::snprintf(line, sizeof line, ", %.2f m off", result.te_m);
+  if (result.te_m >= 0) view.subtitle += line;
   view.panels = {{"as placed best",
                   {layer_of(run.session(a), Pose::Identity(), 0),
                    layer_of(run.session(b), found ? found->T_a_b : Pose::Identity(), 1)}}};
