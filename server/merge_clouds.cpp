@@ -12,6 +12,7 @@ namespace {
 const double spot_m = PlaceConfig{}.radius_m;
 constexpr std::size_t more = 2;           // times as many as for a first look
 constexpr std::size_t cases_awaited = 1;  // that may wait for a first look at a time
+constexpr std::size_t cases_asking = 10;  // the most promising: others are looked at with the clouds that are here
 constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
 
 std::vector<Stand> all_of(const Nearby& n) {
@@ -39,7 +40,9 @@ Candidates MergePipeline::State::look_for_clouds(const Laid& pair, const std::ve
     Case made = make_case(pair.a, pair.b, h, clouds);
     const bool weak_rival = accepted && h.score < rival_share * known->evidence.support;
     std::vector<KeyframeRef> wanted;
-    if (worth_clouds(pair) && out.awaited < cases_awaited && !weak_rival) wanted = wanted_to_look(pair, made);
+    const bool may_ask = static_cast<std::size_t>(&h - hypotheses.data()) < cases_asking;
+    if (may_ask && worth_clouds(pair) && out.awaited < cases_awaited && !weak_rival)
+      wanted = wanted_to_look(pair, made);
     if (wanted.empty()) {
       out.cases.push_back(std::move(made));
       continue;

@@ -64,8 +64,9 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
   const bool ruled = known && known->ruling != Ruling::none;
   auto& trace = report.traces.emplace_back(PairTrace{std::min(a, b), std::max(a, b)});
-  for (const Hypothesis& h : found->hypotheses) trace.proposed.push_back(by_ids(pair, h.T_a_b));
+  for (const Hypothesis& h : found->hypotheses) trace.proposed.push_back({by_ids(pair, h.T_a_b), h.source});
   std::vector<Verdict> verdicts = judge_cases(a, b, candidates.cases, clouds, ruled, report);
+  for (const Verdict& v : verdicts) trace.judged.push_back(by_ids(pair, v.judgement));
   if (verdicts.empty()) verdicts.emplace_back();
   if (known)
     std::erase_if(verdicts, [&](const Verdict& v) {

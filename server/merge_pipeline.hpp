@@ -13,6 +13,7 @@
 #include "server/atlas/decisions.hpp"
 #include "server/merge_config.hpp"
 #include "server/place/descriptor_index.hpp"
+#include "server/place/leads.hpp"
 #include "server/registration/verification.hpp"
 #include "server/stage_times.hpp"
 
@@ -37,7 +38,13 @@ class CloudSource {
 /// where a first registration put those that screening left.
 struct PairTrace {
   SessionId a = 0, b = 0;
-  std::vector<Pose> proposed = {}, screened = {};
+  struct Proposal {
+    Pose T_a_b;
+    ProposalSource source;
+  };
+  std::vector<Proposal> proposed = {};
+  std::vector<Pose> screened = {};
+  std::vector<Judgement> judged = {};  // the most probable first
 };
 
 /// What one attempt to merge a session did, or one decision of the operator.

@@ -38,6 +38,9 @@ bool hopeless_rival(const Glance& glance, const DescriptorAgreement& agreement, 
   });
 }
 
+/// All speaks for it but that the mine repeats itself: where it is wrong, a copy of the rock lies there.
+bool is_copy(const Judgement& judged) { return judged.evidence.probability_if_unique >= 0.5; }
+
 /// Better glances first: fewer contradictions, more points that fit, and descriptors that agree along the path. One
 /// place of a mine that repeats itself fits at many others.
 double promise(const Glance& glance, const DescriptorAgreement& agreement) {
@@ -50,7 +53,7 @@ double promise(const Glance& glance, const DescriptorAgreement& agreement) {
 
 MergePipeline::State::State(const MergeConfig& c)
     : config(c),
-      finder({.most = static_cast<std::size_t>(c.hypotheses),
+      finder({.seats = {.coherent = static_cast<std::size_t>(c.hypotheses)},
               .walls_bytes = mb * static_cast<std::size_t>(c.walls_mb),
               .threads = c.threads}),
       prepared(mb * static_cast<std::size_t>(c.clouds_mb), c.threads),
@@ -127,10 +130,19 @@ double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
       wanted.insert(wanted.end(), more.begin(), more.end());
     }
   const std::vector<Glance> glances = glance_at(id, id, cases, clouds);
-  const auto alike = std::count_if(glances.begin(), glances.end(), [](const Glance& g) {
-    return fits_alone(g) &&
-           differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m, elsewhere_rad);
-  });
+  const DescriptorAgreement agreement(session.keyframes, session.keyframes);
+  int alike = 0;
+  for (std::size_t i = 0; i < glances.size(); ++i) {
+    const Glance& g = glances[i];
+    if (!fits_alone(g) ||
+        !differ(g.place.registration.T_target_source, Pose::Identity(), g.place.p_b, elsewhere_m, elsewhere_rad))
+      continue;
+    Judgement judged =
+        judge(scene(id, cases[i].a.stored, clouds), scene(id, cases[i].b.stored, clouds), g, judge_config());
+    compare_descriptors(agreement, judged);
+    weigh(judged);
+    alike += is_copy(judged);
+  }
   session.self = {session.path_m(), stored_clouds(session, id, clouds), static_cast<double>(alike), std::move(wanted)};
   return session.self.aliases;
 }
@@ -177,9 +189,18 @@ std::vector<Glance> MergePipeline::State::glance_at(SessionId a, SessionId b, co
     asked.push_back(place_at(b, meeting->keyframe_b));
   }
   const std::vector<PlacePtr> at = places.get(asked, clouds);
-  std::vector<Glance> glances(cases.size());
+  std::vector<Pose> T(meet.size());
+  std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, ties as they were proposed
   for_blocks(meet.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    glances[meet[i]] = glance(at[2 * i], at[2 * i + 1], cases[meet[i]].hypothesis.T_a_b, judge);
+    T[i] = cases[meet[i]].hypothesis.T_a_b;
+    order[i] = {-screen(*at[2 * i], *at[2 * i + 1], T[i]), i};
+  });
+  std::sort(order.begin(), order.end());
+  if (order.size() > judge.screened_fully) order.resize(judge.screened_fully);
+  std::vector<Glance> glances(cases.size());
+  for_blocks(order.size(), 1, config.threads, [&](std::size_t k, std::size_t, std::size_t) {
+    const std::size_t i = order[k].second;
+    glances[meet[i]] = glance(at[2 * i], at[2 * i + 1], T[i], judge);
   });
   return glances;
 }
@@ -212,6 +233,7 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return promises[i] > promises[j]; });
   std::vector<Verdict> verdicts;
+  std::vector<std::size_t> judged_cases;
   for (const std::size_t i : order) {
     const PlaceCheck& place = glances[i].place;
     const bool known = std::any_of(verdicts.begin(), verdicts.end(), [&](const Verdict& v) {
@@ -227,18 +249,26 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
     e.repetition = repetition();
-    e.aliases = self + static_cast<double>(std::count_if(glances.begin(), glances.end(), [&](const Glance& g) {
-                  return fits_alone(g) && differ(g.place.registration.T_target_source, verdict.judgement.T_a_b,
-                                                 g.place.p_b, same_placement_m, same_placement_rad);
+    weigh(verdict.judgement);
+    verdicts.push_back(verdict);
+    judged_cases.push_back(i);
+  }
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    Verdict& verdict = verdicts[i];
+    Evidence& e = verdict.judgement.evidence;
+    const Case& c = cases[judged_cases[i]];
+    e.aliases = self + static_cast<double>(std::count_if(verdicts.begin(), verdicts.end(), [&](const Verdict& v) {
+                  return is_copy(v.judgement) && differ(v.judgement.T_a_b, verdict.judgement.T_a_b, verdict.p_b,
+                                                        same_placement_m, same_placement_rad);
                 }));
     weigh(verdict.judgement);
     if (e.probability < config.accept_probability) {
       verdict.wanted = wanted_to_tell({a, b}, c, verdict);
-    } else if (e.repetition >= copies_known) {
-      look_farther({a, b}, c, verdict, clouds);
-      weigh(verdict.judgement);
+      continue;
     }
-    verdicts.push_back(verdict);
+    look_farther({a, b}, c, verdict, clouds);
+    if (e.repetition < copies_known) verdict.wanted.clear();  // worth looking at what is here, not worth asking for
+    weigh(verdict.judgement);
   }
   std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {
     return v.judgement.evidence.probability > w.judgement.evidence.probability;

@@ -10,12 +10,13 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 27> fields{{
+constexpr std::array<EvidenceField, 28> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
     {"places_agreeing", &Evidence::places_agreeing},
     {"inlier_fraction", &Evidence::inlier_fraction},
+    {"matched_share", &Evidence::matched_share},
     {"rmse_m", &Evidence::rmse_m},
     {"residual_m", &Evidence::residual_m},
     {"spread_m", &Evidence::spread_m},

@@ -27,6 +27,7 @@ struct Evidence {
   double places = 0;           // spread over the overlap, where both saw some rock; each registered by itself
   double places_agreeing = 0;  // ... that stayed within the drift of T_a_b
   double inlier_fraction = 0;  // of the longer session's points where they meet, with a partner in the other
+  double matched_share = 0;    // of those of them that the other's map can speak of, that lie on its surface
   double rmse_m = 0;           // of the inliers, along the normals
   double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square

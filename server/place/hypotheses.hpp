@@ -13,8 +13,8 @@
 #include "server/place/descriptor_agreement.hpp"
 #include "server/place/descriptor_index.hpp"
 #include "server/place/descriptor_matches.hpp"
+#include "server/place/leads.hpp"
 #include "server/place/session_walls.hpp"
-#include "server/place/wall_search.hpp"
 #include "server/recent.hpp"
 
 namespace headframe {
@@ -22,8 +22,10 @@ namespace headframe {
 struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
   double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
-  Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of that piece of b's path, in b's frame
+  Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of b's walls that met a's, in b's frame
   Agreement descriptors = {};                         // along both paths
+  double promise = 0;                                 // score, weighed by the descriptors' agreement
+  ProposalSource source = ProposalSource::walls;
 };
 
 /// A session as the finder sees it.
@@ -44,10 +46,7 @@ struct Found {
 class HypothesisFinder {
  public:
   struct Config {
-    std::size_t most = 8;      // handed on ...
-    std::size_t trusted = 2;   // ... and so many of the descriptors' own, wherever the walls rank them
-    std::size_t refined = 60;  // coarse placements looked at more closely ...
-    std::size_t fine = 16;     // ... and of these, to half a cell
+    LeadSeats seats;
     double news_m = 15;
     std::size_t walls_bytes = 64000000;  // drawn walls that are kept: the least recently used go first
     int threads = 1;
@@ -66,8 +65,8 @@ class HypothesisFinder {
 
  private:
   std::shared_ptr<const SessionWalls> walls(const SessionView& session);
-  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<Pose>& proposed,
-                                 const DescriptorAgreement& agreement);
+  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<MatchedPair>& matches,
+                                 const DescriptorAgreement& agreement, const LeadSeats& seats);
 
   Config config_;
   std::size_t allowed_ = std::numeric_limits<std::size_t>::max();
@@ -75,9 +74,5 @@ class HypothesisFinder {
   std::size_t walls_bytes_ = 0;
   std::map<std::pair<SessionId, SessionId>, Found> found_;
 };
-
-/// FRAME's T_0, for each of the best yaw differences: the levelled frames of the two keyframes on each other. Empty
-/// without w.
-std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws);
 
 }  // namespace headframe

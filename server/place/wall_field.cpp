@@ -11,6 +11,8 @@
 namespace headframe {
 namespace {
 
+constexpr int block = 8;                   // cells: 4 m, about as far as a refinement moves a cell
+constexpr std::size_t coarse_cells = 300;  // of b, at most, that a coarse refinement asks
 constexpr int rim = 14;  // empty cells around a field: twice the widest window of a refinement, and a wall's smear
 
 }  // namespace
@@ -46,6 +48,46 @@ WallField::WallField(const WallMap& map) : cell_m_(map.cell_m), low_(Eigen::Vect
       for (std::ptrdiff_t dx = -1; dx <= 1; ++dx)
         cells_[static_cast<std::size_t>(index(p) + dy * columns_ + dx)].for_wall = 1;
   for (const auto& p : map.walls) cells_[static_cast<std::size_t>(index(p))].for_free = set;
+  mark_reach();
+}
+
+void WallField::mark_reach() {
+  reach_columns_ = columns_ / block + 1;
+  const int reach_rows = rows_ / block + 1;
+  reach_.resize(static_cast<std::size_t>(reach_columns_) * static_cast<std::size_t>(reach_rows));
+  for (int y = 0; y < rows_; ++y)
+    for (int x = 0; x < columns_; ++x) {
+      const Cell& cell =
+          cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
+      if (cell.for_wall == 0 && cell.for_free == 0) continue;
+      for (int by = std::max(0, y / block - 1); by <= std::min(reach_rows - 1, y / block + 1); ++by)
+        for (int bx = std::max(0, x / block - 1); bx <= std::min(reach_columns_ - 1, x / block + 1); ++bx)
+          reach_[static_cast<std::size_t>(by * reach_columns_ + bx)] = 1;
+    }
+}
+
+/// The cells of b that the guess brings near to something that the field knows.
+WallMap WallField::near_part(const WallMap& b, const WallMatch& guess,
+                             const std::optional<Surroundings>& within) const {
+  const Eigen::Matrix2f R = Eigen::Rotation2Df(static_cast<float>(guess.yaw_rad)).toRotationMatrix() / cell_m_;
+  const Eigen::Vector2f t = (guess.shift_m.cast<float>() - low_) / cell_m_;
+  const Eigen::Vector2f centre = within ? within->centre_m.cast<float>().eval() : Eigen::Vector2f::Zero();
+  const auto r2 = static_cast<float>(within ? within->radius_m * within->radius_m : 0);
+  const auto take = [&](const std::vector<Eigen::Vector2f>& from, std::vector<Eigen::Vector2f>& to) {
+    for (const Eigen::Vector2f& p : from) {
+      if (within && (p - centre).squaredNorm() > r2) continue;
+      const Eigen::Vector2f c = R * p + t;
+      if (!(c.x() >= 0 && c.y() >= 0 && c.x() < static_cast<float>(columns_) && c.y() < static_cast<float>(rows_)))
+        continue;
+      const int bx = static_cast<int>(c.x()) / block, by = static_cast<int>(c.y()) / block;
+      if (reach_[static_cast<std::size_t>(by * reach_columns_ + bx)]) to.push_back(p);
+    }
+  };
+  WallMap out{{}, {}, b.cell_m};
+  if (cells_.empty()) return out;
+  take(b.walls, out.walls);
+  take(b.free, out.free);
+  return out;
 }
 
 /// Shifts by whole cells: each cell of b is placed once and read at all of them.
@@ -80,23 +122,49 @@ WallField::Best WallField::best_within(const WallMap& b, const Eigen::Matrix2f& 
   return {*most, Eigen::Vector2i(at % side, at / side) * window.stride - Eigen::Vector2i::Constant(window.reach)};
 }
 
-double WallField::score(const WallMap& b, const WallMatch& m) const {
-  const Eigen::Matrix2f turn = Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix();
-  return best_within(b, turn, m.shift_m.cast<float>(), {}, 1).score;
+WallFit WallField::fit(const WallMap& b, const WallMatch& m, const std::optional<Surroundings>& within) const {
+  if (within) return fit(near_part(b, m, within), m);
+  WallFit out;
+  const Eigen::Matrix2f R = Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix() / cell_m_;
+  const Eigen::Vector2f t = (m.shift_m.cast<float>() - low_) / cell_m_;
+  const auto cell_at = [&](const Eigen::Vector2f& p) -> Cell {
+    const Eigen::Vector2f c = R * p + t;
+    if (!(c.x() >= 0 && c.y() >= 0 && c.x() < static_cast<float>(columns_) && c.y() < static_cast<float>(rows_)))
+      return {};
+    return cells_[static_cast<std::size_t>(c.y()) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(c.x())];
+  };
+  for (const auto& p : b.walls) {
+    const int worth = cell_at(p).for_wall;
+    out.contradicted += worth < 0;
+    if (worth <= 0) continue;
+    ++out.met;
+    out.middle += p.cast<double>();
+  }
+  for (const auto& p : b.free) out.contradicted += cell_at(p).for_free < 0;
+  if (out.met > 0) out.middle /= out.met;
+  return out;
 }
 
-WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step) const {
-  const Eigen::Vector2d middle = WallBox(b).middle().cast<double>();  // turns are about it, so that they do not shift b
+WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step,
+                            const std::optional<Surroundings>& within) const {
+  const WallMap part = near_part(b, guess, within);
+  const std::size_t cells = part.walls.size() + part.free.size();
+  if (cells == 0) return {guess.yaw_rad, guess.shift_m, 0};
+  // Turns are about the middle of what meets, so that they do not shift it.
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const auto* list : {&part.walls, &part.free})
+    for (const auto& p : *list) middle += p.cast<double>() / static_cast<double>(cells);
   const double cell_m = static_cast<double>(cell_m_);
   struct Round {
     Window window;
     int turns;
     double turn_deg;
-    std::size_t every;
     bool between;  // half a cell off as well
   };
-  static constexpr std::array coarse{Round{{6, 2}, 2, 2, 3, false}};
-  static constexpr std::array fine{Round{{2, 1}, 1, 1, 1, false}, Round{{0, 1}, 1, 1, 1, true}};
+  static constexpr std::array coarse{Round{{6, 2}, 2, 2, false}};
+  static constexpr std::array fine{Round{{2, 1}, 1, 1, false}, Round{{0, 1}, 1, 1, true}};
+  const std::size_t every = step == Step::coarse ? 1 + cells / coarse_cells : 1;
   WallMatch best = guess;
   for (const Round& round : step == Step::coarse ? std::span<const Round>(coarse) : std::span<const Round>(fine)) {
     const WallMatch from = best;
@@ -109,14 +177,14 @@ WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step)
       for (int y = -half; y <= half; ++y)
         for (int x = -half; x <= half; ++x) {
           const Eigen::Vector2d shift = at + 0.5 * cell_m * Eigen::Vector2d(x, y) - R * middle;
-          const Best found = best_within(b, R.cast<float>(), shift.cast<float>(), round.window, round.every);
+          const Best found = best_within(part, R.cast<float>(), shift.cast<float>(), round.window, every);
           if (found.score <= most) continue;
           most = found.score;
           best = {wrap_rad(yaw), shift + cell_m * found.cells.cast<double>(), 0};
         }
     }
   }
-  best.score = score(b, best);
+  best.score = fit(b, best).score();
   return best;
 }
 

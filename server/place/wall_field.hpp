@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "server/place/wall_map.hpp"
@@ -17,18 +18,40 @@ struct WallMatch {
   double score = 0;  // cells of wall on wall (3x3 smear), less 3 for each wall on free, both ways
 };
 
+/// What a placement of b on a amounts to, in cells.
+struct WallFit {
+  int met = 0;                                       // walls of b on walls of a (3x3 smear)
+  int contradicted = 0;                              // walls where the other map is free, both ways
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();  // of the walls of b that met, in b's frame
+
+  double score() const { return met - static_cast<double>(wall_penalty) * contradicted; }
+  /// A short overlap without contradictions beats a long one with some: right placements have few however long they
+  /// are.
+  double strict() const { return met - 10.0 * contradicted; }
+};
+
+/// A part of a map that lies within radius_m of a point of its frame.
+struct Surroundings {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double radius_m = 0;
+};
+
 /// A map as a grid, to score placements of others on it. Immutable; thread safe.
 class WallField {
  public:
   explicit WallField(const WallMap& map);
 
-  double score(const WallMap& b, const WallMatch& placement) const;
-  std::size_t bytes() const { return cells_.size() * sizeof(Cell); }
+  WallFit fit(const WallMap& b, const WallMatch& placement,
+              const std::optional<Surroundings>& within = std::nullopt) const;
+  std::size_t bytes() const { return cells_.size() * sizeof(Cell) + reach_.size(); }
 
-  /// coarse: the best within +-6 cells and +-4 deg of the guess in steps of 2 cells and 2 deg, by a third of b's cells.
-  /// fine: within 2.5 cells and 2 deg, to half a cell and 1 deg. Both give the score of all cells.
+  /// coarse: the best within +-6 cells and +-4 deg of the guess in steps of 2 cells and 2 deg, by some hundred of b's
+  /// cells. fine: within 2.5 cells and 2 deg, to half a cell and 1 deg, by all of them. Only cells of b that the guess
+  /// brings near to what a knows take part, turns are about their middle, and `within` restricts them further. Both
+  /// give the score of all cells.
   enum class Step { coarse, fine };
-  WallMatch refine(const WallMap& b, const WallMatch& guess, Step step) const;
+  WallMatch refine(const WallMap& b, const WallMatch& guess, Step step,
+                   const std::optional<Surroundings>& within = std::nullopt) const;
 
  private:
   struct Cell {
@@ -42,6 +65,8 @@ class WallField {
     int score;
     Eigen::Vector2i cells;  // from the placement
   };
+  void mark_reach();
+  WallMap near_part(const WallMap& b, const WallMatch& guess, const std::optional<Surroundings>& within) const;
   Best best_within(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift, Window window,
                    std::size_t every) const;
 
@@ -49,6 +74,8 @@ class WallField {
   Eigen::Vector2f low_;
   int columns_ = 0, rows_ = 0;
   std::vector<Cell> cells_;
+  int reach_columns_ = 0;
+  std::vector<std::uint8_t> reach_;  // blocks of cells that hold something, or whose neighbours do
 };
 
 /// Around all cells of a map.

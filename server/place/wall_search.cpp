@@ -13,10 +13,10 @@ namespace headframe {
 namespace {
 
 constexpr float coarse_m = 1.5F;
-constexpr float clear_m = 1;               // free ground nearer to a wall says nothing in cells as coarse as that
-constexpr std::size_t quarter_turns = 45;  // 180 turns of 2 deg: each grid serves four, a right angle apart
-constexpr std::size_t peaks_per_turn = 12;
-constexpr float side_share = 0.6F;  // of the grid, against both maps side by side
+constexpr float clear_m = 1;                 // free ground nearer to a wall says nothing in cells as coarse as that
+constexpr std::size_t quarter_turns = 45;    // 180 turns of 2 deg: each grid serves four, a right angle apart
+constexpr std::size_t peaks_per_turn = 200;  // a mine of parallel galleries fits at scores of shifts
+constexpr float side_share = 0.6F;           // of the grid, against both maps side by side
 constexpr double same_place_m = 4, same_yaw_rad = 12 * std::numbers::pi / 180;
 
 float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
@@ -47,9 +47,17 @@ WallMap clear_of_walls(const WallMap& map) {
   return out;
 }
 
+WallMap every_fourth(const WallMap& map) {
+  WallMap out{{}, {}, map.cell_m};
+  for (std::size_t i = 0; i < map.walls.size(); i += 4) out.walls.push_back(map.walls[i]);
+  for (std::size_t i = 0; i < map.free.size(); i += 4) out.free.push_back(map.free[i]);
+  return out;
+}
+
 /// Keeps the best first of those that put b's middle within same_place_m and same_yaw_rad of each other.
 void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
   std::stable_sort(matches.begin(), matches.end(), [](const auto& m, const auto& n) { return m.score > n.score; });
+  if (matches.size() > 4 * most) matches.resize(4 * most);
   std::vector<WallMatch> kept;
   for (const WallMatch& m : matches) {
     if (kept.size() == most) break;
@@ -69,6 +77,7 @@ class Correlator {
  public:
   Correlator(const WallMap& a, const WallMap& b)
       : b_(b),
+        sketch_(every_fourth(b)),
         middle_a_(WallBox(a).middle()),
         middle_b_(WallBox(b).middle()),
         radius_a_(radius_m(a, middle_a_)),
@@ -98,7 +107,8 @@ class Correlator {
 
   Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
 
-  /// Of all placements that fall on the same cell of the cyclic grid, the one that the field scores best.
+  /// Of all placements that fall on the same cell of the cyclic grid, the one that brings most walls together.
+  /// Contradictions count little: half a coarse cell off, a right placement has many.
   WallMatch unfolded(const WallMatch& m, const WallField& field) const {
     const double side = static_cast<double>(n_) * static_cast<double>(coarse_m);
     const Eigen::Vector2d from_middle = middle_at(m, middle()) - middle_a_.cast<double>();
@@ -108,9 +118,9 @@ class Correlator {
       for (const double y : {-side, 0.0, side}) {
         if ((from_middle + Eigen::Vector2d(x, y)).norm() > static_cast<double>(radius_a_ + radius_b_)) continue;
         const WallMatch moved{m.yaw_rad, m.shift_m + Eigen::Vector2d(x, y), m.score};
-        const double score = field.score(b_, moved);
-        if (score <= most) continue;
-        most = score;
+        const WallFit fit = field.fit(sketch_, moved);
+        if (fit.met - fit.contradicted <= most) continue;
+        most = fit.met - fit.contradicted;
         best = moved;
       }
     return best;
@@ -247,6 +257,7 @@ class Correlator {
   }
 
   const WallMap& b_;
+  WallMap sketch_;  // every fourth cell of b
   Eigen::Vector2f middle_a_, middle_b_;
   float radius_a_, radius_b_;
   std::size_t n_;
@@ -266,7 +277,9 @@ std::vector<WallMatch> search_walls(const WallMap& a, const WallField& field, co
   std::vector<WallMatch> matches;
   for (const auto& list : found) matches.insert(matches.end(), list.begin(), list.end());
   keep_distinct(matches, most, correlator.middle());
-  for (WallMatch& m : matches) m = correlator.unfolded(m, field);
+  for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) matches[i] = correlator.unfolded(matches[i], field);
+  });
   return matches;
 }
 

@@ -50,6 +50,22 @@ double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vect
 
 }  // namespace
 
+Matched matched(const Place& a, const Place& b, const Pose& T_a_b) {
+  constexpr std::size_t asked = 500;
+  constexpr float on_surface_m = 0.3F;
+  const VoxelMap &coarse = a.target.front(), &fine = a.target.back();
+  const Eigen::Isometry3f T = T_a_b.cast<float>();
+  Matched out;
+  for (const std::uint32_t i : scattered(b.source.points.size(), asked)) {
+    const Eigen::Vector3f p = T * b.source.points[i];
+    if (!coarse.nearest(p)) continue;
+    out.comparable += 1;
+    const Voxel* v = fine.nearest(p);
+    out.on += v && plane_distance(*v, p) < on_surface_m;
+  }
+  return out;
+}
+
 Visibility PlaceCheck::between() const {
   Visibility both = a_by_b;
   both += b_by_a;
@@ -64,6 +80,7 @@ PlaceCheck register_place(const Place& a, const Place& b, const Pose& T_a_b, con
   out.p_a = T * out.p_b;
   if (out.registration.status == RegistrationStatus::too_little_overlap) return out;
   out.residual_m = median_residual_m(a.target.back(), b.target.back(), b.p, config.radius_m, T);
+  out.matched = matched(a, b, T);
   const double here = share_on_surface(a.target.back(), b.source.points, T);
   double slid = 0;
   for (const double way : {-1.0, -0.5, 0.5, 1.0})

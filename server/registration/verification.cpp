@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/atlas/verdict.hpp"
 #include "server/registration/overlap.hpp"
 #include "server/registration/parallel.hpp"
 
@@ -12,6 +13,8 @@ namespace headframe {
 namespace {
 
 using Stands = std::vector<Stand>;
+
+constexpr double most_tilt_rad = 0.1, most_moved_m = 8;  // of a first registration: else it went astray
 
 struct Nearest {
   const Stand* stand = nullptr;
@@ -58,6 +61,7 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   Visibility a_by_b, b_by_a, own;
   std::vector<double> residuals;
   double squared = 0, inliers = 0, slide = 0;
+  Matched matched;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const PlaceCheck& p = places[i];
     a_by_b += p.a_by_b;
@@ -67,6 +71,8 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
     if (!agrees[i] && nothing_shared(p)) continue;
     e.places += 1;
     inliers += p.registration.inlier_fraction;
+    matched.on += p.matched.on;
+    matched.comparable += p.matched.comparable;
     if (!agrees[i]) continue;
     e.places_agreeing += 1;
     residuals.push_back(p.residual_m);
@@ -75,6 +81,7 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
     e.rmse_m += p.registration.rmse_m;
   }
   e.inlier_fraction = inliers / e.places;
+  e.matched_share = matched.share();
   e.rmse_m /= e.places_agreeing;
   e.slide_ratio = slide / e.places_agreeing;
   e.spread_m = std::sqrt(squared / e.places_agreeing);
@@ -102,7 +109,7 @@ double shared_path_m(const Stands& near) {
 std::vector<PlacePair> other_places(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config) {
   const Pose& T = first.place.registration.T_target_source;
   Stands chosen;
-  for (const double reach_m : {config.close_m, config.meet_m})
+  for (const double reach_m : {config.close_m, config.meet_m, config.far_m})
     spread(first.place.p_b, near_other(a.stands, b.stands, T, reach_m), config.places - 1, chosen);
   std::vector<std::size_t> of_a, of_b;
   for (const Stand& s : chosen) {
@@ -143,7 +150,12 @@ std::vector<Stand> near_other(std::span<const Stand> a, std::span<const Stand> b
 void measure_overlap(Evidence& e, std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b,
                      const JudgeConfig& config) {
   // One may pass where the other stopped: the mean of both.
-  const Stands of_a = near_other(b, a, T_a_b.inverse(), config.meet_m), of_b = near_other(a, b, T_a_b, config.meet_m);
+  Stands of_a, of_b;
+  for (const double reach_m : {config.meet_m, config.far_m}) {
+    if (!of_a.empty() && !of_b.empty()) break;
+    of_a = near_other(b, a, T_a_b.inverse(), reach_m);
+    of_b = near_other(a, b, T_a_b, reach_m);
+  }
   e.pairs = static_cast<double>(of_a.size() + of_b.size()) / 2;
   e.overlap_m = (shared_path_m(of_a) + shared_path_m(of_b)) / 2;
 }
@@ -155,19 +167,30 @@ std::optional<Meeting> first_meeting(std::span<const Stand> a, std::span<const S
   for (const Stand& s : b) {
     const Nearest other = nearest_to(a, T_0 * s.p);
     const double cost = (s.p - p_b).norm() + 10 * std::max(0.0, other.distance_m - config.meet_m / 2);
-    if (cost >= least || other.distance_m > 2 * config.meet_m) continue;
+    if (cost >= least || other.distance_m > config.apart_m) continue;
     least = cost;
     out = {other.stand->keyframe, s.keyframe};
   }
   return out;
 }
 
+double screen(const Place& a, const Place& b, Pose& T) {
+  VgicpConfig coarse;
+  coarse.levels = {{2.0F, 400}, {1.0F, 800}};
+  coarse.iterations = 8;
+  const Registration r = align(a.target, b.source.points, b.source.normals, T, coarse);
+  const Pose moved = T.inverse() * r.T_target_source;
+  if (!usable(r) || tilt_rad(r.T_target_source) > most_tilt_rad || (moved * b.p - b.p).norm() > most_moved_m) return 0;
+  T = r.T_target_source;
+  return matched(a, b, T).cautious();
+}
+
 Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_0, const JudgeConfig& config) {
   Glance out{false, register_place(*a, *b, T_0, config.place), a, b};
   const Registration& r = out.place.registration;
   const Pose moved = T_0.inverse() * r.T_target_source;
-  if (!usable(r) || r.inlier_fraction < config.hopeless_inliers || tilt_rad(r.T_target_source) > 0.1 ||
-      (moved * out.place.p_b - out.place.p_b).norm() > 8)
+  if (!usable(r) || r.inlier_fraction < config.hopeless_inliers || tilt_rad(r.T_target_source) > most_tilt_rad ||
+      (moved * out.place.p_b - out.place.p_b).norm() > most_moved_m)
     return out;
   look_at_place(out.place, *a, *b, r.T_target_source, config.place);
   out.hopeful = out.place.between().violation() < config.hopeless_violation;
@@ -225,9 +248,12 @@ bool fits_alone(const Glance& glance) {
 }
 
 Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const JudgeConfig& config) {
-  const Stands near = near_other(a.stands, b.stands, T_0, config.meet_m);
+  Stands near;
+  for (const double reach_m : {config.meet_m, config.far_m, config.apart_m})
+    if (near.empty()) near = near_other(a.stands, b.stands, T_0, reach_m);
   if (near.empty()) return {};
   const auto meeting = first_meeting(a.stands, b.stands, T_0, near[near.size() / 2].p, config);
+  if (!meeting) return {};
   const std::size_t at_a = meeting->keyframe_a, at_b = meeting->keyframe_b;
   return judge(a, b, glance(a.places({&at_a, 1}).front(), b.places({&at_b, 1}).front(), T_0, config), config);
 }
@@ -253,32 +279,7 @@ void weigh(Judgement& judgement) {
 double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap) return 0;
   if (e.tilt_deg > 3) return 0;
-  // Set by hand; README, "How sure", says on which pairs, and on which they were checked.
-  const double contradiction = std::log10(e.worst_place_violation + 2e-3) + 2.7;  // 0: none
-  const double misfit = std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4);    // 0: 3 cm
-  // In drawn mines half of the right placements reach 0.91, and a tenth of the wrong ones 0.93.
-  const double fit = std::clamp(8 * (e.inlier_fraction - 0.88), -1.2, 0.6);
-  const double few_pairs = std::min(0.0, std::log10((e.pairs + 1) / 4));
-  // Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart.
-  // It costs at most 0.27 for each 33 m: with one alias, an overlap of half the length still passes when all else is
-  // good.
-  const double asked_m = asked_overlap_m(e);
-  const double most = 0.27 * asked_m / asked_each_m;
-  const double short_overlap = asked_m > 0 ? std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1)) : 0;
-  const double tiny_overlap = std::min(0.0, e.overlap_m / 8 - 1);
-  // In a drift that hardly holds the walls fit anywhere: what faces along it has to meet (in the recordings wrong
-  // placements match 0.01 to 0.07, right ones 0.2 and more), and a contradiction counts twice.
-  const bool hardly_held = e.weakest_hold < held_well;
-  const double unmet = hardly_held ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0;
-  // Places along a hundred metres that all agree, where the walls hold, are no chance. (Without this the campus
-  // drives waited at one of 24 turns, with 0.889.)
-  const bool all_agree = e.places_agreeing >= e.places && !hardly_held;
-  const double long_overlap = all_agree ? 0.5 * std::clamp(e.overlap_m / 60 - 1, 0.0, 1.0) : 0;
-  // The descriptors along the whole shared path; ten keyframes say it all, for neighbours say the same.
-  const double unlike = std::min(10.0, e.descriptors_compared) * std::min(0.0, e.descriptors_alike - asked_alike(e));
-  const double z = 6 + 6 * unlike + 6 * unmet - (hardly_held ? 12 : 6) * contradiction - 12 * misfit -
-                   12 * (1 - e.places_agreeing / std::max(1.0, e.places)) + 4 * few_pairs + fit + 12 * short_overlap +
-                   6 * tiny_overlap + long_overlap;
+  const double z = log_odds(e).sum();
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
   if (status != RegistrationStatus::converged) return 0.4 * p;

@@ -21,7 +21,10 @@ struct JudgeConfig {
   double place_drift_rad = 0.07;
   double held_by_nothing = 0.009;  // weakest hold of a bare drift: 0.007 is the noise of its scan lines
   double slide_m = 3;              // ... so far each way the drift is searched for where its ends meet
-  double hopeless_inliers = 0.2;   // at the first place: not looked at any closer
+  double far_m = 18;    // ... and last, where neither robot came near the other's path, such as look into one hall
+  double apart_m = 30;  // no hypothesis is looked at where the keyframes would stand farther apart
+  std::size_t screened_fully = 14;  // hypotheses that go on to a full registration after the cheap one of all
+  double hopeless_inliers = 0.15;   // at the first place: not looked at any closer
   double hopeless_violation = 0.08;
   PlaceConfig place;
   int threads = 1;
@@ -66,6 +69,10 @@ std::vector<Stand> near_other(std::span<const Stand> a, std::span<const Stand> b
 /// Evidence::pairs and overlap_m.
 void measure_overlap(Evidence& evidence, std::span<const Stand> a, std::span<const Stand> b, const Pose& T_a_b,
                      const JudgeConfig& config);
+
+/// Share of b's points that match (Matched::cautious) after a short, coarse registration from T_a_b_0, which becomes
+/// where that ended; 0 when it went astray. A tenth of the work of a glance, to tell which of many are worth one. Pure.
+double screen(const Place& a, const Place& b, Pose& T_a_b_0);
 
 /// Pure, thread safe.
 Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_a_b_0, const JudgeConfig& config);

@@ -10,23 +10,26 @@
 #include "common/descriptor/family.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/pipeline_run.hpp"
+#include "tests/bench/verdict_rows.hpp"
 
 namespace headframe::bench {
 namespace {
 
-constexpr double right_m = 4, right_deg = 15;    // within the reach of a registration
-constexpr double merged_m = 1, merged_deg = 3;   // of a merge, near the overlap
-constexpr double apart_m = 10;                   // trajectories that never come nearer do not overlap
+constexpr double right_m = 4, right_deg = 15;   // within the reach of a registration
+constexpr double merged_m = 1, merged_deg = 3;  // of a merge, near the overlap
+constexpr double apart_m = 10;                  // trajectories that never come nearer do not overlap
 
 struct PairRow {
   std::string set, world, a, b;
   double overlap_pct = 0, nearest_m = 0;
   int rank = -1;  // of the right proposal, from 0; -1: none
+  ProposalSource source = ProposalSource::walls;
   int proposals = 0;
   bool screened = false;
   Judgement oracle;
   bool merged = false, right = false;
   double te_m = -1, ms = 0;
+  StageTimes times;
   std::optional<Evidence> found;  // of the alignment that was recorded, with its error
   double found_te_m = -1;
 };
@@ -64,15 +67,18 @@ class PairStudy {
     near_m_ = std::max(8.0, row_.nearest_m + 4);
   }
 
-  PairRow run() {
+  PairRow run(VerdictRows& rows) {
     PipelineRun run;
     run.add(a_);
     run.add(b_);
-    row_.ms = wall_ms([&] { run.attempt(2); });
+    row_.ms = wall_ms([&] { row_.times = run.attempt(2); });
     for (const PairTrace& trace : run.traces) {
       row_.proposals = std::max(row_.proposals, static_cast<int>(trace.proposed.size()));
       for (std::size_t i = 0; i < trace.proposed.size(); ++i)
-        if (row_.rank < 0 && near(trace.proposed[i], right_m, right_deg)) row_.rank = static_cast<int>(i);
+        if (row_.rank < 0 && near(trace.proposed[i].T_a_b, right_m, right_deg)) {
+          row_.rank = static_cast<int>(i);
+          row_.source = trace.proposed[i].source;
+        }
       for (const Pose& T : trace.screened) row_.screened = row_.screened || near(T, 1.5, 4);
     }
     for (const Alignment& k : run.pipeline.alignments()) {
@@ -82,7 +88,10 @@ class PairStudy {
       row_.right = row_.merged && near(k.T_a_b, merged_m, merged_deg);
       row_.te_m = row_.merged ? row_.found_te_m : -1;
     }
-    if (overlaps()) row_.oracle = run.judge(1, 2, true_placement(a_.path, b_.path, near_m_));
+    rows.add(run);
+    if (!overlaps()) return row_;
+    row_.oracle = run.judge(1, 2, true_placement(a_.path, b_.path, near_m_));
+    rows.add_oracle(a_, b_, row_.oracle);
     return row_;
   }
 
@@ -127,8 +136,8 @@ struct Counts {
             {"oracle", oracle}, {"oracle_lost", oracle_lost}, {"merged", merged},     {"wrong", wrong}};
   }
   void print(const std::string& name) const {
-    std::printf("  %-24s %5d %6d %8d %8d %6d %6d %6d %6d\n", name.c_str(), pairs, degenerate, proposed, screened, oracle,
-                oracle_lost, merged, wrong);
+    std::printf("  %-24s %5d %6d %8d %8d %6d %6d %6d %6d\n", name.c_str(), pairs, degenerate, proposed, screened,
+                oracle, oracle_lost, merged, wrong);
   }
 };
 
@@ -152,7 +161,8 @@ std::vector<std::filesystem::path> sets_below(const std::vector<std::filesystem:
 
 void write_csv(const std::vector<PairRow>& rows, const std::filesystem::path& file) {
   std::ofstream csv(file);
-  csv << "set,a,b,overlap_pct,nearest_m,bin,rank,proposals,screened,oracle_p,oracle_status,merged,right,te_m,ms,found_p,"
+  csv << "set,a,b,overlap_pct,nearest_m,bin,source,rank,proposals,screened,oracle_p,oracle_status,merged,right,te_m,ms,"
+         "found_p,"
          "found_te_m";
   for (const auto& field : evidence_fields()) csv << ",oracle_" << field.name;
   for (const auto& field : evidence_fields()) csv << ",found_" << field.name;
@@ -160,9 +170,9 @@ void write_csv(const std::vector<PairRow>& rows, const std::filesystem::path& fi
   for (const PairRow& r : rows) {
     const Evidence found = r.found.value_or(Evidence{});
     csv << r.set << ',' << r.a << ',' << r.b << ',' << r.overlap_pct << ',' << r.nearest_m << ',' << bin_of(r) << ','
-        << r.rank << ',' << r.proposals << ',' << r.screened << ',' << r.oracle.evidence.probability << ','
-        << to_string(r.oracle.status) << ',' << r.merged << ',' << r.right << ',' << r.te_m << ',' << r.ms << ','
-        << found.probability << ',' << r.found_te_m;
+        << static_cast<int>(r.source) << ',' << r.rank << ',' << r.proposals << ',' << r.screened << ','
+        << r.oracle.evidence.probability << ',' << to_string(r.oracle.status) << ',' << r.merged << ',' << r.right
+        << ',' << r.te_m << ',' << r.ms << ',' << found.probability << ',' << r.found_te_m;
     for (const auto& field : evidence_fields()) csv << ',' << r.oracle.evidence.*field.member;
     for (const auto& field : evidence_fields()) csv << ',' << found.*field.member;
     csv << "\n";
@@ -171,22 +181,28 @@ void write_csv(const std::vector<PairRow>& rows, const std::filesystem::path& fi
 
 void print_lost(const PairRow& r) {
   const Evidence& o = r.oracle.evidence;
-  std::printf("    %-16s %-11s %4.1f %% near %4.1f m: rank %d of %d, screened %d, oracle %s p %.3f (%.0f/%.0f places, worst %.4f, misfit %.3f, inliers %.2f, alike %.2f, shared %.0f m, aliases %.0f), found p %.3f %.2f m%s\n",
-              r.set.c_str(), bin_of(r), r.overlap_pct, r.nearest_m, r.rank, r.proposals, r.screened,
-              std::string(to_string(r.oracle.status)).c_str(), o.probability, o.places_agreeing, o.places,
-              o.worst_place_violation, o.residual_m, o.inlier_fraction, o.descriptors_alike, o.overlap_m, o.aliases,
-              r.found ? r.found->probability : -1, r.found_te_m, r.merged && !r.right ? "  WRONG" : "");
+  std::printf(
+      "    %-16s %-11s %4.1f %% near %4.1f m: rank %d of %d (source %d), screened %d, oracle %s p %.3f (%.0f/%.0f "
+      "places, worst %.4f, misfit %.3f, inliers %.2f, alike %.2f, shared %.0f m, aliases %.0f), found p %.3f %.2f "
+      "m%s\n",
+      r.set.c_str(), bin_of(r), r.overlap_pct, r.nearest_m, r.rank, r.proposals, static_cast<int>(r.source), r.screened,
+      std::string(to_string(r.oracle.status)).c_str(), o.probability, o.places_agreeing, o.places,
+      o.worst_place_violation, o.residual_m, o.inlier_fraction, o.descriptors_alike, o.overlap_m, o.aliases,
+      r.found ? r.found->probability : -1, r.found_te_m, r.merged && !r.right ? "  WRONG" : "");
 }
 
 nlohmann::json summed_up(const std::vector<PairRow>& rows) {
   nlohmann::json out;
   std::map<std::string, Counts> by_bin, by_world;
-  std::vector<double> ms;
+  std::vector<double> ms, hypotheses_ms, registration_ms, verification_ms;
   int wrong = 0;
   for (const PairRow& r : rows) {
     by_bin[bin_of(r)].add(r);
     by_world[r.world + " " + bin_of(r)].add(r);
     ms.push_back(r.ms);
+    hypotheses_ms.push_back(r.times.hypotheses_ms);
+    registration_ms.push_back(r.times.registration_ms);
+    verification_ms.push_back(r.times.verification_ms);
     wrong += r.merged && !r.right;
   }
   std::printf("stages: %zu pairs of sessions\n  %-24s %5s %6s %8s %8s %6s %6s %6s %6s\n", rows.size(), "", "pairs",
@@ -202,7 +218,10 @@ nlohmann::json summed_up(const std::vector<PairRow>& rows) {
   out["false"] = wrong;
   out["attempt_p50_ms"] = quantile(ms, 0.5);
   out["attempt_p95_ms"] = quantile(ms, 0.95);
-  std::printf("  wrong %d; attempt p50 %.0f ms, p95 %.0f ms\n", wrong, quantile(ms, 0.5), quantile(ms, 0.95));
+  std::printf(
+      "  wrong %d; attempt p50 %.0f ms, p95 %.0f ms; of it proposals %.0f, screening %.0f, verification %.0f ms\n",
+      wrong, quantile(ms, 0.5), quantile(ms, 0.95), quantile(hypotheses_ms, 0.5), quantile(registration_ms, 0.5),
+      quantile(verification_ms, 0.5));
   return out;
 }
 
@@ -212,6 +231,7 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
   const auto sets = sets_below(folders);
   const auto family = make_family(default_family_name).value();
   std::vector<PairRow> rows;
+  VerdictRows evidence(out / "verdict_sets.csv");
   for (const auto& set : sets) {
     std::ifstream in(set / "truth.json");
     const auto truth = nlohmann::json::parse(in);
@@ -219,9 +239,11 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
     for (const auto& [robot, unused] : truth.at("robots").items())
       sessions.emplace(robot, read_driven_session(set, robot, *family));
     for (const auto& pair : truth.at("pairs")) {
-      rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), pair).run());
-      if (!rows.back().right && rows.back().overlap_pct >= 1) print_lost(rows.back());
-      else if (rows.back().merged && !rows.back().right) print_lost(rows.back());
+      rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), pair).run(evidence));
+      if (!rows.back().right && rows.back().overlap_pct >= 1)
+        print_lost(rows.back());
+      else if (rows.back().merged && !rows.back().right)
+        print_lost(rows.back());
     }
     std::fprintf(stderr, "\r%zu of %zu data sets", static_cast<std::size_t>(&set - sets.data()) + 1, sets.size());
   }

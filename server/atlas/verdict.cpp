@@ -1,0 +1,65 @@
+#include "server/atlas/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "server/atlas/verdict_weights.hpp"
+
+namespace headframe {
+namespace {
+
+bool hardly_held(const Evidence& e) { return e.weakest_hold < held_well; }
+
+/// Where the mine repeats itself, exact copies pass every local test: only a longer overlap tells them apart. It costs
+/// at most 3.2 for each 33 m: with one alias, an overlap of half the length still passes when all else is good.
+double missing_overlap(const Evidence& e) {
+  const double asked_m = asked_overlap_m(e);
+  if (asked_m <= 0) return 0;
+  const double most = 0.27 * asked_m / asked_each_m;
+  return 12 * std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1));
+}
+
+/// Places along a hundred metres that all agree, where the walls hold, are no chance.
+double long_overlap(const Evidence& e) {
+  const bool all_agree = e.places_agreeing >= e.places && !hardly_held(e);
+  return all_agree ? 0.5 * std::clamp(e.overlap_m / 60 - 1, 0.0, 1.0) : 0;
+}
+
+}  // namespace
+
+std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& e) {
+  // Each is 0 where nothing speaks against the placement, on a scale on which right ones of many worlds lie close.
+  const double n = e.descriptors_compared;
+  const double least_alike = asked_alike(e);
+  return {{
+      {"free space contradicts", -std::log10((e.freespace_violation + 1e-3) / 1e-3)},
+      {"one place contradicts", -std::log10((e.worst_place_violation + 2e-3) / 2e-3)},
+      {"surfaces lie apart", -std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4)},
+      {"surfaces lie far apart", -std::max(0.0, std::log10((e.residual_m + 0.01) / 0.075))},
+      {"points match", std::clamp(e.matched_share, 0.4, 0.95) - 0.8},
+      {"places disagree", -(1 - e.places_agreeing / std::max(1.0, e.places))},
+      {"few keyframes meet", std::min(0.0, std::log10((e.pairs + 1) / 4))},
+      {"nothing holds it along the tunnel", hardly_held(e) ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0},
+      {"descriptors differ", std::min(10.0, n) * std::min(0.0, e.descriptors_alike - least_alike)},
+      {"descriptors agree", n / (n + 3) * std::max(0.0, e.descriptors_alike - 0.6)},
+  }};
+}
+
+LogOdds log_odds(const Evidence& e) {
+  LogOdds out;
+  out.bias = verdict_bias;
+  const auto terms = verdict_terms(e);
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    out.contributions[i] = {terms[i].name, verdict_weights[i] * terms[i].value};
+  out.contributions[verdict_term_count] = {"overlap is short for a mine that repeats itself", missing_overlap(e)};
+  out.contributions[verdict_term_count + 1] = {"long overlap agrees", long_overlap(e)};
+  return out;
+}
+
+double LogOdds::sum() const {
+  return std::accumulate(contributions.begin(), contributions.end(), bias,
+                         [](double sum, const VerdictTerm& t) { return sum + t.value; });
+}
+
+}  // namespace headframe

@@ -1,0 +1,30 @@
+#pragma once
+// From evidence to a probability: terms whose weights were fitted on labelled placements (`./run fit`), and what is set
+// by hand because no fit can know it: how much overlap a mine that repeats itself is asked for.
+
+#include <array>
+#include <string_view>
+
+#include "server/atlas/alignment.hpp"
+
+namespace headframe {
+
+/// One thing that speaks for a placement or against it, in units of its own. More is better for the placement, and its
+/// weight is never negative.
+struct VerdictTerm {
+  std::string_view name;
+  double value = 0;
+};
+inline constexpr std::size_t verdict_term_count = 10;
+std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& evidence);
+
+/// What each term adds to the log-odds, as named by verdict_terms(), and what was set by hand: the overlap that is
+/// missing where the mine repeats itself, and a long overlap whose places all agree.
+struct LogOdds {
+  double bias = 0;
+  std::array<VerdictTerm, verdict_term_count + 2> contributions;
+  double sum() const;
+};
+LogOdds log_odds(const Evidence& evidence);
+
+}  // namespace headframe

@@ -1,0 +1,208 @@
+#include "server/place/leads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/descriptor/circular.hpp"
+#include "common/geometry/se3.hpp"
+#include "server/registration/parallel.hpp"
+
+namespace headframe {
+namespace {
+
+using Leads = std::vector<Lead>;
+
+constexpr std::size_t laid_whole = 5;     // pieces: 360 m of path
+constexpr std::size_t pairs_tried = 128;  // matched pairs of keyframes, the rarest and nearest first
+constexpr std::size_t spare = 2;          // times the seats are refined to half a cell
+constexpr double place_radius_m = 25;
+constexpr double same_m = 4, same_rad = 0.26;  // 15 deg
+
+Eigen::Vector3d place(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
+
+/// Squared: of two that fit the walls, the descriptors' agreement is the better judge.
+double by_promise(const Lead& lead) { return lead.promise; }
+double by_coherence(const Lead& lead) { return lead.fit.strict(); }
+
+WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0}; }
+
+Eigen::Vector3d middle_of(const Lead& lead) { return {lead.fit.middle.x(), lead.fit.middle.y(), 0}; }
+
+/// The part of b's level that bears the placement best.
+Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match) {
+  Lead best{&a, nullptr, match, {}};
+  double most = std::numeric_limits<double>::lowest();
+  for (const auto& part : b.parts)
+    if (const double s = a.field.fit(part.map, match).score(); s > most) {
+      best.part = &part;
+      most = s;
+    }
+  return best;
+}
+
+/// What the descriptors propose may fit the walls nowhere near: then it stays, instead of going where none are.
+void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agreement, int threads) {
+  for_blocks(leads.size(), 4, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Lead& lead = leads[i];
+      const WallMatch refined = lead.a->field.refine(lead.part->map, lead.match, step, lead.around);
+      if (refined.score > 0) lead.match = refined;
+      lead.fit = lead.a->field.fit(lead.part->map, lead.match, lead.around);
+      const Agreement alike = agreement.at(flat_placement(lead.match), Heights::any);
+      lead.promise = std::max(0.0, lead.fit.score()) * alike.cautious() * alike.cautious();
+    }
+  });
+}
+
+/// The best of those that differ, best first.
+template <class Rank>
+Leads best_of(const Leads& leads, std::size_t most, Rank&& rank) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < leads.size(); ++i) order.emplace_back(-rank(leads[i]), i);
+  std::sort(order.begin(), order.end());
+  Leads kept;
+  for (const auto& [worth, i] : order) {
+    if (kept.size() == most) break;
+    const Lead& lead = leads[i];
+    const Pose T = flat_placement(lead.match);
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Lead& k) {
+      return k.a == lead.a && same_placement(flat_placement(k.match), T, middle_of(lead));
+    });
+    if (!known) kept.push_back(lead);
+  }
+  return kept;
+}
+
+Leads search(const SessionWalls& a, const SessionWalls& b, std::size_t most, int threads) {
+  Leads found;
+  for (const auto& level_a : a.levels)
+    for (const auto& level_b : b.levels) {
+      if (level_b.parts.size() <= laid_whole) {
+        for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, most, threads))
+          found.push_back(best_part(level_a, level_b, m));
+        continue;
+      }
+      // Over hundreds of metres half a step of a turn, and drift, put a right placement's ends off the walls.
+      for (const auto& part : level_b.parts)
+        for (const WallMatch& m :
+             search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), threads))
+          found.push_back({&level_a, &part, m, {}});
+    }
+  std::erase_if(found, [](const Lead& l) { return l.part == nullptr; });
+  return found;
+}
+
+/// Matched pairs of keyframes that say most: near in the descriptors, and not near to everything.
+std::vector<MatchedPair> rarest(std::vector<MatchedPair> matches, std::size_t keyframes_a) {
+  std::vector<float> popular(keyframes_a, 0);
+  for (const MatchedPair& m : matches) ++popular[m.a];
+  std::stable_sort(matches.begin(), matches.end(), [&](const auto& m, const auto& n) {
+    return m.squared_distance * popular[m.a] < n.squared_distance * popular[n.a];
+  });
+  if (matches.size() > pairs_tried) matches.resize(pairs_tried);
+  return matches;
+}
+
+const SessionWalls::Level* level_with(const SessionWalls& walls, std::size_t keyframe) {
+  for (const auto& level : walls.levels)
+    if (keyframe >= level.piece.begin && keyframe < level.piece.end) return &level;
+  return nullptr;
+}
+
+const SessionWalls::Part* part_with(const SessionWalls& walls, std::size_t keyframe) {
+  const auto* level = level_with(walls, keyframe);
+  if (!level) return nullptr;
+  const auto found =
+      std::find_if(level->parts.begin(), level->parts.end(), [&](const auto& p) { return keyframe < p.piece.end; });
+  return found == level->parts.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Pose flat_placement(const WallMatch& m) { return pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), 0}); }
+
+bool same_placement(const Pose& T, const Pose& U, const Eigen::Vector3d& at) {
+  return (T * at - U * at).norm() < same_m && std::abs(wrap_rad(yaw_rad(T) - yaw_rad(U))) < same_rad;
+}
+
+std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws) {
+  std::vector<Pose> out;
+  for (const YawScore& yaw : correlate_circular(a.descriptor.w, b.descriptor.w, most_yaws))
+    out.push_back(levelled(a.T_local_sensor) * pose_from_yaw(yaw.yaw_rad, Eigen::Vector3d::Zero()) *
+                  levelled(b.T_local_sensor).inverse());
+  return out;
+}
+
+std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const DescriptorAgreement& agreement,
+                             const LeadSeats& seats, int threads) {
+  Leads found = search(a, b, seats.coarse_matches, threads);
+  refine(found, WallField::Step::coarse, agreement, threads);
+  Leads coherent = best_of(found, spare * seats.coherent, by_coherence),
+        likely = best_of(found, spare * seats.walls, by_promise);
+  refine(coherent, WallField::Step::fine, agreement, threads);
+  refine(likely, WallField::Step::fine, agreement, threads);
+  for (Lead& lead : coherent) lead.source = ProposalSource::coherent_walls;
+  Leads out = best_of(likely, seats.walls, by_promise);
+  for (Lead& lead : best_of(coherent, seats.coherent, by_coherence)) out.push_back(lead);
+  return out;
+}
+
+std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_a,
+                              std::span<const Keyframe> of_b, const std::vector<MatchedPair>& matches,
+                              const DescriptorAgreement& agreement, const LeadSeats& seats, int threads) {
+  Leads found;
+  for (const MatchedPair& m : rarest(matches, of_a.size())) {
+    const auto* level = level_with(a, m.a);
+    const auto* part = part_with(b, m.b);
+    if (!level || !part) continue;
+    for (const Pose& T : initial_transforms(of_a[m.a], of_b[m.b], 2))
+      found.push_back({level,
+                       part,
+                       flat(T),
+                       {},
+                       ProposalSource::places,
+                       0,
+                       Surroundings{place(of_b[m.b]).head<2>(), place_radius_m}});
+  }
+  refine(found, WallField::Step::coarse, agreement, threads);
+  Leads best = best_of(found, spare * seats.places, by_coherence);
+  refine(best, WallField::Step::fine, agreement, threads);
+  return best_of(best, seats.places, by_coherence);
+}
+
+std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_a,
+                             std::span<const Keyframe> of_b, const std::vector<MatchedPair>& matches,
+                             const DescriptorAgreement& agreement, const LeadSeats& seats, int threads) {
+  struct Candidate {
+    Pose T;
+    Eigen::Vector3d at;
+    double support = 0;
+  };
+  std::vector<Candidate> candidates;
+  for (const MatchedPair& m : rarest(matches, of_a.size()))
+    for (const Pose& T : initial_transforms(of_a[m.a], of_b[m.b], 2)) candidates.push_back({T, place(of_b[m.b])});
+  for_blocks(candidates.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
+    candidates[i].support = agreement.at(candidates[i].T).support();
+  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& c, const Candidate& d) { return c.support > d.support; });
+  std::vector<Pose> chosen;
+  for (const Candidate& c : candidates)
+    if (chosen.size() < seats.votes &&
+        std::none_of(chosen.begin(), chosen.end(), [&](const Pose& T) { return same_placement(T, c.T, c.at); }))
+      chosen.push_back(c.T);
+  Leads out;
+  for (const Pose& T : chosen)
+    for (const auto& level_a : a.levels)
+      for (const auto& level_b : b.levels) {
+        Lead lead = best_part(level_a, level_b, flat(T));
+        lead.source = ProposalSource::votes;
+        if (lead.part) out.push_back(lead);
+      }
+  refine(out, WallField::Step::coarse, agreement, threads);
+  refine(out, WallField::Step::fine, agreement, threads);
+  return out;
+}
+
+}  // namespace headframe

@@ -1,0 +1,84 @@
+#!/usr/bin/python3
+"""Fits the weights of the verdict's terms (server/atlas/verdict.cpp) on labelled placements.
+
+usage: fit_verdict.py OUT.hpp ROWS.csv [ROWS.csv ...]     rows: as ./run bench stages and ./run bench merges write them
+Logistic regression with weights that are never negative and a weak pull towards 0, on placements that converged. Wrong
+placements that nothing contradicts (exact copies) are left out: no term can tell them from right ones, and what holds
+them back is set by hand. Prints, with one kind of world left out at a time, how many right placements reach 0.9, how
+many wrong ones do, the log loss and the expected calibration error. Needs numpy.
+"""
+import csv
+import datetime
+import os
+import sys
+
+import numpy as np
+
+ACCEPTED = 0.9
+PULL = 0.3  # of the squared weights, in units of the terms' spread
+
+
+def load(files):
+    rows = []
+    for name in files:
+        with open(name) as f:
+            rows += [r for r in csv.DictReader(f) if r["status"] == "converged" and float(r["tilt_deg"]) < 3]
+    return rows
+
+
+def exact_copy(row):
+    return row["right"] == "0" and float(row["freespace_violation"]) < 1e-3 and float(row["worst_place_violation"]) < 3e-3
+
+
+def fit(X, y, steps=4000):
+    spread = np.abs(X).std(0) + 1e-6
+    A = np.c_[X / spread, np.ones(len(X))]
+    b, m, v = (np.zeros(A.shape[1]) for _ in range(3))
+    for t in range(1, steps + 1):  # Adam, with the weights kept from going below 0
+        g = A.T @ (1 / (1 + np.exp(-A @ b)) - y)
+        g[:-1] += PULL * b[:-1]
+        g /= len(y)
+        m, v = 0.9 * m + 0.1 * g, 0.999 * v + 0.001 * g * g
+        b -= 0.02 * (m / (1 - 0.9**t)) / (np.sqrt(v / (1 - 0.999**t)) + 1e-8)
+        b[:-1] = np.maximum(0, b[:-1])
+    return np.r_[b[:-1] / spread, b[-1]]
+
+
+def main(out, files):
+    rows = [r for r in load(files) if not exact_copy(r)]
+    terms = [k for k in rows[0] if k.startswith("term: ")]
+    X = np.array([[float(r[t]) for t in terms] for r in rows])
+    y = np.array([float(r["right"]) for r in rows])
+    kinds = np.array([r["kind"] for r in rows])
+    left_out = np.zeros(len(y))
+    print("%-18s %6s %8s %6s %8s" % ("kind left out", "right", ">= 0.9", "wrong", ">= 0.9"))
+    for kind in sorted(set(kinds)):
+        here = kinds == kind
+        c = fit(X[~here], y[~here])
+        p = left_out[here] = 1 / (1 + np.exp(-(X[here] @ c[:-1] + c[-1])))
+        right = y[here] == 1
+        print("%-18s %6d %8d %6d %8d" % (kind, right.sum(), (p[right] >= ACCEPTED).sum(), (~right).sum(), (p[~right] >= ACCEPTED).sum()))
+    p = np.clip(left_out, 1e-9, 1 - 1e-9)
+    bins = np.minimum((10 * p).astype(int), 9)
+    ece = sum(abs(p[bins == b].mean() - y[bins == b].mean()) * (bins == b).mean() for b in set(bins))
+    print("log loss %.3f, expected calibration error %.3f" % (-(y * np.log(p) + (1 - y) * np.log(1 - p)).mean(), ece))
+    c = fit(X, y)
+    for t, w in zip(terms, c):
+        print("%8.2f  %s" % (w, t[6:]))
+    print("%8.2f  bias" % c[-1])
+    mines = len({r["mine"] for r in rows})
+    with open(out, "w") as f:
+        f.write("#pragma once\n// Made by tests/bench/fit_verdict.py on %s from %d right and %d wrong placements in %d mines of %d kinds.\n\n"
+                % (datetime.date.today(), y.sum(), len(y) - y.sum(), mines, len(set(kinds))))
+        f.write("#include <array>\n\nnamespace headframe {\n\ninline constexpr double verdict_bias = %.3f;\n" % c[-1])
+        f.write("inline constexpr std::array<double, %d> verdict_weights{%s};\n\n}  // namespace headframe\n"
+                % (len(terms), ", ".join("%.3f" % w for w in c[:-1])))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    for name in sys.argv[2:]:
+        if not os.path.exists(name):
+            sys.exit("fit_verdict.py: no such file: " + name)
+    main(sys.argv[1], sys.argv[2:])
