@@ -20,6 +20,10 @@ double missing_overlap(const Evidence& e) {
   return 12 * std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1));
 }
 
+/// By hand: what was fitted on has too few copies of a single tile, and a short overlap is likelier to be one. 8 m cost
+/// two thirds.
+double little_overlap(const Evidence& e) { return 2 * std::min(0.0, e.overlap_m / 12 - 1); }
+
 /// Places along a hundred metres that all agree, where the walls hold, are no chance.
 double long_overlap(const Evidence& e) {
   const bool all_agree = e.places_agreeing >= e.places && !hardly_held(e);
@@ -37,9 +41,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& e) {
       {"one place contradicts", -std::log10((e.worst_place_violation + 2e-3) / 2e-3)},
       {"surfaces lie apart", -std::max(-0.1, std::log10(e.residual_m + 0.01) + 1.4)},
       {"surfaces lie far apart", -std::max(0.0, std::log10((e.residual_m + 0.01) / 0.075))},
-      {"points match", std::clamp(e.matched_share, 0.4, 0.95) - 0.8},
       {"places disagree", -(1 - e.places_agreeing / std::max(1.0, e.places))},
-      {"few keyframes meet", std::min(0.0, std::log10((e.pairs + 1) / 4))},
       {"nothing holds it along the tunnel", hardly_held(e) ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0},
       {"descriptors differ", std::min(10.0, n) * std::min(0.0, e.descriptors_alike - least_alike)},
       {"descriptors agree", n / (n + 3) * std::max(0.0, e.descriptors_alike - 0.6)},
@@ -53,7 +55,8 @@ LogOdds log_odds(const Evidence& e) {
   for (std::size_t i = 0; i < terms.size(); ++i)
     out.contributions[i] = {terms[i].name, verdict_weights[i] * terms[i].value};
   out.contributions[verdict_term_count] = {"overlap is short for a mine that repeats itself", missing_overlap(e)};
-  out.contributions[verdict_term_count + 1] = {"long overlap agrees", long_overlap(e)};
+  out.contributions[verdict_term_count + 1] = {"little path is shared", little_overlap(e)};
+  out.contributions[verdict_term_count + 2] = {"long overlap agrees", long_overlap(e)};
   return out;
 }
 

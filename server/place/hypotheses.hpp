@@ -46,7 +46,7 @@ struct Found {
 class HypothesisFinder {
  public:
   struct Config {
-    LeadSeats seats;
+    LeadSeats seats = {};
     double news_m = 15;
     std::size_t walls_bytes = 64000000;  // drawn walls that are kept: the least recently used go first
     int threads = 1;

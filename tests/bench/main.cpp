@@ -60,7 +60,7 @@ nlohmann::json campaign(const Options& options, Clouds clouds, const char* pictu
 
 nlohmann::json merges(const Options& options) {
   nlohmann::json figures;
-  figures["recordings"] = recordings_crossed(options.recordings);
+  figures["recordings"] = recordings_crossed(options.recordings, options.out);
   figures["merges"] = campaign(options, Clouds::at_once, "merges");
   figures["merge"] = merge_times();
   return figures;
@@ -95,7 +95,7 @@ int run(const Options& options) {
   // Minutes: only when asked for.
   part("merges", false, [&] { return merges(options); });
   part("merges-on-request", false, [&] { return campaign(options, Clouds::on_request, "merges-on-request"); });
-  part("recordings", false, [&] { return recordings_crossed(options.recordings); });
+  part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
   part("stages", false, [&] { return stages(options.sets, options.out); });
   part("basin", false, [&] { return basin(options.out); });

@@ -15,7 +15,7 @@ nlohmann::json campaign(int mines, Clouds clouds, const std::filesystem::path& p
 
 /// All pairs of the recordings, within and across their sets, with the evidence: as they are, with every frame turned,
 /// and with 5 % of the keyframes noise besides. Null, and a line that says so, where there are none.
-nlohmann::json recordings_crossed(const std::filesystem::path& recordings);
+nlohmann::json recordings_crossed(const std::filesystem::path& recordings, const std::filesystem::path& out_folder);
 
 /// From the trigger to the published transform, by stage; two sessions of 300 keyframes, then with others in the
 /// database.

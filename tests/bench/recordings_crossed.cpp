@@ -3,6 +3,7 @@
 
 #include "tests/bench/merges.hpp"
 #include "tests/bench/pipeline_run.hpp"
+#include "tests/bench/verdict_rows.hpp"
 #include "tests/mine/random.hpp"
 
 namespace headframe::bench {
@@ -62,11 +63,12 @@ void spoil(DrivenSession& session, mine::Rng rng) {
   }
 }
 
-nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* how) {
+nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* how, VerdictRows& rows) {
   PipelineRun run;
   for (const DrivenSession& s : sessions) run.add(s);
   const auto count = static_cast<SessionId>(sessions.size());
   for (SessionId id = 1; id <= count; ++id) run.attempt(id);
+  rows.add(run);
   std::printf(
       "recordings %s, all pairs of %zu sessions: state, p, runner-up, violations, misfit, shared path, aliases, "
       "descriptors, error\n",
@@ -94,18 +96,19 @@ nlohmann::json judged(const std::vector<DrivenSession>& sessions, const char* ho
 
 }  // namespace
 
-nlohmann::json recordings_crossed(const std::filesystem::path& recordings) {
+nlohmann::json recordings_crossed(const std::filesystem::path& recordings, const std::filesystem::path& out_folder) {
   auto sessions = read_sessions(recordings);
   if (sessions.empty()) {
     std::fprintf(stderr, "headframe-bench: no recordings in %s; name the folder that holds them\n", recordings.c_str());
     return nullptr;
   }
-  nlohmann::json out = judged(sessions, "as they are");
+  VerdictRows rows(out_folder / "verdict_recordings.csv");
+  nlohmann::json out = judged(sessions, "as they are", rows);
   mine::Rng rng(1);
   for (DrivenSession& s : sessions) turn(s, rng.uniform(-std::numbers::pi, std::numbers::pi));
-  out["turned"] = judged(sessions, "with each frame turned");
+  out["turned"] = judged(sessions, "with each frame turned", rows);
   for (DrivenSession& s : sessions) spoil(s, rng.fork(s.keyframes.size()));
-  out["turned_and_spoiled"] = judged(sessions, "turned, and 5 % of the keyframes noise");
+  out["turned_and_spoiled"] = judged(sessions, "turned, and 5 % of the keyframes noise", rows);
   return out;
 }
 
