@@ -23,7 +23,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   for (const SessionId other : s.partners(id)) s.merge_pair(s.laid(id, other), clouds, report);
   s.look_at_contacts(clouds, report);  // what the others say of it, where their maps come to lie on each other
   s.update_atlas(report);              // 9: maps merge one after another
-  return report;
+  return s.given_out(std::move(report));
 }
 
 void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report) {
@@ -193,6 +193,7 @@ MergePipeline::~MergePipeline() = default;
 void MergePipeline::add_session(SessionId id, const FamilyId& family) { state_->sessions[id].family = family; }
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
+  keyframe = state_->frames.taken_in(id, std::move(keyframe));
   state_->index_keyframe(id, keyframe);
   state_->sessions[id].add(std::move(keyframe));
 }
@@ -228,7 +229,7 @@ Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
   state_->judged_on.erase({alignment.a, alignment.b});
   report.changed.push_back(alignment);
   state_->update_atlas(report);
-  return report;
+  return state_->given_out(std::move(report));
 }
 
 Result<AttemptReport> MergePipeline::anchor(SessionId id) {
@@ -240,21 +241,21 @@ Result<AttemptReport> MergePipeline::anchor(SessionId id) {
   anchors.push_back(id);
   report.anchored = id;
   state_->update_atlas(report);
-  return report;
+  return state_->given_out(std::move(report));
 }
 
 void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision,
                             std::vector<DecisionRecord> decisions, std::vector<SessionId> anchors) {
   state_->anchors = std::move(anchors);
-  state_->alignments = std::move(alignments);
-  state_->decisions.restore(std::move(decisions));
+  state_->take_back(std::move(alignments), std::move(decisions));
   for (Alignment& alignment : state_->alignments) alignment.ruling = state_->decisions.ruling(alignment);
   AttemptReport ignored;
   state_->update_atlas(ignored);
   state_->atlas.revision = revision;
+  state_->given_out({});
 }
 
-const Atlas& MergePipeline::atlas() const { return state_->atlas; }
-const std::vector<Alignment>& MergePipeline::alignments() const { return state_->alignments; }
+const Atlas& MergePipeline::atlas() const { return state_->atlas_given_out; }
+const std::vector<Alignment>& MergePipeline::alignments() const { return state_->alignments_given_out; }
 
 }  // namespace headframe

@@ -1,5 +1,6 @@
 // A session as it grows, and which of two is laid on the other.
 
+#include <algorithm>
 #include <bit>
 #include <tuple>
 
@@ -43,6 +44,30 @@ void Session::set_aside_odd() {
 Laid MergePipeline::State::laid(SessionId one, SessionId other) const {
   const auto rank = [&](SessionId id) { return std::tuple(sessions.at(id).path_m(), sessions.at(id).mark, id); };
   return rank(one) < rank(other) ? Laid{one, other} : Laid{other, one};
+}
+
+AttemptReport MergePipeline::State::given_out(AttemptReport report) {
+  for (Alignment& alignment : report.changed) alignment = frames.given_out(alignment);
+  for (DecisionRecord& record : report.decided) {
+    const auto of = std::find_if(alignments.begin(), alignments.end(),
+                                 [&](const Alignment& a) { return a.id == record.alignment; });
+    record.T_a_b = frames.given_out(of->a, of->b, record.T_a_b);
+  }
+  atlas_given_out = frames.given_out(atlas);
+  alignments_given_out.clear();
+  for (const Alignment& alignment : alignments) alignments_given_out.push_back(frames.given_out(alignment));
+  return report;
+}
+
+void MergePipeline::State::take_back(std::vector<Alignment> stored, std::vector<DecisionRecord> decided) {
+  alignments = std::move(stored);
+  for (Alignment& alignment : alignments) alignment = frames.local(alignment);
+  for (DecisionRecord& record : decided)
+    if (const auto of = std::find_if(alignments.begin(), alignments.end(),
+                                     [&](const Alignment& a) { return a.id == record.alignment; });
+        of != alignments.end())
+      record.T_a_b = frames.local(of->a, of->b, record.T_a_b);
+  decisions.restore(std::move(decided));
 }
 
 Pose by_ids(const Laid& pair, const Pose& T) { return pair.a < pair.b ? T : T.inverse(); }
