@@ -63,6 +63,8 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
   const bool ruled = known && known->ruling != Ruling::none;
+  auto& trace = report.traces.emplace_back(PairTrace{std::min(a, b), std::max(a, b)});
+  for (const Hypothesis& h : found->hypotheses) trace.proposed.push_back(by_ids(pair, h.T_a_b));
   std::vector<Verdict> verdicts = judge_cases(a, b, candidates.cases, clouds, ruled, report);
   if (verdicts.empty()) verdicts.emplace_back();
   if (known)
@@ -196,6 +198,12 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   keyframe = state_->frames.taken_in(id, std::move(keyframe));
   state_->index_keyframe(id, keyframe);
   state_->sessions[id].add(std::move(keyframe));
+}
+
+Judgement MergePipeline::judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds) {
+  State& s = *state_;
+  const Laid pair = s.laid(a, b);
+  return by_ids(pair, s.judge_placement(pair, by_ids(pair, T_a_b), clouds));
 }
 
 bool MergePipeline::prepare_ahead(CloudSource& clouds) { return state_->prepare_ahead(clouds); }

@@ -13,6 +13,7 @@
 #include "server/atlas/decisions.hpp"
 #include "server/merge_config.hpp"
 #include "server/place/descriptor_index.hpp"
+#include "server/registration/verification.hpp"
 #include "server/stage_times.hpp"
 
 namespace headframe {
@@ -32,6 +33,13 @@ class CloudSource {
   virtual Result<KeyframeCloud> load(const KeyframeRef& keyframe) = 0;
 };
 
+/// The placements of one pair that an attempt looked at, as T_a_b with a < b: what the proposals were, best first, and
+/// where a first registration put those that screening left.
+struct PairTrace {
+  SessionId a = 0, b = 0;
+  std::vector<Pose> proposed = {}, screened = {};
+};
+
 /// What one attempt to merge a session did, or one decision of the operator.
 struct AttemptReport {
   std::vector<KeyframeRef> wanted;  // clouds to request; call attempt() again once they are here or will not come
@@ -39,6 +47,7 @@ struct AttemptReport {
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
+  std::vector<PairTrace> traces;  // of the pairs that were searched or judged anew
   StageTimes times;
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
 };
@@ -80,6 +89,9 @@ class MergePipeline {
 
   /// Tries to merge this session with every other session of its family.
   AttemptReport attempt(SessionId id, CloudSource& clouds);
+
+  /// The verdict on a placement that is handed in, wherever it comes from; nothing is recorded. a < b.
+  Judgement judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds);
 
   const Atlas& atlas() const;
   const std::vector<Alignment>& alignments() const;

@@ -200,6 +200,9 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
   }
   const Stopwatch watch(report.times.verification_ms);
   const DescriptorAgreement agreement(sessions[a].keyframes, sessions[b].keyframes);
+  for (const Glance& g : glances)
+    if (g.hopeful && !report.traces.empty())
+      report.traces.back().screened.push_back(by_ids({a, b}, g.place.registration.T_target_source));
   std::vector<std::size_t> order;
   std::vector<double> promises(glances.size(), 0);
   for (std::size_t i = 0; i < glances.size(); ++i) {
@@ -241,6 +244,18 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
     return v.judgement.evidence.probability > w.judgement.evidence.probability;
   });
   return verdicts;
+}
+
+Judgement MergePipeline::State::judge_placement(const Laid& pair, const Pose& T_a_b, CloudSource& clouds) {
+  const Case now = make_case(pair.a, pair.b, {T_a_b, 0, {}}, clouds);
+  if (now.a.stored.empty() || now.b.stored.empty()) return {};
+  Judgement out =
+      judge_again(scene(pair.a, now.a.stored, clouds), scene(pair.b, now.b.stored, clouds), T_a_b, judge_config());
+  compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, out);
+  out.evidence.aliases = self_aliases(pair.a, clouds) + self_aliases(pair.b, clouds);
+  out.evidence.repetition = repetition();
+  weigh(out);
+  return out;
 }
 
 Alignment* MergePipeline::State::find(SessionId one, SessionId other) {

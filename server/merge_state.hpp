@@ -117,6 +117,8 @@ struct MergePipeline::State {
   /// drives laid on the longer, the search missed the right placement at 4 of 24 turns, else at none.)
   Laid laid(SessionId one, SessionId other) const;
   void merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report);
+  /// The verdict on a placement that is trusted to within a metre or two.
+  Judgement judge_placement(const Laid& pair, const Pose& T_a_b, CloudSource& clouds);
   bool still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report);
   void record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up, bool waits,
               AttemptReport& report);

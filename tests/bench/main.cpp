@@ -13,6 +13,7 @@
 #include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
+#include "tests/bench/stages.hpp"
 #include "tests/support/box_mine.hpp"
 
 namespace headframe::bench {
@@ -44,6 +45,7 @@ struct Options {
   std::string what = "all";
   std::filesystem::path recordings = "../shared/data", out = "build/bench";
   std::optional<int> mines;
+  std::vector<std::filesystem::path> sets;  // of stages
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
 };
 
@@ -95,6 +97,7 @@ int run(const Options& options) {
   part("merges-on-request", false, [&] { return campaign(options, Clouds::on_request, "merges-on-request"); });
   part("recordings", false, [&] { return recordings_crossed(options.recordings); });
   part("merge-times", false, merge_times);
+  part("stages", false, [&] { return stages(options.sets, options.out); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
@@ -119,6 +122,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--families", options.families, "of descriptors: comma separated, as robots take them")
       ->delimiter(',');
+  auto* stages = app.add_subcommand("stages", "at which stage pairs of sessions are lost");
+  stages->add_option("DIR", options.sets, "data sets (with truth.json and truth/ROBOT.txt), or folders of them")
+      ->required();
+  stages->callback([&options] { options.what = "stages"; });
   CLI11_PARSE(app, argc, argv);
   try {
     return run(options);

@@ -22,6 +22,7 @@ StageTimes PipelineRun::attempt(SessionId id) {
   StageTimes total;
   for (bool more = true; more;) {
     const AttemptReport report = pipeline.attempt(id, *this);
+    traces.insert(traces.end(), report.traces.begin(), report.traces.end());
     more = report.unfinished || !report.wanted.empty();
     for (const KeyframeRef& cloud : report.wanted) {
       came_.insert(cloud);

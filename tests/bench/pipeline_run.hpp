@@ -20,9 +20,12 @@ class PipelineRun : private CloudSource {
   SessionId add(const DrivenSession& session);
   /// Attempts until there is nothing more to try, and gives the clouds that are wanted; the times of all together.
   StageTimes attempt(SessionId id);
+  /// The verdict when it is handed this placement; a < b.
+  Judgement judge(SessionId a, SessionId b, const Pose& T_a_b) { return pipeline.judge_placement(a, b, T_a_b, *this); }
   std::size_t came() const { return came_.size(); }  // of clouds on request
 
   MergePipeline pipeline;
+  std::vector<PairTrace> traces;  // of all attempts
   std::vector<const DrivenSession*> sessions;
   const DrivenSession& session(SessionId id) const { return *sessions.at(static_cast<std::size_t>(id - 1)); }
 

@@ -51,11 +51,11 @@ TruePath read_true_path(const std::filesystem::path& recording, const std::strin
   return path;
 }
 
-OverlapError overlap_error(const TruePath& a, const TruePath& b, const Pose& T_a_b) {
+OverlapError overlap_error(const TruePath& a, const TruePath& b, const Pose& T_a_b, double near_m) {
   std::vector<double> metres, degrees;
   for (std::size_t i = 0; i < a.T_local_sensor.size(); ++i)
     for (std::size_t j = 0; j < b.T_local_sensor.size(); ++j) {
-      if ((a.T_world_sensor[i].translation() - b.T_world_sensor[j].translation()).norm() > 8) continue;
+      if ((a.T_world_sensor[i].translation() - b.T_world_sensor[j].translation()).norm() > near_m) continue;
       const Pose truth = a.T_world_sensor[i].inverse() * b.T_world_sensor[j];
       const Pose estimate = a.T_local_sensor[i].inverse() * T_a_b * b.T_local_sensor[j];
       metres.push_back((truth.translation() - estimate.translation()).norm());

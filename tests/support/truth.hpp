@@ -26,6 +26,6 @@ struct OverlapError {
 };
 
 /// Medians over those pairs of the estimated relative pose (reported poses and T_a_b) against the true one.
-OverlapError overlap_error(const TruePath& a, const TruePath& b, const Pose& T_a_b);
+OverlapError overlap_error(const TruePath& a, const TruePath& b, const Pose& T_a_b, double near_m = 8);
 
 }  // namespace headframe::test

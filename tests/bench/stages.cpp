@@ -1,0 +1,233 @@
+#include "tests/bench/stages.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "common/descriptor/family.hpp"
+#include "tests/bench/measure.hpp"
+#include "tests/bench/pipeline_run.hpp"
+
+namespace headframe::bench {
+namespace {
+
+constexpr double right_m = 4, right_deg = 15;    // within the reach of a registration
+constexpr double merged_m = 1, merged_deg = 3;   // of a merge, near the overlap
+constexpr double apart_m = 10;                   // trajectories that never come nearer do not overlap
+
+struct PairRow {
+  std::string set, world, a, b;
+  double overlap_pct = 0, nearest_m = 0;
+  int rank = -1;  // of the right proposal, from 0; -1: none
+  int proposals = 0;
+  bool screened = false;
+  Judgement oracle;
+  bool merged = false, right = false;
+  double te_m = -1, ms = 0;
+  std::optional<Evidence> found;  // of the alignment that was recorded, with its error
+  double found_te_m = -1;
+};
+
+/// Where the sessions truly meet, as their reported poses have it: from the middle one of the pairs of poses that lie
+/// within near_m of each other.
+Pose true_placement(const test::TruePath& a, const test::TruePath& b, double near_m) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t j = 0; j < b.T_world_sensor.size(); ++j) {
+    std::size_t best = 0;
+    double least = near_m;
+    for (std::size_t i = 0; i < a.T_world_sensor.size(); ++i) {
+      const double d = (a.T_world_sensor[i].translation() - b.T_world_sensor[j].translation()).norm();
+      if (d <= least) {
+        least = d;
+        best = i;
+      }
+    }
+    if (least < near_m) pairs.emplace_back(best, j);
+  }
+  if (pairs.empty()) return Pose::Identity();
+  const auto [i, j] = pairs[pairs.size() / 2];
+  return a.T_local_sensor[i] * a.T_world_sensor[i].inverse() * b.T_world_sensor[j] * b.T_local_sensor[j].inverse();
+}
+
+class PairStudy {
+ public:
+  PairStudy(const DrivenSession& a, const DrivenSession& b, const nlohmann::json& truth) : a_(a), b_(b) {
+    row_.set = a.world;
+    row_.world = a.world.substr(0, a.world.find('-'));
+    row_.a = a.name;
+    row_.b = b.name;
+    row_.overlap_pct = truth.at("overlap_pct");
+    row_.nearest_m = truth.at("nearest_poses_m");
+    near_m_ = std::max(8.0, row_.nearest_m + 4);
+  }
+
+  PairRow run() {
+    PipelineRun run;
+    run.add(a_);
+    run.add(b_);
+    row_.ms = wall_ms([&] { run.attempt(2); });
+    for (const PairTrace& trace : run.traces) {
+      row_.proposals = std::max(row_.proposals, static_cast<int>(trace.proposed.size()));
+      for (std::size_t i = 0; i < trace.proposed.size(); ++i)
+        if (row_.rank < 0 && near(trace.proposed[i], right_m, right_deg)) row_.rank = static_cast<int>(i);
+      for (const Pose& T : trace.screened) row_.screened = row_.screened || near(T, 1.5, 4);
+    }
+    for (const Alignment& k : run.pipeline.alignments()) {
+      row_.found = k.evidence;
+      row_.found_te_m = overlaps() ? overlap_error(a_.path, b_.path, k.T_a_b, near_m_).translation_m : -1;
+      row_.merged = k.state == AlignmentState::published;
+      row_.right = row_.merged && near(k.T_a_b, merged_m, merged_deg);
+      row_.te_m = row_.merged ? row_.found_te_m : -1;
+    }
+    if (overlaps()) row_.oracle = run.judge(1, 2, true_placement(a_.path, b_.path, near_m_));
+    return row_;
+  }
+
+ private:
+  bool overlaps() const { return row_.overlap_pct >= 1 && near_m_ < 60; }
+  bool near(const Pose& T_a_b, double metres, double degrees) const {
+    if (!overlaps()) return false;
+    const auto error = overlap_error(a_.path, b_.path, T_a_b, near_m_);
+    return error.pairs > 0 && error.translation_m < metres && error.rotation_deg < degrees;
+  }
+
+  const DrivenSession &a_, &b_;
+  double near_m_ = 8;
+  PairRow row_;
+};
+
+bool degenerate(const PairRow& r) { return r.oracle.status == RegistrationStatus::degenerate; }
+
+const char* bin_of(const PairRow& r) {
+  if (r.overlap_pct < 5) return "none";
+  if (r.nearest_m >= apart_m) return "apart_paths";
+  if (r.overlap_pct >= 30) return "o30";
+  if (r.overlap_pct >= 18) return "o18";
+  return r.overlap_pct >= 10 ? "o10" : "o05";
+}
+
+struct Counts {
+  int pairs = 0, degenerate = 0, proposed = 0, screened = 0, oracle = 0, oracle_lost = 0, merged = 0, wrong = 0;
+  void add(const PairRow& r) {
+    ++pairs;
+    degenerate += headframe::bench::degenerate(r);
+    proposed += r.rank >= 0;
+    screened += r.screened;
+    const bool believed = r.oracle.evidence.probability >= MergeConfig{}.accept_probability;
+    oracle += believed;
+    oracle_lost += believed && r.rank >= 0 && !r.screened;
+    merged += r.right;
+    wrong += r.merged && !r.right;
+  }
+  nlohmann::json json() const {
+    return {{"pairs", pairs},   {"degenerate", degenerate},   {"proposed", proposed}, {"screened", screened},
+            {"oracle", oracle}, {"oracle_lost", oracle_lost}, {"merged", merged},     {"wrong", wrong}};
+  }
+  void print(const std::string& name) const {
+    std::printf("  %-24s %5d %6d %8d %8d %6d %6d %6d %6d\n", name.c_str(), pairs, degenerate, proposed, screened, oracle,
+                oracle_lost, merged, wrong);
+  }
+};
+
+constexpr const char* bins[] = {"o30", "o18", "o10", "o05", "apart_paths", "none"};
+
+std::vector<std::filesystem::path> sets_below(const std::vector<std::filesystem::path>& folders) {
+  std::vector<std::filesystem::path> sets;
+  for (const auto& folder : folders) {
+    if (exists(folder / "truth.json")) {
+      sets.push_back(folder);
+      continue;
+    }
+    if (!is_directory(folder)) throw std::runtime_error("no such folder: " + folder.string());
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (exists(entry.path() / "truth.json")) sets.push_back(entry.path());
+  }
+  std::sort(sets.begin(), sets.end());
+  if (sets.empty()) throw std::runtime_error("no data set (a folder with truth.json) in the folders that were named");
+  return sets;
+}
+
+void write_csv(const std::vector<PairRow>& rows, const std::filesystem::path& file) {
+  std::ofstream csv(file);
+  csv << "set,a,b,overlap_pct,nearest_m,bin,rank,proposals,screened,oracle_p,oracle_status,merged,right,te_m,ms,found_p,"
+         "found_te_m";
+  for (const auto& field : evidence_fields()) csv << ",oracle_" << field.name;
+  for (const auto& field : evidence_fields()) csv << ",found_" << field.name;
+  csv << "\n";
+  for (const PairRow& r : rows) {
+    const Evidence found = r.found.value_or(Evidence{});
+    csv << r.set << ',' << r.a << ',' << r.b << ',' << r.overlap_pct << ',' << r.nearest_m << ',' << bin_of(r) << ','
+        << r.rank << ',' << r.proposals << ',' << r.screened << ',' << r.oracle.evidence.probability << ','
+        << to_string(r.oracle.status) << ',' << r.merged << ',' << r.right << ',' << r.te_m << ',' << r.ms << ','
+        << found.probability << ',' << r.found_te_m;
+    for (const auto& field : evidence_fields()) csv << ',' << r.oracle.evidence.*field.member;
+    for (const auto& field : evidence_fields()) csv << ',' << found.*field.member;
+    csv << "\n";
+  }
+}
+
+void print_lost(const PairRow& r) {
+  const Evidence& o = r.oracle.evidence;
+  std::printf("    %-16s %-11s %4.1f %% near %4.1f m: rank %d of %d, screened %d, oracle %s p %.3f (%.0f/%.0f places, worst %.4f, misfit %.3f, inliers %.2f, alike %.2f, shared %.0f m, aliases %.0f), found p %.3f %.2f m%s\n",
+              r.set.c_str(), bin_of(r), r.overlap_pct, r.nearest_m, r.rank, r.proposals, r.screened,
+              std::string(to_string(r.oracle.status)).c_str(), o.probability, o.places_agreeing, o.places,
+              o.worst_place_violation, o.residual_m, o.inlier_fraction, o.descriptors_alike, o.overlap_m, o.aliases,
+              r.found ? r.found->probability : -1, r.found_te_m, r.merged && !r.right ? "  WRONG" : "");
+}
+
+nlohmann::json summed_up(const std::vector<PairRow>& rows) {
+  nlohmann::json out;
+  std::map<std::string, Counts> by_bin, by_world;
+  std::vector<double> ms;
+  int wrong = 0;
+  for (const PairRow& r : rows) {
+    by_bin[bin_of(r)].add(r);
+    by_world[r.world + " " + bin_of(r)].add(r);
+    ms.push_back(r.ms);
+    wrong += r.merged && !r.right;
+  }
+  std::printf("stages: %zu pairs of sessions\n  %-24s %5s %6s %8s %8s %6s %6s %6s %6s\n", rows.size(), "", "pairs",
+              "slides", "proposed", "screened", "oracle", "lost", "merged", "wrong");
+  for (const char* bin : bins) {
+    by_bin[bin].print(bin);
+    out[bin] = by_bin[bin].json();
+  }
+  for (const auto& [name, counts] : by_world) {
+    counts.print(name);
+    out["worlds"][name] = counts.json();
+  }
+  out["false"] = wrong;
+  out["attempt_p50_ms"] = quantile(ms, 0.5);
+  out["attempt_p95_ms"] = quantile(ms, 0.95);
+  std::printf("  wrong %d; attempt p50 %.0f ms, p95 %.0f ms\n", wrong, quantile(ms, 0.5), quantile(ms, 0.95));
+  return out;
+}
+
+}  // namespace
+
+nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out) {
+  const auto sets = sets_below(folders);
+  const auto family = make_family(default_family_name).value();
+  std::vector<PairRow> rows;
+  for (const auto& set : sets) {
+    std::ifstream in(set / "truth.json");
+    const auto truth = nlohmann::json::parse(in);
+    std::map<std::string, DrivenSession> sessions;
+    for (const auto& [robot, unused] : truth.at("robots").items())
+      sessions.emplace(robot, read_driven_session(set, robot, *family));
+    for (const auto& pair : truth.at("pairs")) {
+      rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), pair).run());
+      if (!rows.back().right && rows.back().overlap_pct >= 1) print_lost(rows.back());
+      else if (rows.back().merged && !rows.back().right) print_lost(rows.back());
+    }
+    std::fprintf(stderr, "\r%zu of %zu data sets", static_cast<std::size_t>(&set - sets.data()) + 1, sets.size());
+  }
+  std::fprintf(stderr, "\n");
+  write_csv(rows, out / "stages.csv");
+  return summed_up(rows);
+}
+
+}  // namespace headframe::bench

@@ -1,0 +1,17 @@
+#pragma once
+// ./run bench stages DIR...: at which stage is a pair of sessions lost?
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace headframe::bench {
+
+/// For every pair of sessions in the data sets below `folders` (each with truth.json and truth/ROBOT.txt): is the right
+/// placement proposed (and at which rank), does screening keep it, what does the verdict say of the true placement, is
+/// the pair merged, rightly or wrongly, and how long the attempt takes. Pairs are counted by the share of rock that both
+/// saw. A table on stdout, a picture and a line for each pair (pairs.csv) in `out`. Throws when a data set cannot be
+/// read.
+nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out);
+
+}  // namespace headframe::bench
