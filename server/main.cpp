@@ -8,12 +8,14 @@
 
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
+#include "server/stop_deadline.hpp"
 
 namespace {
 
 using namespace headframe;
 
 constexpr int bad_usage = 2;
+constexpr auto stop_within = std::chrono::seconds(4);
 
 int fail(const std::string& message, int status) {
   std::cerr << "headframe-server: " << message << '\n';
@@ -40,7 +42,7 @@ void raise_file_limit() {
 
 int serve(const ServerOptions& options) {
   const sigset_t signals = hold_signals();
-  const auto server = MapMergeServer::start(options);
+  auto server = MapMergeServer::start(options);
   if (!server) return fail(server.error().message, 1);
   if (!options.insecure) std::cout << "headframe-server fingerprint: " << to_hex((*server)->fingerprint()) << '\n';
   if (!options.insecure && !is_loopback(options.http))
@@ -51,6 +53,8 @@ int serve(const ServerOptions& options) {
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("signal {}: finishing", signal);
+  const StopDeadline deadline(stop_within);
+  server->reset();
   return 0;
 }
 

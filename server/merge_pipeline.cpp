@@ -203,7 +203,9 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
 Judgement MergePipeline::judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds) {
   State& s = *state_;
   const Laid pair = s.laid(a, b);
-  return by_ids(pair, s.judge_placement(pair, by_ids(pair, T_a_b), clouds));
+  Judgement judged = by_ids(pair, s.judge_placement(pair, by_ids(pair, s.frames.local(a, b, T_a_b)), clouds));
+  judged.T_a_b = s.frames.given_out(a, b, judged.T_a_b);
+  return judged;
 }
 
 bool MergePipeline::prepare_ahead(CloudSource& clouds) { return state_->prepare_ahead(clouds); }

@@ -48,6 +48,9 @@ Laid MergePipeline::State::laid(SessionId one, SessionId other) const {
 
 AttemptReport MergePipeline::State::given_out(AttemptReport report) {
   for (Alignment& alignment : report.changed) alignment = frames.given_out(alignment);
+  for (PairTrace& trace : report.traces)
+    for (auto* poses : {&trace.proposed, &trace.screened})
+      for (Pose& T_a_b : *poses) T_a_b = frames.given_out(trace.a, trace.b, T_a_b);
   for (DecisionRecord& record : report.decided) {
     const auto of = std::find_if(alignments.begin(), alignments.end(),
                                  [&](const Alignment& a) { return a.id == record.alignment; });
