@@ -28,6 +28,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
 
 void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report) {
   const SessionId a = pair.a, b = pair.b;
+  clouds.working_on(a, b);
   Alignment* known = find(a, b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
   if (in_force && still_holds(*known, clouds, report)) return;
@@ -192,7 +193,20 @@ void MergePipeline::State::update_atlas(AttemptReport& report) {
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
 MergePipeline::~MergePipeline() = default;
 
-void MergePipeline::add_session(SessionId id, const FamilyId& family) { state_->sessions[id].family = family; }
+void MergePipeline::add_session(SessionId id, const FamilyId& family) {
+  if (!state_->sessions.contains(id)) state_->wake_alignments(id);
+  state_->sessions[id].family = family;
+}
+
+AttemptReport MergePipeline::set_aside(SessionId id) {
+  AttemptReport report;
+  if (!state_->sessions.contains(id)) return report;
+  state_->forget(id);
+  state_->update_atlas(report);
+  ++state_->atlas.revision;
+  report.atlas_changed = true;
+  return state_->given_out(std::move(report));
+}
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   keyframe = state_->frames.taken_in(id, std::move(keyframe));

@@ -62,6 +62,18 @@ AttemptReport MergePipeline::State::given_out(AttemptReport report) {
   return report;
 }
 
+void MergePipeline::State::forget(SessionId id) {
+  sessions.erase(id);
+  const auto of_it = [id](const auto& entry) { return entry.first.first == id || entry.first.second == id; };
+  std::erase_if(judged_on, of_it);
+  std::erase_if(contacts, of_it);
+}
+
+void MergePipeline::State::wake_alignments(SessionId id) {
+  for (Alignment& alignment : alignments)
+    if (alignment.a == id || alignment.b == id) alignment.state = decided_state(alignment);
+}
+
 void MergePipeline::State::take_back(std::vector<Alignment> stored, std::vector<DecisionRecord> decided) {
   alignments = std::move(stored);
   for (Alignment& alignment : alignments) alignment = frames.local(alignment);

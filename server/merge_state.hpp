@@ -110,6 +110,10 @@ struct MergePipeline::State {
 
   /// The report, the atlas and the alignments in the robots' frames; an early return that changed nothing needs it not.
   AttemptReport given_out(AttemptReport report);
+  /// Of a session that is set aside; its alignments stay in the list, where their numbers are.
+  void forget(SessionId id);
+  /// They stand again as their verdict and the operator's word say.
+  void wake_alignments(SessionId id);
   /// Alignments and decisions as they were given out once.
   void take_back(std::vector<Alignment> stored, std::vector<DecisionRecord> decided);
 
