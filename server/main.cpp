@@ -8,6 +8,7 @@
 
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
+#include "server/merge_worker/work_mark.hpp"
 #include "server/stop_deadline.hpp"
 
 namespace {
@@ -90,6 +91,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   raise_file_limit();
+  WorkMark::watch_for_faults();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a full disk, which is waited out
   spdlog::set_default_logger(spdlog::stderr_color_mt("headframe"));

@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "server/merge_worker/work_mark.hpp"
+
 namespace headframe {
 
 StopDeadline::StopDeadline(std::chrono::milliseconds after) {
@@ -10,6 +12,7 @@ StopDeadline::StopDeadline(std::chrono::milliseconds after) {
     std::unique_lock lock(mutex_);
     if (wake_.wait_for(lock, after, [this] { return done_; })) return;
     std::cerr << "headframe-server: not finished in time, ending all the same; what was acknowledged is on disk\n";
+    WorkMark::died();  // what it worked on held it up
     std::_Exit(EXIT_SUCCESS);
   });
 }

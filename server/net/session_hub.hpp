@@ -62,6 +62,8 @@ class SessionHub : public Robots {
   void received(SessionId session, std::size_t bytes);
   void left(SessionId session, const RobotLink* link);
   std::uint64_t durable_keyframes(SessionId session) const;
+  /// It was deleted: its connections end, and its robot is told to begin another.
+  void forget(SessionId session);
   /// Ends all connections of this robot, for good.
   void end_robot(const std::string& robot, const std::string& why);
 
@@ -108,6 +110,7 @@ class SessionHub : public Robots {
     std::weak_ptr<RobotLink> link;
     std::vector<std::weak_ptr<RobotLink>> spares;  // the oldest first
     bool answers = false;                          // requests for clouds
+    bool deleted = false;                          // nobody may go on with it
   };
   using Applied = std::function<void()>;
   using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written

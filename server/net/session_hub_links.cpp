@@ -70,6 +70,9 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
       return failure(ErrorCode::unavailable, "the server serves " + std::to_string(limits_.robots) +
                                                  " robots already; raise limits.robots or try again later");
     Session& session = session_of(hello);
+    if (session.deleted)
+      return failure(ErrorCode::refused, "session " + name_of(hello.session) +
+                                             " was deleted by the operator; begin a new session, with an empty spool");
     if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
     if (!same_run(session.record, hello)) spares.swap(session.spares);
     if (!hello.spool_runs.empty()) session.record.spool_run = hello.spool_runs.back();
@@ -143,6 +146,21 @@ void SessionHub::left(SessionId session, const RobotLink* link) {
   known.link.reset();
   news_.robot_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
+}
+
+void SessionHub::forget(SessionId id) {
+  std::vector<std::shared_ptr<RobotLink>> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    Session& session = sessions_.at(id);
+    session.deleted = true;
+    session.keyframes = 0;
+    session.clouds.clear();
+    ended.push_back(session.link.lock());
+    for (const auto& spare : session.spares) ended.push_back(spare.lock());
+  }
+  for (const auto& link : ended)
+    if (link) link->close(v1::ERROR_KIND_REFUSED, "the session was deleted by the operator", true);
 }
 
 void SessionHub::end_robot(const std::string& robot, const std::string& why) {
