@@ -9,6 +9,7 @@
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
 #include "server/merge_worker/work_mark.hpp"
+#include "server/printable_log.hpp"
 #include "server/stop_deadline.hpp"
 
 namespace {
@@ -95,6 +96,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a full disk, which is waited out
   spdlog::set_default_logger(spdlog::stderr_color_mt("headframe"));
+  spdlog::set_formatter(printable_log());
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
