@@ -51,6 +51,15 @@ std::size_t SessionHub::stored_bytes(const RobotEvent& event) {
   return 0;
 }
 
+void SessionHub::work_for(SessionId session, FairPool::Work work) {
+  std::string robot;
+  {
+    const std::lock_guard lock(mutex_);
+    robot = sessions_.at(session).record.key.robot;
+  }
+  decoding_.submit(robot, std::move(work));
+}
+
 void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link) {
   const std::size_t bytes = stored_bytes(event);
   if (auto* keyframe = std::get_if<KeyframeReceived>(&event)) handle(session, std::move(*keyframe), link, bytes);
