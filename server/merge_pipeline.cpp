@@ -279,6 +279,8 @@ void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t rev
   state_->given_out({});
 }
 
+std::string MergePipeline::why_cut(SessionId id) const { return state_->frames.why_cut(id); }
+
 const Atlas& MergePipeline::atlas() const { return state_->atlas_given_out; }
 const std::vector<Alignment>& MergePipeline::alignments() const { return state_->alignments_given_out; }
 

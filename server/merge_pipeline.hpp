@@ -49,7 +49,7 @@ struct AttemptReport {
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
-  std::vector<PairTrace> traces = {};  // of the pairs that were searched or judged anew
+  std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged anew
   StageTimes times = {};
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
 };
@@ -97,6 +97,9 @@ class MergePipeline {
 
   /// The verdict on a placement that is handed in, wherever it comes from; nothing is recorded. a < b.
   Judgement judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds);
+
+  /// Why keyframes of the session are left out of merging, from a jump of its odometry on; empty: they are not.
+  std::string why_cut(SessionId id) const;
 
   const Atlas& atlas() const;
   const std::vector<Alignment>& alignments() const;

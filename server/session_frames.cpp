@@ -1,9 +1,20 @@
 #include "server/session_frames.hpp"
 
+#include "server/place/odometry_jump.hpp"
+
 namespace headframe {
 namespace {
 
 constexpr double origin_step_m = 1000;
+constexpr int forgiven = 3;  // keyframes off the path
+
+/// Of the keyframe after `last`.
+bool sound(const Keyframe& last, const Keyframe& keyframe, int left_out, std::string& why) {
+  if (left_out > forgiven) return false;
+  const auto jump = jump_between(last, keyframe);
+  if (jump && left_out == 0) why = *jump;
+  return !jump;
+}
 
 Pose moved(const Eigen::Vector3d& to, Pose T, const Eigen::Vector3d& from) {
   T.translation() += to - T.linear() * from;
@@ -25,14 +36,26 @@ Keyframe SessionFrames::taken_in(SessionId session, Keyframe keyframe) {
   if (first) frame.origin_m = (T.translation() / origin_step_m).array().round() * origin_step_m;
   T.translation() -= frame.origin_m;
   if (first) frame.first_m = T.translation();
-  if ((T.translation() - frame.first_m).norm() > farthest_m) {
-    T = frame.T_last;
+  const bool far = (T.translation() - frame.first_m).norm() > farthest_m;
+  if (!first && (far || !sound(frame.last, keyframe, frame.left_out, frame.why))) {
+    if (++frame.left_out == 1 && frame.why.empty()) frame.why = "its keyframes lie too far apart";
+    T = frame.last.T_local_sensor;
     keyframe.walls = {};
     keyframe.descriptor = {};
     keyframe.point_count = 0;
+    return keyframe;
   }
-  frame.T_last = T;
+  frame.left_out = 0;
+  frame.why.clear();
+  frame.last.sequence = keyframe.sequence;
+  frame.last.stamp_s = keyframe.stamp_s;
+  frame.last.T_local_sensor = T;
   return keyframe;
+}
+
+std::string SessionFrames::why_cut(SessionId session) const {
+  const auto found = frames_.find(session);
+  return found == frames_.end() || found->second.left_out == 0 ? std::string() : found->second.why;
 }
 
 Eigen::Vector3d SessionFrames::origin_m(SessionId session) const {

@@ -2,6 +2,7 @@
 // Local origins: robots may count their metres from anywhere (a mine grid, UTM), the numeric rooms only near zero.
 
 #include <map>
+#include <string>
 
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
@@ -17,10 +18,14 @@ class SessionFrames {
   /// Farther from its session's first keyframe nothing is believed: float holds 2 mm there, and no drift is so long.
   static constexpr double farthest_m = 20e3;
 
-  /// The keyframe in its session's local frame. The session's first one sets the origin. One that lies beyond
-  /// farthest_m keeps its number and nothing else: it stays where the one before it was, without walls, descriptor or
-  /// cloud.
+  /// The keyframe in its session's local frame. The session's first one sets the origin. A keyframe keeps its number
+  /// and nothing else (it stays where the one before it was, without walls, descriptor or cloud) when it lies beyond
+  /// farthest_m, or behind a jump of the odometry: what two robots see of each other across a jump would be joined by
+  /// nothing but the jump. Up to three keyframes off the path are forgiven, then all that follow are left out.
   Keyframe taken_in(SessionId session, Keyframe keyframe);
+
+  /// Why the session's last keyframes are left out; empty: they are not.
+  std::string why_cut(SessionId session) const;
 
   /// Of a session without keyframes: zero.
   Eigen::Vector3d origin_m(SessionId session) const;
@@ -36,8 +41,10 @@ class SessionFrames {
  private:
   struct Frame {
     Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
-    Eigen::Vector3d first_m = Eigen::Vector3d::Zero();  // local, as T_last
-    Pose T_last = Pose::Identity();
+    Eigen::Vector3d first_m = Eigen::Vector3d::Zero();  // local, as the last one
+    Keyframe last = {};                                 // that was taken; its descriptor and walls are left out
+    int left_out = 0;                                   // since then
+    std::string why = {};
   };
   std::map<SessionId, Frame> frames_;
 };

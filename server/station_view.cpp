@@ -40,6 +40,7 @@ std::vector<SessionRow> StationView::sessions() const {
     if (it == view->sessions.end()) continue;
     row.distance_m = it->second.distance_m;
     row.why_aside = it->second.why_aside;
+    row.why_cut = it->second.why_cut;
     row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;
   }
   return rows;

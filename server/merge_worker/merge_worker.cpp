@@ -189,7 +189,13 @@ void MergeWorker::feed(SessionId session, bool counts) {
     pipeline_->add_keyframe(session, std::move(keyframe));
   });
   if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
-  draft_.sessions[session].distance_m += metres;
+  MergeView::Session& shown = draft_.sessions[session];
+  shown.distance_m += metres;
+  const std::string why_cut = pipeline_->why_cut(session);
+  if (!why_cut.empty() && shown.why_cut.empty())
+    spdlog::warn("session {}: {}; what comes after is not merged with the rest: begin a new session there", session,
+                 why_cut);
+  shown.why_cut = why_cut;
   if (counts) schedule_.travelled(session, metres, Clock::now());
   if (counts && junction) schedule_.junction(session, Clock::now());
 }

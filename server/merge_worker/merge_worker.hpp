@@ -21,6 +21,7 @@ struct MergeView {
     double trigger_to_transform_ms = -1;
     std::string why_aside = {};  // it is not merged, and why; empty: it is
     bool deleted = false;
+    std::string why_cut = {};  // keyframes from here on are left out of merging, and why; empty: none are
   };
   Atlas atlas;  // every session is in it
   std::vector<Alignment> alignments;

@@ -34,6 +34,7 @@ struct SessionRow {
   double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
   std::uint64_t cloud_bytes = 0;        // of bytes_received: encoded clouds
   std::string label = {};               // the operator's name for it; empty: none
+  std::string why_cut = {};             // its last keyframes are left out of merging, and why; empty: none are
   std::string why_aside = {};           // it is set aside, not merged, and why; empty: it is merged
 };
 
