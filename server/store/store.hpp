@@ -88,10 +88,10 @@ struct PutRobot {
 /// What came of trying to merge a session. Where nothing was wrong there is none.
 struct TroubleRecord {
   SessionId session = 0;
-  int deaths = 0;        // work on it that ended the server, hung or failed, since work on it went well
-  int kills = 0;         // work on it in which the server was killed from outside, since then
+  int deaths = 0;         // work on it that ended the server, hung or failed, since work on it went well
+  int kills = 0;          // work on it in which the server was killed from outside, since then
   std::string why_aside;  // it is not merged, and why; empty: it is
-  bool deleted = false;  // its keyframes and clouds are gone for good; the row stays so that its robot can be told
+  bool deleted = false;   // its keyframes and clouds are gone for good; the row stays so that its robot can be told
 
   bool operator==(const TroubleRecord&) const = default;
 };

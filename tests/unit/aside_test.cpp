@@ -89,7 +89,9 @@ class Aside : public testing::Test {
     return shown == view->sessions.end() ? "" : shown->second.why_aside;
   }
   bool attempted(SessionId id) { return std::count(log.attempts.begin(), log.attempts.end(), id) > 0; }
-  void settle() { ASSERT_TRUE(wait_for([&](auto done) { worker->anchor(1, std::move(done)); })); }
+  void settle() {
+    ASSERT_TRUE(wait_for([&](auto done) { worker->anchor(1, std::move(done)); }));
+  }
 
   TempDir dir;
   Log log;
