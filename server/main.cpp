@@ -8,12 +8,16 @@
 
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
+#include "server/merge_worker/work_mark.hpp"
+#include "server/printable_log.hpp"
+#include "server/stop_deadline.hpp"
 
 namespace {
 
 using namespace headframe;
 
 constexpr int bad_usage = 2;
+constexpr auto stop_within = std::chrono::seconds(4);
 
 int fail(const std::string& message, int status) {
   std::cerr << "headframe-server: " << message << '\n';
@@ -40,7 +44,7 @@ void raise_file_limit() {
 
 int serve(const ServerOptions& options) {
   const sigset_t signals = hold_signals();
-  const auto server = MapMergeServer::start(options);
+  auto server = MapMergeServer::start(options);
   if (!server) return fail(server.error().message, 1);
   if (!options.insecure) std::cout << "headframe-server fingerprint: " << to_hex((*server)->fingerprint()) << '\n';
   if (!options.insecure && !is_loopback(options.http))
@@ -51,6 +55,8 @@ int serve(const ServerOptions& options) {
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("signal {}: finishing", signal);
+  const StopDeadline deadline(stop_within);
+  server->reset();
   return 0;
 }
 
@@ -86,9 +92,11 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   raise_file_limit();
+  WorkMark::watch_for_faults();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a full disk, which is waited out
   spdlog::set_default_logger(spdlog::stderr_color_mt("headframe"));
+  spdlog::set_formatter(printable_log());
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {

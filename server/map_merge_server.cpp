@@ -20,10 +20,11 @@ namespace headframe {
 
 /// Order of life: what is below uses what is above. stop() goes from the peers inwards.
 struct MapMergeServer::Parts {
-  Parts(const ServerOptions& o, std::unique_ptr<Store> opened, std::optional<boost::asio::ssl::context> door)
+  Parts(const ServerOptions& o, std::unique_ptr<Store> opened, std::optional<boost::asio::ssl::context> door,
+        WorkMark mark)
       : options(o),
         store(std::move(opened)),
-        worker(make_pipeline(o.config.merge), *store, o.config.schedule),
+        worker(make_pipeline(o.config.merge), *store, o.config.schedule, std::move(mark)),
         hub(*store, worker, o.config.limits),
         notes(*store),
         gate(*store, {{},
@@ -106,7 +107,9 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
     fingerprint = identity->fingerprint;
     tls = std::move(identity->tls);
   }
-  auto parts = std::make_unique<Parts>(options, std::move(*store), std::move(tls));
+  auto mark = WorkMark::open(options.data / "merging");
+  if (!mark) return tl::unexpected(mark.error());
+  auto parts = std::make_unique<Parts>(options, std::move(*store), std::move(tls), std::move(*mark));
   parts->fingerprint = fingerprint;
   if (auto done = parts->start(); !done) return tl::unexpected(done.error());
   return std::unique_ptr<MapMergeServer>(new MapMergeServer(std::move(parts)));

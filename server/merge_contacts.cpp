@@ -60,7 +60,10 @@ std::optional<Contact> MergePipeline::State::known_contact(const Nearing& n) {
 MergeResult MergePipeline::State::merge(const Contacts& asked) const {
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions) ids.push_back(id);
-  return merge_sessions(ids, alignments, {}, anchors, asked);
+  std::vector<Alignment> spoken = alignments;
+  for (Alignment& alignment : spoken)  // one whose session is set aside says nothing
+    if (!sessions.contains(alignment.a) || !sessions.contains(alignment.b)) alignment.state = AlignmentState::candidate;
+  return merge_sessions(ids, spoken, {}, anchors, asked);
 }
 
 std::optional<Objection> MergePipeline::State::objection_of(
@@ -73,6 +76,7 @@ std::optional<Objection> MergePipeline::State::objection_of(
 
 /// True: something was found that was not known. Clouds that can be had are asked for first, one contact's at a time.
 bool MergePipeline::State::look_at(const Nearing& n, CloudSource& clouds, AttemptReport& report) {
+  clouds.working_on(n.a, n.b);
   const Laid pair = laid(n.a, n.b);
   const Pose T_0 = by_ids(pair, n.T_a_b);
   Case now = make_case(pair.a, pair.b, {T_0, 0, {}}, clouds);

@@ -23,11 +23,12 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   for (const SessionId other : s.partners(id)) s.merge_pair(s.laid(id, other), clouds, report);
   s.look_at_contacts(clouds, report);  // what the others say of it, where their maps come to lie on each other
   s.update_atlas(report);              // 9: maps merge one after another
-  return report;
+  return s.given_out(std::move(report));
 }
 
 void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, AttemptReport& report) {
   const SessionId a = pair.a, b = pair.b;
+  clouds.working_on(a, b);
   Alignment* known = find(a, b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
   if (in_force && still_holds(*known, clouds, report)) return;
@@ -193,9 +194,23 @@ void MergePipeline::State::update_atlas(AttemptReport& report) {
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
 MergePipeline::~MergePipeline() = default;
 
-void MergePipeline::add_session(SessionId id, const FamilyId& family) { state_->sessions[id].family = family; }
+void MergePipeline::add_session(SessionId id, const FamilyId& family) {
+  if (!state_->sessions.contains(id)) state_->wake_alignments(id);
+  state_->sessions[id].family = family;
+}
+
+AttemptReport MergePipeline::set_aside(SessionId id) {
+  AttemptReport report;
+  if (!state_->sessions.contains(id)) return report;
+  state_->forget(id);
+  state_->update_atlas(report);
+  ++state_->atlas.revision;
+  report.atlas_changed = true;
+  return state_->given_out(std::move(report));
+}
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
+  keyframe = state_->frames.taken_in(id, std::move(keyframe));
   state_->index_keyframe(id, keyframe);
   state_->sessions[id].add(std::move(keyframe));
 }
@@ -203,7 +218,9 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
 Judgement MergePipeline::judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds) {
   State& s = *state_;
   const Laid pair = s.laid(a, b);
-  return by_ids(pair, s.judge_placement(pair, by_ids(pair, T_a_b), clouds));
+  Judgement judged = by_ids(pair, s.judge_placement(pair, by_ids(pair, s.frames.local(a, b, T_a_b)), clouds));
+  judged.T_a_b = s.frames.given_out(a, b, judged.T_a_b);
+  return judged;
 }
 
 bool MergePipeline::prepare_ahead(CloudSource& clouds) { return state_->prepare_ahead(clouds); }
@@ -237,7 +254,7 @@ Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
   state_->judged_on.erase({alignment.a, alignment.b});
   report.changed.push_back(alignment);
   state_->update_atlas(report);
-  return report;
+  return state_->given_out(std::move(report));
 }
 
 Result<AttemptReport> MergePipeline::anchor(SessionId id) {
@@ -249,21 +266,23 @@ Result<AttemptReport> MergePipeline::anchor(SessionId id) {
   anchors.push_back(id);
   report.anchored = id;
   state_->update_atlas(report);
-  return report;
+  return state_->given_out(std::move(report));
 }
 
 void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision,
                             std::vector<DecisionRecord> decisions, std::vector<SessionId> anchors) {
   state_->anchors = std::move(anchors);
-  state_->alignments = std::move(alignments);
-  state_->decisions.restore(std::move(decisions));
+  state_->take_back(std::move(alignments), std::move(decisions));
   for (Alignment& alignment : state_->alignments) alignment.ruling = state_->decisions.ruling(alignment);
   AttemptReport ignored;
   state_->update_atlas(ignored);
   state_->atlas.revision = revision;
+  state_->given_out({});
 }
 
-const Atlas& MergePipeline::atlas() const { return state_->atlas; }
-const std::vector<Alignment>& MergePipeline::alignments() const { return state_->alignments; }
+std::string MergePipeline::why_cut(SessionId id) const { return state_->frames.why_cut(id); }
+
+const Atlas& MergePipeline::atlas() const { return state_->atlas_given_out; }
+const std::vector<Alignment>& MergePipeline::alignments() const { return state_->alignments_given_out; }
 
 }  // namespace headframe

@@ -32,6 +32,8 @@ class CloudSource {
   virtual CloudState state(const KeyframeRef& keyframe) const = 0;
   /// In the keyframe's sensor frame.
   virtual Result<KeyframeCloud> load(const KeyframeRef& keyframe) = 0;
+  /// Told before work on two sessions, or on one, begins: should it never end well, it is known whose it was.
+  virtual void working_on(SessionId /*a*/, SessionId /*b*/) {}
 };
 
 /// The placements of one pair that an attempt looked at, as T_a_b with a < b: what the proposals were, best first, and
@@ -54,8 +56,8 @@ struct AttemptReport {
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
-  std::vector<PairTrace> traces;  // of the pairs that were searched or judged anew
-  StageTimes times;
+  std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged anew
+  StageTimes times = {};
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
 };
 
@@ -80,6 +82,9 @@ class MergePipeline {
   /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
   void complete_session(SessionId id);
 
+  /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes.
+  AttemptReport set_aside(SessionId id);
+
   /// After a restart, once all sessions and keyframes were added: alignments and decisions as they were stored, ordered
   /// by id, the last revision, and the anchors in the order they were chosen.
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
@@ -99,6 +104,9 @@ class MergePipeline {
 
   /// The verdict on a placement that is handed in, wherever it comes from; nothing is recorded. a < b.
   Judgement judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds);
+
+  /// Why keyframes of the session are left out of merging, from a jump of its odometry on; empty: they are not.
+  std::string why_cut(SessionId id) const;
 
   const Atlas& atlas() const;
   const std::vector<Alignment>& alignments() const;

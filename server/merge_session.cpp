@@ -1,5 +1,6 @@
 // A session as it grows, and which of two is laid on the other.
 
+#include <algorithm>
 #include <bit>
 #include <tuple>
 
@@ -43,6 +44,45 @@ void Session::set_aside_odd() {
 Laid MergePipeline::State::laid(SessionId one, SessionId other) const {
   const auto rank = [&](SessionId id) { return std::tuple(sessions.at(id).path_m(), sessions.at(id).mark, id); };
   return rank(one) < rank(other) ? Laid{one, other} : Laid{other, one};
+}
+
+AttemptReport MergePipeline::State::given_out(AttemptReport report) {
+  for (Alignment& alignment : report.changed) alignment = frames.given_out(alignment);
+  for (PairTrace& trace : report.traces)
+    for (auto* poses : {&trace.proposed, &trace.screened})
+      for (Pose& T_a_b : *poses) T_a_b = frames.given_out(trace.a, trace.b, T_a_b);
+  for (DecisionRecord& record : report.decided) {
+    const auto of = std::find_if(alignments.begin(), alignments.end(),
+                                 [&](const Alignment& a) { return a.id == record.alignment; });
+    record.T_a_b = frames.given_out(of->a, of->b, record.T_a_b);
+  }
+  atlas_given_out = frames.given_out(atlas);
+  alignments_given_out.clear();
+  for (const Alignment& alignment : alignments) alignments_given_out.push_back(frames.given_out(alignment));
+  return report;
+}
+
+void MergePipeline::State::forget(SessionId id) {
+  sessions.erase(id);
+  const auto of_it = [id](const auto& entry) { return entry.first.first == id || entry.first.second == id; };
+  std::erase_if(judged_on, of_it);
+  std::erase_if(contacts, of_it);
+}
+
+void MergePipeline::State::wake_alignments(SessionId id) {
+  for (Alignment& alignment : alignments)
+    if (alignment.a == id || alignment.b == id) alignment.state = decided_state(alignment);
+}
+
+void MergePipeline::State::take_back(std::vector<Alignment> stored, std::vector<DecisionRecord> decided) {
+  alignments = std::move(stored);
+  for (Alignment& alignment : alignments) alignment = frames.local(alignment);
+  for (DecisionRecord& record : decided)
+    if (const auto of = std::find_if(alignments.begin(), alignments.end(),
+                                     [&](const Alignment& a) { return a.id == record.alignment; });
+        of != alignments.end())
+      record.T_a_b = frames.local(of->a, of->b, record.T_a_b);
+  decisions.restore(std::move(decided));
 }
 
 Pose by_ids(const Laid& pair, const Pose& T) { return pair.a < pair.b ? T : T.inverse(); }

@@ -162,6 +162,7 @@ bool MergePipeline::State::prepare_ahead(CloudSource& clouds) {
     const auto known = [&, &kept = session](std::size_t k) {  // what a place sees is driven through, or all there is
       return kept.complete || kept.path_to_m[k] + JudgeConfig{}.place.window_m < kept.path_m();
     };
+    clouds.working_on(id, id);
     if (session.prepared < session.keyframes.size() && known(session.prepared)) {
       const PlaceRequest request = place_at(id, session.prepared++);
       places.get({&request, 1}, clouds);

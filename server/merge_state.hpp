@@ -10,6 +10,7 @@
 #include "server/place/hypotheses.hpp"
 #include "server/place_book.hpp"
 #include "server/registration/verification.hpp"
+#include "server/session_frames.hpp"
 
 namespace headframe {
 
@@ -87,6 +88,7 @@ struct SeenContact {
 
 struct MergePipeline::State {
   MergeConfig config;
+  SessionFrames frames;  // all that is kept below lies near zero; what goes out lies in the robots' frames
   std::map<SessionId, Session> sessions;
   /// By family and length of q: two robots may call different vectors by one name.
   std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>> indices;
@@ -94,6 +96,8 @@ struct MergePipeline::State {
   DecisionBook decisions;
   std::vector<SessionId> anchors;  // in the order they were chosen
   Atlas atlas;
+  Atlas atlas_given_out;
+  std::vector<Alignment> alignments_given_out;
   HypothesisFinder finder;
   PreparedClouds prepared;
   PlaceBook places;
@@ -103,6 +107,15 @@ struct MergePipeline::State {
   std::map<std::pair<SessionId, SessionId>, std::vector<SeenContact>> contacts;  // the latest placements of each pair
 
   explicit State(const MergeConfig& c);
+
+  /// The report, the atlas and the alignments in the robots' frames; an early return that changed nothing needs it not.
+  AttemptReport given_out(AttemptReport report);
+  /// Of a session that is set aside; its alignments stay in the list, where their numbers are.
+  void forget(SessionId id);
+  /// They stand again as their verdict and the operator's word say.
+  void wake_alignments(SessionId id);
+  /// Alignments and decisions as they were given out once.
+  void take_back(std::vector<Alignment> stored, std::vector<DecisionRecord> decided);
 
   /// The longer on the shorter: it is laid piece by piece, and more pieces find more. (With the shorter of the campus
   /// drives laid on the longer, the search missed the right placement at 4 of 24 turns, else at none.)

@@ -39,6 +39,8 @@ std::vector<SessionRow> StationView::sessions() const {
     const auto it = view->sessions.find(row.id);
     if (it == view->sessions.end()) continue;
     row.distance_m = it->second.distance_m;
+    row.why_aside = it->second.why_aside;
+    row.why_cut = it->second.why_cut;
     row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;
   }
   return rows;
@@ -107,6 +109,22 @@ void StationView::anchor(SessionId session, std::function<void(const Result<void
 
 void StationView::request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) {
   worker_.request_clouds(session, std::move(callback));
+}
+
+void StationView::set_aside(SessionId session, const std::string& why,
+                            std::function<void(const Result<void>&)> callback) {
+  worker_.set_aside(session, why, std::move(callback));
+}
+
+void StationView::release(SessionId session, std::function<void(const Result<void>&)> callback) {
+  worker_.release(session, std::move(callback));
+}
+
+void StationView::remove(SessionId session, std::function<void(const Result<void>&)> callback) {
+  worker_.remove(session, [this, session, callback = std::move(callback)](const Result<void>& done) {
+    if (done) hub_.forget(session);
+    callback(done);
+  });
 }
 
 void StationView::set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) {

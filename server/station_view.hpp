@@ -28,6 +28,9 @@ class StationView : public Station {
   void rename(SessionId session, const std::string& label, std::function<void(const Result<void>&)> callback) override;
   void anchor(SessionId session, std::function<void(const Result<void>&)> callback) override;
   void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) override;
+  void set_aside(SessionId session, const std::string& why, std::function<void(const Result<void>&)> callback) override;
+  void release(SessionId session, std::function<void(const Result<void>&)> callback) override;
+  void remove(SessionId session, std::function<void(const Result<void>&)> callback) override;
   std::vector<Survey> surveys() const override { return notes_.surveys(); }
   void set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) override;
   void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) override;

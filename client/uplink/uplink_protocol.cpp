@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/printable.hpp"
 #include "common/wire/limits.hpp"
 
 namespace headframe {
@@ -28,10 +29,7 @@ ErrorCode code_of(v1::ErrorKind kind) {
 }  // namespace
 
 std::string printable_text(const std::string& peer_text) {
-  std::string text = peer_text.substr(0, 1024);
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  return text;
+  return printable(std::string_view(peer_text).substr(0, 1024));
 }
 
 UplinkProtocol::UplinkProtocol(const UplinkLimits& limits, const Hello& hello, const UplinkSource& source, Time now)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/printable.hpp"
 #include "common/security/secret.hpp"
 #include "common/wire/frame_codec.hpp"
 #include "common/wire/limits.hpp"
@@ -56,9 +57,8 @@ Result<void> check_name(std::string_view what, std::string_view name) {
   if (name.size() > limits::name_bytes)
     return wrong("has " + std::to_string(name.size()) + " bytes, at most " + std::to_string(limits::name_bytes));
   if (name == "." || name == "..") return wrong("is a dot name");
-  for (const char c : name)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '/')
-      return wrong("has a '/' or a character that can not be printed");
+  if (name.find('/') != std::string_view::npos || printable(name) != name)
+    return wrong("has a '/' or a character that can not be printed");
   return {};
 }
 
@@ -172,7 +172,7 @@ Result<Hello> from_proto(const v1::Hello& m) {
   if (!v1::CloudPolicy_IsValid(m.clouds())) return bad("hello: cloud policy " + std::to_string(m.clouds()));
   h.clouds = static_cast<CloudPolicy>(m.clouds());
   if (m.software().size() > limits::name_bytes) return bad("hello: software has too long a name");
-  h.software = m.software();
+  h.software = printable(m.software());
   if (m.spool_id() == 0) return bad("hello: spool_id is missing");
   h.spool_id = m.spool_id();
   const auto is_secret = [](const std::string& secret, std::size_t size) {

@@ -111,6 +111,15 @@ std::string outcome_of(const std::string& both, const Alignment& k, bool togethe
   return apart + "nothing stands up" + best;
 }
 
+/// What speaks of one session whatever became of the pair.
+void add_troubles(const ExplainedSession& s, std::vector<std::string>& missing) {
+  if (!s.why_aside.empty())
+    missing.push_back(s.name + " is set aside (" + s.why_aside + "): headframe session release takes it back");
+  if (!s.why_cut.empty())
+    missing.push_back(s.name + ": " + s.why_cut +
+                      "; what comes after is not merged with the rest: begin a new session there");
+}
+
 void add_lacks(const ExplainedSession& s, const MergeConfig& config, std::vector<std::string>& missing) {
   if (!s.complete && s.path_m < config.least_path_m)
     missing.push_back(s.name + text(" is too short: %.0f of %.0f m; it merges when it has come so far, ends, or asks",
@@ -167,6 +176,8 @@ std::string_view to_string(Speaks speaks) {
 Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
                     const MergeConfig& config, const SessionNames& names) {
   Explanation out;
+  add_troubles(a, out.missing);
+  add_troubles(b, out.missing);
   const std::string both = a.name + " and " + b.name;
   if (a.family != b.family) {
     const bool version = a.family.name == b.family.name;
@@ -189,7 +200,9 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
   out.outcome = outcome_of(both, *alignment, together, config);
   if (has_placement(*alignment)) out.findings = findings_of(alignment->evidence);
   out.decision = decision_of(alignment->ruling);
-  if (alignment->state != AlignmentState::published) out.missing = missing_of(a, b, *alignment, config, names);
+  if (alignment->state == AlignmentState::published) return out;
+  const auto missing = missing_of(a, b, *alignment, config, names);
+  out.missing.insert(out.missing.end(), missing.begin(), missing.end());
   return out;
 }
 

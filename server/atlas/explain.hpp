@@ -19,6 +19,8 @@ struct ExplainedSession {
   std::uint64_t clouds = 0;  // stored
   bool complete = false;     // no keyframe follows
   bool connected = false;
+  std::string why_cut = {};    // its last keyframes are left out, and why; empty: they are not
+  std::string why_aside = {};  // it is set aside, and why; empty: it is not
 };
 
 enum class Speaks { in_favour, against, neither };

@@ -53,6 +53,9 @@ class Commands {
   Result<int> rename(const std::string& session, const std::string& label);
   Result<int> anchor(const std::string& session);
   Result<int> request_clouds(const std::string& session);
+  Result<int> quarantine(const std::string& session, const std::string& reason);
+  Result<int> release(const std::string& session);
+  Result<int> remove_session(const std::string& session);
   Result<int> list_surveys();
   /// The file holds the API's JSON, or control points when it ends in .csv.
   Result<int> set_survey(const std::string& session, const std::string& file);

@@ -21,7 +21,7 @@ struct Options {
   double every_s = 1;
   int times = 0, most = 10000;
   headframe::MapRequest map;
-  std::string session, file, frame, label, robot, alignment, a, b, shell = "bash";
+  std::string session, file, frame, label, reason, robot, alignment, a, b, shell = "bash";
   std::uint64_t kib_s = 0;
   std::function<Result<int>(Commands&)> command;
 };
@@ -126,6 +126,17 @@ void add_session_commands(CLI::App& app, Options& options) {
                           [&](Commands& c) { return c.overlay(options.alignment, options.most); });
   overlay->add_option("ALIGNMENT", options.alignment, "Its number, as alignments shows it")->required();
   overlay->add_option("--most", options.most, "Points of each session (default 10000)")->check(CLI::Range(0, 100000));
+  CLI::App* session = app.add_subcommand("session", "What becomes of a session that does harm");
+  session->add_flag("--json", options.json, "Print JSON");
+  session->require_subcommand(1);
+  const auto add_fate = adder(*session, options);
+  of_session(add_fate("quarantine", "Leave a session out of merging; what is stored of it stays", [&](Commands& c) {
+    return c.quarantine(options.session, options.reason);
+  }))->add_option("--reason", options.reason, "Why: shown beside the session");
+  of_session(add_fate("release", "Merge a session again that was set aside",
+                      [&](Commands& c) { return c.release(options.session); }));
+  of_session(add_fate("delete", "Delete all that is stored of a session, for good",
+                      [&](Commands& c) { return c.remove_session(options.session); }));
   CLI::App* survey = app.add_subcommand("survey", "Where sessions lie in the mine's grid");
   survey->add_flag("--json", options.json, "Print JSON");
   survey->require_subcommand(1);

@@ -93,6 +93,33 @@ Result<int> Commands::request_clouds(const std::string& session) {
   return exit_ok;
 }
 
+Result<int> Commands::quarantine(const std::string& session, const std::string& reason) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = posted(target_of(*row, "quarantine?reason=") + percent_encoded(reason), 200);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : full_name(*row) + " is set aside; session release takes it back\n");
+  return exit_ok;
+}
+
+Result<int> Commands::release(const std::string& session) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = posted(target_of(*row, "release"), 200);
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : full_name(*row) + " is merged again\n");
+  return exit_ok;
+}
+
+Result<int> Commands::remove_session(const std::string& session) {
+  const auto row = session_named(session);
+  if (!row) return tl::unexpected(row.error());
+  const auto body = removed("/api/v1/sessions/" + row->at("id").dump());
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : full_name(*row) + " is deleted\n");
+  return exit_ok;
+}
+
 Result<int> Commands::list_surveys() {
   const auto body = fetched("/api/v1/survey");
   if (!body) return tl::unexpected(body.error());

@@ -97,13 +97,6 @@ std::size_t terminal_width() {
   return size.ws_col;
 }
 
-std::string printable(const std::string& text) {
-  std::string out = text;
-  std::replace_if(
-      out.begin(), out.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-  return out;
-}
-
 std::string fixed(double value, int decimals) {
   std::array<char, 400> text;
   const int size = std::snprintf(text.data(), text.size(), "%.*f", decimals, value);

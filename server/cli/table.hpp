@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "common/printable.hpp"  // peers choose the names
+
 namespace headframe {
 
 /// Columns of text, the first ones left and those marked right-aligned. Where a line does not fit, columns that can be
@@ -23,9 +25,6 @@ struct Table {
 
 /// Of the terminal on stdout; 0 when stdout is none.
 std::size_t terminal_width();
-
-/// Without what would move a terminal's cursor or colour: peers choose the names.
-std::string printable(const std::string& text);
 
 /// "981 B", "1.2 MB".
 std::string bytes_text(double bytes);

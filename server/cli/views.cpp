@@ -33,6 +33,8 @@ std::string counted(std::uint64_t count, const std::string& one) {
 }
 
 std::string state(const Json& session) {
+  if (const Json why = session.value("why_aside", Json()); why.is_string())
+    return "set aside: " + printable(why.get<std::string>());
   const bool complete = session.at("complete").get<bool>();
   if (session.at("connected").get<bool>()) return complete ? "docked" : "live";
   return complete ? "complete" : "away";

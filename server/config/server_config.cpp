@@ -23,6 +23,8 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"limits", "database_mib", &c.database_mib, 0, 1e8},
       {"limits", "write_queue_mib", &c.write_queue_mib, 32, 65536},
       {"limits", "robots", &c.limits.robots, 1, 4096},
+      {"limits", "sessions", &c.limits.sessions, 1, 4096},
+      {"limits", "sessions_a_day", &c.limits.sessions_a_day, 1, 1e6},
       {"limits", "strangers", &c.limits.strangers, 1, 4096},
       {"limits", "spares", &c.limits.spares, 0, 64},
       {"limits", "undurable_mib", &c.limits.undurable_mib, 1, 1024},

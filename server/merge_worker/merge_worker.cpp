@@ -16,23 +16,24 @@ constexpr int merge_nice = 10;
 
 }  // namespace
 
-MergeWorker::MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config)
-    : pipeline_(std::move(pipeline)), store_(store), schedule_(config) {}
+MergeWorker::MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config,
+                         std::optional<WorkMark> mark)
+    : pipeline_(std::move(pipeline)), store_(store), schedule_(config), mark_(std::move(mark)) {}
 
 MergeWorker::~MergeWorker() { stop(); }
 
 Result<void> MergeWorker::restore() {
   auto sessions = store_.sessions();
   if (!sessions) return tl::unexpected(sessions.error());
+  if (auto known = restore_troubles(); !known) return known;
   for (const SessionRecord& session : *sessions) {
-    pipeline_->add_session(session.id, session.family);
-    feed(session.id, false);
-    if (session.complete) pipeline_->complete_session(session.id);
-    auto clouds = store_.cloud_sequences(session.id);
-    if (!clouds) return tl::unexpected(clouds.error());
-    Known& known = known_[session.id];
-    known.stored = {clouds->begin(), clouds->end()};
-    if (known.keyframes > session.attempted_keyframes) schedule_.trigger(session.id, Trigger::restart, Clock::now());
+    if (is_aside(session.id)) {
+      if (!troubles_[session.id].deleted) known_[session.id] = {};
+      continue;
+    }
+    if (auto done = bring_in(session); !done) return done;
+    if (known_[session.id].keyframes > session.attempted_keyframes)
+      schedule_.trigger(session.id, Trigger::restart, Clock::now());
   }
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
@@ -41,6 +42,19 @@ Result<void> MergeWorker::restore() {
   atlas_ = pipeline_->atlas();
   update_view();
   rest();
+  return {};
+}
+
+/// A stored session, into the pipeline.
+Result<void> MergeWorker::bring_in(const SessionRecord& session) {
+  working_on(session.id, session.id);
+  pipeline_->add_session(session.id, session.family);
+  feed(session.id, false);
+  if (session.complete) pipeline_->complete_session(session.id);
+  auto clouds = store_.cloud_sequences(session.id);
+  if (!clouds) return tl::unexpected(clouds.error());
+  known_[session.id].stored = {clouds->begin(), clouds->end()};
+  if (mark_) mark_->off();
   return {};
 }
 
@@ -77,18 +91,23 @@ void MergeWorker::run() {
   std::vector<Order> orders;
   try {
     while (wait_for_news(news, orders)) {
-      for (const auto& [session, what] : news) take(session, what);
+      for (const auto& [session, what] : news) {
+        working_on(session, session);
+        take(session, what);
+      }
       if (!news.empty()) update_view();
       for (const Order& order : orders) order({});
       schedule_.tick(Clock::now());
       const auto next = schedule_.next();
       if (next) attempt(*next);
       ahead_ = next || prepare_ahead();
+      if (mark_) mark_->off();
       rest();
     }
   } catch (const Cancelled&) {
     spdlog::info("the server stops in the middle of an attempt; it is made anew after the next start");
   }
+  if (mark_) mark_->off();
   turn_away();
 }
 
@@ -129,6 +148,11 @@ void MergeWorker::rest() {
 
 void MergeWorker::take(SessionId session, const SessionNews& news) {
   const auto now = Clock::now();
+  if (is_aside(session)) {
+    if (const auto found = known_.find(session); found != known_.end())
+      found->second.answers = news.came.value_or(!news.left && found->second.answers);
+    return;
+  }
   if (news.added) pipeline_->add_session(session, *news.added);
   Known& known = known_[session];
   if (news.durable_keyframes > known.keyframes) feed(session, true);
@@ -165,22 +189,31 @@ void MergeWorker::feed(SessionId session, bool counts) {
     pipeline_->add_keyframe(session, std::move(keyframe));
   });
   if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
-  draft_.sessions[session].distance_m += metres;
+  MergeView::Session& shown = draft_.sessions[session];
+  shown.distance_m += metres;
+  const std::string why_cut = pipeline_->why_cut(session);
+  if (!why_cut.empty() && shown.why_cut.empty())
+    spdlog::warn("session {}: {}; what comes after is not merged with the rest: begin a new session there", session,
+                 why_cut);
+  shown.why_cut = why_cut;
   if (counts) schedule_.travelled(session, metres, Clock::now());
   if (counts && junction) schedule_.junction(session, Clock::now());
 }
 
 void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
+  if (is_aside(attempt.session)) return;
   AttemptReport report;
   const auto start = Clock::now();
+  working_on(attempt.session, attempt.session);
   try {
     report = pipeline_->attempt(attempt.session, *this);
   } catch (const Cancelled&) {
     throw;
   } catch (const std::exception& e) {
     spdlog::error("attempt to merge session {} failed: {}", attempt.session, e.what());
-    return;
+    return attempt_failed(attempt.session);
   }
+  attempt_went_well(attempt.session);
   const StageTimes& t = report.times;
   {
     const std::lock_guard lock(mutex_);
@@ -213,6 +246,12 @@ void MergeWorker::update_view() {
     if (!placed.contains(session)) draft_.atlas.components.push_back({session, {{session, Pose::Identity()}}});
   std::sort(draft_.atlas.components.begin(), draft_.atlas.components.end(),
             [](const Component& a, const Component& b) { return a.id < b.id; });
+  for (const auto& [session, trouble] : troubles_) draft_.sessions[session];
+  for (auto& [session, shown] : draft_.sessions) {
+    const auto trouble = troubles_.find(session);
+    shown.why_aside = trouble == troubles_.end() ? std::string() : trouble->second.why_aside;
+    shown.deleted = trouble != troubles_.end() && trouble->second.deleted;
+  }
   auto made = std::make_shared<const MergeView>(draft_);
   const std::lock_guard lock(mutex_);
   view_ = std::move(made);

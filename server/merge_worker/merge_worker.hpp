@@ -8,6 +8,7 @@
 
 #include "server/merge_worker/mailbox.hpp"
 #include "server/merge_worker/pipeline.hpp"
+#include "server/merge_worker/work_mark.hpp"
 #include "server/operator/station.hpp"
 #include "server/store/store.hpp"
 
@@ -18,6 +19,9 @@ struct MergeView {
   struct Session {
     double distance_m = 0;
     double trigger_to_transform_ms = -1;
+    std::string why_aside = {};  // it is not merged, and why; empty: it is
+    bool deleted = false;
+    std::string why_cut = {};  // keyframes from here on are left out of merging, and why; empty: none are
   };
   Atlas atlas;  // every session is in it
   std::vector<Alignment> alignments;
@@ -29,7 +33,9 @@ struct MergeView {
 /// up and nothing else; a database that can not be written ends it. Thread safe but for restore() and start().
 class MergeWorker : public MergeNews, private CloudSource {
  public:
-  MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config);
+  /// mark: where it notes what it works on; none: a death is blamed on nobody.
+  MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config,
+              std::optional<WorkMark> mark = std::nullopt);
   ~MergeWorker() override;  // stop()
 
   /// Brings back what the store holds; once, before start(). Sessions with keyframes that no attempt has seen are
@@ -57,6 +63,14 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// Asks the session's robot for all its clouds that are not here; `done` runs once with how many. not_found: no such
   /// session; refused: its robot is away, or sends no clouds.
   void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> done);
+
+  /// The session is not merged any more, from now on and after a restart; what is stored of it stays. `done` as
+  /// decide()'s. not_found: no such session.
+  void set_aside(SessionId session, const std::string& why, std::function<void(const Result<void>&)> done);
+  /// It is merged again. refused: it is not set aside.
+  void release(SessionId session, std::function<void(const Result<void>&)> done);
+  /// Set aside, and all that is stored of it is deleted, for good.
+  void remove(SessionId session, std::function<void(const Result<void>&)> done);
 
   Pending pending() const;
   /// What the operator asked for and the worker has not taken up.
@@ -95,11 +109,22 @@ class MergeWorker : public MergeNews, private CloudSource {
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
   void published(const MergeSchedule::Attempt* attempt);
-  bool write_durably(const PutMerge& write);
+  bool write_durably(const Write& write);
+  Result<void> bring_in(const SessionRecord& session);
+  // worker_aside.cpp
+  Result<void> restore_troubles();
+  bool is_aside(SessionId session) const;
+  void blame(const WorkMark::Left& left);
+  void attempt_failed(SessionId session);
+  void attempt_went_well(SessionId session);
+  void leave_out(SessionId session);
+  Result<void> put_aside(SessionId session, const std::string& why, bool deleted);
+  Result<void> take_back(SessionId session);
   void update_view();
 
   CloudState state(const KeyframeRef& keyframe) const override;
   Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+  void working_on(SessionId a, SessionId b) override;
 
   // The worker's thread only.
   std::unique_ptr<Pipeline> pipeline_;
@@ -107,6 +132,8 @@ class MergeWorker : public MergeNews, private CloudSource {
   Robots* robots_ = nullptr;
   MergeSchedule schedule_;
   std::map<SessionId, Known> known_;
+  std::map<SessionId, TroubleRecord> troubles_;
+  std::optional<WorkMark> mark_;
   Atlas atlas_;  // as published last
   MergeView draft_;
 

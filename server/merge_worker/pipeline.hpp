@@ -19,6 +19,8 @@ class Pipeline {
                        std::vector<SessionId> anchors) = 0;
   virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;
   virtual Result<AttemptReport> anchor(SessionId id) = 0;
+  virtual std::string why_cut(SessionId /*id*/) const { return {}; }
+  virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
   virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;
   virtual const Atlas& atlas() const = 0;
   virtual const std::vector<Alignment>& alignments() const = 0;

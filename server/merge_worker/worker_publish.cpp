@@ -58,7 +58,7 @@ void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
 
 /// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the
 /// write can not be made at all, and merging stops.
-bool MergeWorker::write_durably(const PutMerge& write) {
+bool MergeWorker::write_durably(const Write& write) {
   while (true) {
     auto result = std::make_shared<std::optional<Result<void>>>();
     store_.write(write, [this, result](const Result<void>& done) {

@@ -106,7 +106,7 @@ bool RobotConnection::crowded() const {
 }
 
 void RobotConnection::read() {
-  if (!begun_ || deciding_ || reading_ || dropped_) return;
+  if (!begun_ || deciding_ || checking_ || reading_ || dropped_) return;
   const bool was_held = std::exchange(held_back_, crowded() && !protocol_.ended());
   if (held_back_ && !was_held) ++hub_.counts().held_back;
   if (held_back_) return;
@@ -128,7 +128,9 @@ void RobotConnection::on_bytes(std::size_t bytes) {
 }
 
 void RobotConnection::take_events() {
-  while (auto event = protocol_.next()) {
+  while (!checking_) {
+    auto event = protocol_.next();
+    if (!event) return;
     if (const auto* hello = std::get_if<HelloReceived>(&*event)) {
       greet(hello->hello);
       continue;
@@ -137,9 +139,31 @@ void RobotConnection::take_events() {
       protocol_.resume(hub_.durable_keyframes(session_), !probe->keyframe_follows);
       continue;
     }
-    undurable_bytes_ += SessionHub::stored_bytes(*event);
-    hub_.take(session_, std::move(*event), shared_from_this());
+    if (auto* cloud = std::get_if<CloudArrived>(&*event))
+      check(std::move(*cloud));
+    else
+      take(std::move(*event));
   }
+}
+
+void RobotConnection::take(RobotEvent event) {
+  undurable_bytes_ += SessionHub::stored_bytes(event);
+  hub_.take(session_, std::move(event), shared_from_this());
+}
+
+/// Decoding takes long, and how long the robot chooses: not on a thread that serves others. What the robot says next
+/// waits, so that the order stays.
+void RobotConnection::check(CloudArrived cloud) {
+  checking_ = true;
+  hub_.work_for(session_, [self = shared_from_this(), cloud = std::move(cloud)]() mutable {
+    auto decodes = RobotProtocol::check(cloud);
+    self->on_strand([cloud = std::move(cloud), decodes = std::move(decodes)](RobotConnection& me) mutable {
+      me.checking_ = false;
+      me.take(me.protocol_.checked(std::move(cloud), decodes));
+      me.take_events();
+      me.read();
+    });
+  });
 }
 
 void RobotConnection::greet(const Hello& hello) {

@@ -54,6 +54,8 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   void read();
   void on_bytes(std::size_t bytes);
   void take_events();
+  void take(RobotEvent event);
+  void check(CloudArrived cloud);
   void greet(const Hello& hello);
   void admit(const Hello& hello);
   void refuse(const Error& error);
@@ -79,6 +81,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   bool begun_ = false;      // the handshake is over, or there is none
   bool deciding_ = false;   // whether to let it in: nothing is read meanwhile
   LinkPolicy told_;         // as the robot knows it
+  bool checking_ = false;   // whether a cloud of it decodes: nothing else of it is looked at meanwhile
   bool held_back_ = false;  // its socket is not read: crowded()
   bool reading_ = false, writing_ = false, finishing_ = false, dropped_ = false;
   Clock::time_point write_began_, finish_began_;

@@ -17,6 +17,10 @@ struct KeyframeReceived {
   Keyframe keyframe;          // never a hole: repeats aside, the sequence goes up by one
   std::uint64_t backlog = 0;  // keyframes that the robot still has to send after it
 };
+struct CloudArrived {          // whole; to be answered by RobotProtocol::checked() before the next event is asked for
+  std::uint64_t sequence = 0;  // of a keyframe that was received before
+  std::string encoded;
+};
 struct CloudReceived {
   std::uint64_t sequence = 0;  // of a keyframe that was received before
   std::string encoded;         // it decodes
@@ -38,8 +42,8 @@ struct ProbeReceived {  // to be answered by RobotProtocol::resume() before the 
   bool keyframe_follows = false;
 };
 struct TakenOver {};  // this connection carries the session from now on
-using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudReceived, CloudRefused, CloudsUnavailable,
-                                TriggerRequested, GoodbyeReceived, ProbeReceived, TakenOver>;
+using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused,
+                                CloudsUnavailable, TriggerRequested, GoodbyeReceived, ProbeReceived, TakenOver>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {

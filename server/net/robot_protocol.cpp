@@ -132,8 +132,16 @@ std::optional<RobotEvent> RobotProtocol::on_chunk(const v1::CloudChunk& message)
     return refused(message.sequence(), whole.error().message);
   }
   if (!*whole) return std::nullopt;
-  if (const auto cloud = decode_cloud(**whole); !cloud) return refused(message.sequence(), cloud.error().message);
-  return CloudReceived{message.sequence(), std::move(**whole)};
+  return CloudArrived{message.sequence(), std::move(**whole)};
+}
+
+Result<void> RobotProtocol::check(const CloudArrived& cloud) {
+  return decode_cloud(cloud.encoded).map([](const KeyframeCloud&) {});
+}
+
+RobotEvent RobotProtocol::checked(CloudArrived cloud, const Result<void>& decodes) {
+  if (!decodes) return *refused(cloud.sequence, decodes.error().message);
+  return CloudReceived{cloud.sequence, std::move(cloud.encoded)};
 }
 
 std::optional<RobotEvent> RobotProtocol::refused(std::uint64_t sequence, const std::string& reason) {

@@ -37,6 +37,10 @@ class RobotProtocol {
   /// Answers ProbeReceived: keyframes go on from here. acknowledge: at once, not only when the next one is durable.
   void resume(std::uint64_t durable_keyframes, bool acknowledge);
 
+  /// Answers CloudArrived: whether it decodes, which takes too long for a thread that serves all. What comes of it.
+  RobotEvent checked(CloudArrived cloud, const Result<void>& decodes);
+  static Result<void> check(const CloudArrived& cloud);
+
   /// Another connection carries the session: chunks of clouds are passed over here, for they come anew there.
   void stand_by();
 

@@ -16,6 +16,8 @@ Result<void> SessionHub::restore() {
   if (!sessions) return tl::unexpected(sessions.error());
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
+  const auto troubles = store_.troubles();
+  if (!troubles) return tl::unexpected(troubles.error());
   const std::lock_guard lock(mutex_);
   for (const SessionRecord& record : *sessions) {
     auto clouds = store_.cloud_sequences(record.id);
@@ -28,6 +30,7 @@ Result<void> SessionHub::restore() {
     session.clouds = {clouds->begin(), clouds->end()};
     ids_[record.key] = record.id;
   }
+  for (const TroubleRecord& trouble : *troubles) sessions_[trouble.session].deleted = trouble.deleted;
   atlas_ = std::move(merge->atlas);
   for (const Component& component : atlas_.components)
     for (const Placement& placement : component.placements)
@@ -46,6 +49,15 @@ std::size_t SessionHub::stored_bytes(const RobotEvent& event) {
   if (std::holds_alternative<KeyframeReceived>(event)) return keyframe_bytes;
   if (const auto* cloud = std::get_if<CloudReceived>(&event)) return cloud->encoded.size() + keyframe_bytes;
   return 0;
+}
+
+void SessionHub::work_for(SessionId session, FairPool::Work work) {
+  std::string robot;
+  {
+    const std::lock_guard lock(mutex_);
+    robot = sessions_.at(session).record.key.robot;
+  }
+  decoding_.submit(robot, std::move(work));
 }
 
 void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link) {
@@ -166,6 +178,7 @@ std::vector<SessionRow> SessionHub::sessions() const {
   std::vector<SessionRow> rows;
   const auto now = Clock::now();
   for (const auto& [id, s] : sessions_) {
+    if (s.deleted) continue;
     auto& row = rows.emplace_back(SessionRow{id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(),
                                              s.record.complete, s.keyframes, s.clouds.size(), s.bytes_received});
     row.cloud_bytes = s.cloud_bytes;

@@ -8,8 +8,10 @@
 
 #include "server/merge_worker/merge_news.hpp"
 #include "server/net/data_rate.hpp"
+#include "server/net/fair_pool.hpp"
 #include "server/net/robot_events.hpp"
 #include "server/net/robot_limits.hpp"
+#include "server/net/robot_quota.hpp"
 #include "server/operator/station.hpp"
 #include "server/store/store.hpp"
 
@@ -42,7 +44,7 @@ class RobotLink {
 class SessionHub : public Robots {
  public:
   SessionHub(Store& store, MergeNews& news, const RobotLimits& limits = {})
-      : store_(store), news_(news), limits_(limits) {}
+      : store_(store), news_(news), limits_(limits), quota_(limits) {}
 
   Result<void> restore();
 
@@ -52,16 +54,20 @@ class SessionHub : public Robots {
     std::shared_ptr<const std::string> transform;  // null: the session has never been merged
   };
   /// refused: the session belongs to another spool or another copy of it, or has another family. unavailable: as many
-  /// robots as limits.robots are connected. A living connection of the same spool is replaced: the robot has noticed
-  /// before us that it broke. From here on the hub writes to the link. A spare disturbs none: it has to be of the same
-  /// run of the spool (else unavailable), and of more than limits.spares the oldest is closed. Where nobody carries the
-  /// session it does.
+  /// robots as limits.robots are connected, or the robot's own quota is used up. A living connection of the same spool
+  /// is replaced: the robot has noticed before us that it broke. From here on the hub writes to the link. A spare
+  /// disturbs none: it has to be of the same run of the spool (else unavailable), and of more than limits.spares the
+  /// oldest is closed. Where nobody carries the session it does.
   Result<Admitted> admit(const Hello& hello, const std::shared_ptr<RobotLink>& link);
-  /// Takes any event but the hello and the probe.
+  /// Runs on a thread of its own kind, in turns with what other robots cause: see FairPool.
+  void work_for(SessionId session, FairPool::Work work);
+  /// Takes any event but the hello, the probe and the cloud that was not checked.
   void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
   void received(SessionId session, std::size_t bytes);
   void left(SessionId session, const RobotLink* link);
   std::uint64_t durable_keyframes(SessionId session) const;
+  /// It was deleted: its connections end, and its robot is told to begin another.
+  void forget(SessionId session);
   /// Ends all connections of this robot, for good.
   void end_robot(const std::string& robot, const std::string& why);
 
@@ -108,12 +114,14 @@ class SessionHub : public Robots {
     std::weak_ptr<RobotLink> link;
     std::vector<std::weak_ptr<RobotLink>> spares;  // the oldest first
     bool answers = false;                          // requests for clouds
+    bool deleted = false;                          // nobody may go on with it
   };
   using Applied = std::function<void()>;
   using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written
 
   Session& session_of(const Hello& hello);
-  bool has_room(const Hello& hello) const;
+  /// Why there is none for this robot; empty: there is.
+  std::string want_of_room(const Hello& hello) const;
   void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied,
              Rejected rejected = {});
   void note_refusal(SessionId session, const CloudRefused& cloud);
@@ -141,6 +149,8 @@ class SessionHub : public Robots {
   std::mutex policy_mutex_;  // taken before mutex_
   LinkPolicy policy_;
   Clock::time_point policy_made_;
+  RobotQuota quota_;
+  FairPool decoding_{2};  // last: its work is done before what it uses goes
 };
 
 }  // namespace headframe

@@ -37,6 +37,7 @@ bool same_run(const SessionRecord& record, const Hello& hello) {
 /// The hello's session, made when it is new. Under the lock.
 SessionHub::Session& SessionHub::session_of(const Hello& hello) {
   if (const auto known = ids_.find(hello.session); known != ids_.end()) return sessions_.at(known->second);
+  quota_.began_session(hello.session.robot, Clock::now());
   const SessionId id = sessions_.empty() ? 1 : sessions_.rbegin()->first + 1;
   ids_[hello.session] = id;
   Session& session = sessions_[id];
@@ -50,12 +51,21 @@ SessionHub::Session& SessionHub::session_of(const Hello& hello) {
   return session;
 }
 
-/// Room for one more robot; the one it replaces does not count. Under the lock.
-bool SessionHub::has_room(const Hello& hello) const {
-  const auto others = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& session) {
-    return !session.second.link.expired() && session.second.record.key != hello.session;
-  });
-  return others < limits_.robots;
+/// The connection that this one replaces does not count. The robot's own bounds come first: who has reached them learns
+/// so, and not that others have. Under the lock.
+std::string SessionHub::want_of_room(const Hello& hello) const {
+  int all = 0, own = 0;
+  for (const auto& [id, session] : sessions_) {
+    if (session.link.expired() || session.record.key == hello.session) continue;
+    ++all;
+    own += session.record.key.robot == hello.session.robot ? 1 : 0;
+  }
+  if (const auto why = quota_.objection(hello.session.robot, own, !ids_.contains(hello.session), Clock::now());
+      !why.empty())
+    return why;
+  if (all < limits_.robots) return "";
+  return "the server serves " + std::to_string(limits_.robots) +
+         " robots already; raise limits.robots or try again later";
 }
 
 Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::shared_ptr<RobotLink>& link) {
@@ -66,10 +76,11 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
   {
     const std::lock_guard lock(mutex_);
     if (const auto beside = stand_by(hello, link)) return *beside;
-    if (!has_room(hello))
-      return failure(ErrorCode::unavailable, "the server serves " + std::to_string(limits_.robots) +
-                                                 " robots already; raise limits.robots or try again later");
+    if (const std::string why = want_of_room(hello); !why.empty()) return failure(ErrorCode::unavailable, why);
     Session& session = session_of(hello);
+    if (session.deleted)
+      return failure(ErrorCode::refused, "session " + name_of(hello.session) +
+                                             " was deleted by the operator; begin a new session, with an empty spool");
     if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
     if (!same_run(session.record, hello)) spares.swap(session.spares);
     if (!hello.spool_runs.empty()) session.record.spool_run = hello.spool_runs.back();
@@ -143,6 +154,21 @@ void SessionHub::left(SessionId session, const RobotLink* link) {
   known.link.reset();
   news_.robot_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
+}
+
+void SessionHub::forget(SessionId id) {
+  std::vector<std::shared_ptr<RobotLink>> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    Session& session = sessions_.at(id);
+    session.deleted = true;
+    session.keyframes = 0;
+    session.clouds.clear();
+    ended.push_back(session.link.lock());
+    for (const auto& spare : session.spares) ended.push_back(spare.lock());
+  }
+  for (const auto& link : ended)
+    if (link) link->close(v1::ERROR_KIND_REFUSED, "the session was deleted by the operator", true);
 }
 
 void SessionHub::end_robot(const std::string& robot, const std::string& why) {

@@ -60,4 +60,40 @@ Result<Reply> request_clouds(const Query& query, const Context& context) {
   }};
 }
 
+Result<Reply> quarantine(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  constexpr std::size_t most_bytes = 256;
+  const auto given = query.find("reason");
+  std::string why = given == query.end() ? "" : given->second.substr(0, most_bytes);
+  if (why.empty()) why = "by the operator";
+  return Later{[&station = context.station, row = *row, why](auto answer) mutable {
+    row.why_aside = why;
+    station.set_aside(row.id, why, [&station, row, answer = std::move(answer)](const Result<void>& done) {
+      answer(done ? json(session_json(row, station.atlas().atlas)) : error_reply(done.error()));
+    });
+  }};
+}
+
+Result<Reply> release(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  return Later{[&station = context.station, row = *row](auto answer) mutable {
+    row.why_aside.clear();
+    station.release(row.id, [&station, row, answer = std::move(answer)](const Result<void>& done) {
+      answer(done ? json(session_json(row, station.atlas().atlas)) : error_reply(done.error()));
+    });
+  }};
+}
+
+Result<Reply> remove_session(const Query& query, const Context& context) {
+  const auto row = session_in_path(query, context);
+  if (!row) return tl::unexpected(row.error());
+  return Later{[&station = context.station, id = row->id](auto answer) {
+    station.remove(id, [answer = std::move(answer)](const Result<void>& done) {
+      answer(done ? json("{\"deleted\":true}\n") : error_reply(done.error()));
+    });
+  }};
+}
+
 }  // namespace headframe::routes

@@ -58,6 +58,7 @@ Json session_object(const SessionRow& row) {
             {"max_range_m", number(row.sensor.max_range_m)}}},
           {"connected", row.connected},
           {"complete", row.complete},
+          {"why_aside", row.why_aside.empty() ? Json() : Json(row.why_aside)},
           {"keyframes", row.keyframes},
           {"clouds", row.clouds},
           {"bytes_received", row.bytes_received},

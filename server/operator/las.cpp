@@ -1,8 +1,10 @@
 #include "server/operator/las.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace headframe {
 namespace {
@@ -53,8 +55,10 @@ std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const
 
 void append_las_point(std::string& out, const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m,
                       const std::array<std::uint8_t, 3>& colour) {
+  constexpr double most = std::numeric_limits<std::int32_t>::max();
   for (int axis = 0; axis < 3; ++axis)
-    append(out, static_cast<std::int32_t>(std::lround((p_m[axis] - offset_m[axis]) / las_unit_m)));
+    append(out,
+           static_cast<std::int32_t>(std::lround(std::clamp((p_m[axis] - offset_m[axis]) / las_unit_m, -most, most))));
   append(out, std::uint16_t{0});    // intensity
   append(out, std::uint8_t{0x09});  // the first return of one
   out.append(5, '\0');              // class, angle, user data, source

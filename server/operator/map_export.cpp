@@ -131,8 +131,10 @@ void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, c
   for (const std::uint8_t channel : item.colour) append(out, channel);
 }
 
-/// Grid coordinates in PLY are doubles; the other formats count from an origin.
-bool MapExport::wide() const { return request_.format == CloudFormat::ply && request_.frame == OutputFrame::grid; }
+/// Coordinates far from zero are doubles in PLY; the other formats count from an origin.
+bool MapExport::wide() const {
+  return request_.format == CloudFormat::ply && (request_.frame == OutputFrame::grid || !origin_m_.isZero());
+}
 
 std::size_t MapExport::point_bytes() const {
   if (request_.format == CloudFormat::las) return las_point_bytes;
@@ -161,7 +163,7 @@ std::string MapExport::text_header(std::size_t points) const {
   const char* comment = ply ? "comment " : "# ";
   out << comment << "headframe: component " << request_.component << " in "
       << (grid ? "the mine's grid" : "its own frame") << ", metres\n";
-  if (grid && !ply) {
+  if ((grid || !origin_m_.isZero()) && !ply) {
     out << std::fixed << std::setprecision(0) << "# offset " << origin_m_.x() << ' ' << origin_m_.y() << ' '
         << origin_m_.z() << ": add it to every point\n";
   }

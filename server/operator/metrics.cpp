@@ -86,6 +86,8 @@ std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasVie
   Page page;
   page.one("uptime_seconds", "gauge", "Since the operator API began.", uptime_s);
   page.one("sessions", "gauge", "Sessions known.", sessions.size());
+  page.one("sessions_aside", "gauge", "Sessions that are set aside: not merged until the operator releases them.",
+           totals.aside);
   page.one("robots_connected", "gauge", "Robots connected now.", totals.connected);
   page.one("keyframes", "gauge", "Keyframes stored.", totals.keyframes);
   page.one("clouds", "gauge", "Clouds stored.", totals.clouds);

@@ -40,7 +40,7 @@ Keyframes of_overlap(const Keyframes& own, const Keyframes& others, const Pose& 
   return out;
 }
 
-/// The stored clouds of some keyframes, thinned, in the frame that T_frame_session leads to.
+/// The stored clouds of some keyframes, thinned, in the frame that T_frame_session leads to; its origin is near.
 Result<Points> points_around(const Station& station, SessionId session, const Keyframes& near,
                              const Pose& T_frame_session) {
   Points all;
@@ -88,10 +88,13 @@ Residuals residuals(const Points& a, const Points& b) {
   return out;
 }
 
-nlohmann::json rows(const Points& points) {
+nlohmann::json rows(const Points& points, const Eigen::Vector3d& origin_m) {
   nlohmann::json out = nlohmann::json::array();
-  const auto millimetres = [](float value) { return std::round(static_cast<double>(value) * 1000) / 1000; };
-  for (const Eigen::Vector3f& p : points) out.push_back({millimetres(p.x()), millimetres(p.y()), millimetres(p.z())});
+  const auto millimetres = [](double value) { return std::round(value * 1000) / 1000; };
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d p_a = p.cast<double>() + origin_m;
+    out.push_back({millimetres(p_a.x()), millimetres(p_a.y()), millimetres(p_a.z())});
+  }
   return out;
 }
 
@@ -103,8 +106,13 @@ Result<std::optional<std::string>> OverlayJson::next() {
   for (const auto* path : {&of_a, &of_b})
     if (!*path) return tl::unexpected(path->error());
   const Pose& T_a_b = alignment_.T_a_b;
-  const auto a = points_around(station_, alignment_.a, of_overlap(*of_a, *of_b, T_a_b), Pose::Identity());
-  const auto b = points_around(station_, alignment_.b, of_overlap(*of_b, *of_a, T_a_b.inverse()), T_a_b);
+  const Keyframes near_a = of_overlap(*of_a, *of_b, T_a_b), near_b = of_overlap(*of_b, *of_a, T_a_b.inverse());
+  // Points are single precision, and a's frame may have its origin far away.
+  const Eigen::Vector3d origin_m =
+      near_a.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(near_a.front().T_local_sensor.translation());
+  const Pose T_near_a(Eigen::Translation3d(-origin_m));
+  const auto a = points_around(station_, alignment_.a, near_a, T_near_a);
+  const auto b = points_around(station_, alignment_.b, near_b, T_near_a * T_a_b);
   for (const auto* points : {&a, &b})
     if (!*points) return tl::unexpected(points->error());
   if (a->empty() || b->empty())
@@ -114,9 +122,12 @@ Result<std::optional<std::string>> OverlayJson::next() {
   nlohmann::json runner_up;
   if (alignment_.T_a_b_runner_up)
     runner_up = {{"T_a_b", row_major(*alignment_.T_a_b_runner_up)}, {"probability", alignment_.evidence.runner_up}};
-  const nlohmann::json out{{"a", rows(thinned(*a, most_))}, {"b", rows(thinned(*b, most_))},
-                           {"residuals_m", off.counts},     {"bin_m", std::round(bin_m * 1e6) / 1e6},
-                           {"unmatched", off.unmatched},    {"runner_up", std::move(runner_up)}};
+  const nlohmann::json out{{"a", rows(thinned(*a, most_), origin_m)},
+                           {"b", rows(thinned(*b, most_), origin_m)},
+                           {"residuals_m", off.counts},
+                           {"bin_m", std::round(bin_m * 1e6) / 1e6},
+                           {"unmatched", off.unmatched},
+                           {"runner_up", std::move(runner_up)}};
   return out.dump() + "\n";
 }
 

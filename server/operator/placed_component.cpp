@@ -4,6 +4,16 @@
 #include <sstream>
 
 namespace headframe {
+namespace {
+
+/// A robot may count its metres from far away (UTM), and what it anchors lies there.
+Eigen::Vector3d origin_near(const Eigen::Vector3d& p_m) {
+  constexpr double near_m = 10e3;  // single precision holds a millimetre there
+  if (p_m.cwiseAbs().maxCoeff() < near_m) return Eigen::Vector3d::Zero();
+  return p_m.array().round();
+}
+
+}  // namespace
 
 Result<OutputFrame> output_frame_from(const std::string& name) {
   if (name == "component") return OutputFrame::component;
@@ -38,7 +48,6 @@ Result<PlacedComponent> placed_component(const Station& station, SessionId id, O
   std::map<SessionId, SessionRow> rows;
   for (SessionRow& row : station.sessions()) rows[row.id] = std::move(row);
   PlacedComponent placed;
-  if (frame == OutputFrame::grid) placed.origin_m = T_frame_component->translation().array().round();
   for (const Placement& placement : component->placements) {
     const auto keyframes = station.trajectory(placement.session);
     if (!keyframes) return tl::unexpected(keyframes.error());
@@ -48,6 +57,10 @@ Result<PlacedComponent> placed_component(const Station& station, SessionId id, O
           {placed.sessions.size(), keyframe.sequence, T_frame_session * keyframe.T_local_sensor});
     placed.sessions.push_back(rows[placement.session]);
   }
+  if (frame == OutputFrame::grid)
+    placed.origin_m = T_frame_component->translation().array().round();
+  else if (!placed.keyframes.empty())
+    placed.origin_m = origin_near(placed.keyframes.front().T_frame_sensor.translation());
   return placed;
 }
 

@@ -19,7 +19,8 @@ struct PlacedKeyframe {
 struct PlacedComponent {
   std::vector<SessionRow> sessions;
   std::vector<PlacedKeyframe> keyframes;  // session by session, in the order of their sequence
-  /// Near the component, in whole metres: what formats of single precision count from. Zero in the component's frame.
+  /// Near the component, in whole metres: what formats of single precision count from. Zero in the component's frame
+  /// where that is near enough.
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
 };
 

@@ -60,6 +60,9 @@ Result<Reply> merge(const Query&, const Context&);
 Result<Reply> rename(const Query&, const Context&);
 Result<Reply> anchor(const Query&, const Context&);
 Result<Reply> request_clouds(const Query&, const Context&);
+Result<Reply> quarantine(const Query&, const Context&);
+Result<Reply> release(const Query&, const Context&);
+Result<Reply> remove_session(const Query&, const Context&);
 
 // survey_routes.cpp
 Result<Reply> surveys(const Query&, const Context&);

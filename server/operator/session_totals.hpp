@@ -8,7 +8,7 @@ namespace headframe {
 
 /// All sessions together.
 struct SessionTotals {
-  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes_received = 0, cloud_bytes = 0, backlog = 0;
+  std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes_received = 0, cloud_bytes = 0, backlog = 0, aside = 0;
 };
 
 inline SessionTotals totals_of(const std::vector<SessionRow>& sessions) {
@@ -20,6 +20,7 @@ inline SessionTotals totals_of(const std::vector<SessionRow>& sessions) {
     totals.bytes_received += row.bytes_received;
     totals.cloud_bytes += row.cloud_bytes;
     totals.backlog += row.backlog;
+    totals.aside += row.why_aside.empty() ? 0 : 1;
   }
   return totals;
 }

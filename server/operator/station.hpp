@@ -34,6 +34,8 @@ struct SessionRow {
   double trigger_to_transform_ms = -1;  // of the last attempt that placed it; -1: none yet
   std::uint64_t cloud_bytes = 0;        // of bytes_received: encoded clouds
   std::string label = {};               // the operator's name for it; empty: none
+  std::string why_cut = {};             // its last keyframes are left out of merging, and why; empty: none are
+  std::string why_aside = {};           // it is set aside, not merged, and why; empty: it is merged
 };
 
 struct AlignmentRow {
@@ -108,6 +110,12 @@ class Station {
   /// Asks the session's robot for the clouds that are not here; calls back once with how many, or with why not:
   /// not_found, refused (the robot is away, or sends none), unavailable.
   virtual void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) = 0;
+  /// The session is left out of merging, for the reason given, until it is released; what is stored of it stays, but
+  /// for remove(), which deletes it for good. Call back as rename(); refused: it is not set aside.
+  virtual void set_aside(SessionId session, const std::string& why,
+                         std::function<void(const Result<void>&)> callback) = 0;
+  virtual void release(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
+  virtual void remove(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
   /// Where sessions lie in the mine's grid, the one set last at the end.
   virtual std::vector<Survey> surveys() const = 0;
   /// Replaces the session's survey, or takes it away. Call back as rename().

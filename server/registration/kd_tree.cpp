@@ -139,7 +139,9 @@ void KdTree::nearest_k(const Eigen::Vector3f& query, std::size_t k, std::vector<
     if (n.index == nobody || (out.size() == k && !nearer(n, out.back()))) return;
     if (out.size() == k) out.pop_back();
     out.insert(std::upper_bound(out.begin(), out.end(), n, nearer), n);
-    if (out.size() == k) reach_squared = out.back().squared_m;
+    if (out.size() < k) return;
+    const float farthest = out.back().squared_m;
+    reach_squared = farthest > 0 ? farthest : -1;  // nothing is nearer: of many at one place not all are looked at
   });
 }
 

@@ -50,7 +50,8 @@ class KdTree {
   /// Puts the nearest point into `best` if it is nearer, or as near and of a lower index.
   void improve(const Eigen::Vector3f& query, Neighbour& best) const;
 
-  /// The k nearest, nearest first (fewer when the cloud has fewer).
+  /// The k nearest, nearest first (fewer when the cloud has fewer). Of more than k points at the very place of the
+  /// query it gives any k.
   void nearest_k(const Eigen::Vector3f& query, std::size_t k, std::vector<Neighbour>& out) const;
 
   /// Leaves in the order of the tree: those near in the list are often near in space.

@@ -11,6 +11,15 @@ namespace {
 constexpr float view_reach_m = 20;
 constexpr std::size_t normal_neighbours = 12;
 
+// What a keyframe can hold: a lidar of 128 beams and 2048 columns has as many points, and a robot sends 17 thinned
+// sweeps that it took within some metres. Of more points every so manyth is taken, of more sweeps the last, the
+// keyframe's own among them.
+constexpr std::size_t most_points = 262144, most_sweeps = 64;
+constexpr float farthest_origin_m = 200, farthest_point_m = 1000;
+
+/// False for what is not finite, too.
+bool within(const Eigen::Vector3f& p, float reach_m) { return p.squaredNorm() < reach_m * reach_m; }
+
 /// Dust and stray returns stand alone: a point stays when three others of its sweep lie within 8 % of its range, or
 /// 0.25 m (dynamic radius outlier removal: Charron, Phillips, Waslander, CRV 2018). Seen from the sweep's origin.
 Points without_strays(const Points& points) {
@@ -102,10 +111,13 @@ PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
   PreparedCloud out;
   Points all;
   std::vector<PreparedCloud::View> views;
-  for (const Sweep& sweep : cloud.sweeps) {
+  const std::size_t first = cloud.sweeps.size() - std::min(cloud.sweeps.size(), most_sweeps);
+  const std::size_t step = 1 + point_count(cloud) / (most_points + 1);
+  for (const Sweep& sweep : std::span(cloud.sweeps).subspan(first)) {
+    if (!within(sweep.origin, farthest_origin_m)) continue;
     Points seen_from_origin;
-    for (const auto& p : sweep.points)
-      if (p.allFinite() && p.squaredNorm() < 1e6F) seen_from_origin.push_back(p - sweep.origin);
+    for (std::size_t i = 0; i < sweep.points.size(); i += step)
+      if (within(sweep.points[i], farthest_point_m)) seen_from_origin.push_back(sweep.points[i] - sweep.origin);
     seen_from_origin = without_strays(seen_from_origin);
     for (const auto& p : seen_from_origin) all.push_back(p + sweep.origin);
     views.push_back({sweep.origin, SightImage(seen_from_origin)});

@@ -60,6 +60,11 @@ CREATE TABLE survey_points (
   z_grid_m REAL NOT NULL, PRIMARY KEY (session, number)) WITHOUT ROWID;
 ALTER TABLE robots ADD COLUMN rate_kib_s INTEGER NOT NULL DEFAULT 0;
 )sql",
+    R"sql(
+CREATE TABLE troubles (
+  session INTEGER PRIMARY KEY REFERENCES sessions(id), deaths INTEGER NOT NULL, kills INTEGER NOT NULL,
+  why_aside TEXT NOT NULL, deleted INTEGER NOT NULL);
+)sql",
 };
 
 }  // namespace

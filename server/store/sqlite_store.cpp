@@ -123,6 +123,18 @@ class SqliteStore : public Store {
     return robots;
   }
 
+  Result<std::vector<TroubleRecord>> troubles() override {
+    std::vector<TroubleRecord> troubles;
+    const std::lock_guard lock(mutex_);
+    auto read = reader_.each("SELECT session, deaths, kills, why_aside, deleted FROM troubles ORDER BY session",
+                             [&](const Row& row) {
+                               troubles.push_back({row.integer(0), static_cast<int>(row.integer(1)),
+                                                   static_cast<int>(row.integer(2)), row.text(3), row.integer(4) != 0});
+                             });
+    if (!read) return tl::unexpected(read.error());
+    return troubles;
+  }
+
   Result<StoredMerge> merge() override {
     StoredMerge merge;
     const std::lock_guard lock(mutex_);

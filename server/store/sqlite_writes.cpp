@@ -158,6 +158,20 @@ Result<void> put(Database& db, const PutSurvey& write) {
   return done;
 }
 
+Result<void> delete_content(Database& db, SessionId session) {
+  auto done = put(db, DropSurvey{session});
+  for (const char* table : {"clouds", "keyframes", "anchors"})
+    if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
+  return done;
+}
+
+Result<void> put(Database& db, const PutTrouble& write) {
+  const TroubleRecord& t = write.trouble;
+  auto done = db.run("INSERT OR REPLACE INTO troubles VALUES (?,?,?,?,?)", t.session, t.deaths, t.kills, t.why_aside,
+                     int{t.deleted});
+  return done && t.deleted ? delete_content(db, t.session) : done;
+}
+
 }  // namespace
 
 Result<void> apply(Database& database, const Write& write) {

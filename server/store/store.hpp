@@ -84,8 +84,23 @@ struct DropSurvey {
 struct PutRobot {
   RobotRecord robot;
 };
+
+/// What came of trying to merge a session. Where nothing was wrong there is none.
+struct TroubleRecord {
+  SessionId session = 0;
+  int deaths = 0;         // work on it that ended the server, hung or failed, since work on it went well
+  int kills = 0;          // work on it in which the server was killed from outside, since then
+  std::string why_aside;  // it is not merged, and why; empty: it is
+  bool deleted = false;   // its keyframes and clouds are gone for good; the row stays so that its robot can be told
+
+  bool operator==(const TroubleRecord&) const = default;
+};
+/// Replaces the session's. deleted: its keyframes, clouds and survey are deleted with it.
+struct PutTrouble {
+  TroubleRecord trouble;
+};
 using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot, PutLabel, PutSurvey,
-                           DropSurvey>;
+                           DropSurvey, PutTrouble>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
@@ -141,6 +156,7 @@ class Store {
   virtual Result<StoredMerge> merge() = 0;
   virtual Result<StoredNotes> notes() = 0;
   virtual Result<std::vector<RobotRecord>> robots() = 0;
+  virtual Result<std::vector<TroubleRecord>> troubles() = 0;
 };
 
 }  // namespace headframe

@@ -3,6 +3,7 @@
 
 #include "server/net/robot_protocol.hpp"
 #include "tests/fuzz/fuzz.hpp"
+#include "tests/support/next_event.hpp"
 
 namespace headframe::fuzz {
 namespace {
@@ -48,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::string frame;
     if (!append_frame(frame, piece)) continue;
     protocol.receive(frame, now += std::chrono::milliseconds(100));
-    while (const auto event = protocol.next()) {
+    while (const auto event = next_event(protocol)) {
       if (greets) fuzz::check(*event, received);
       if (const auto* probe = std::get_if<ProbeReceived>(&*event)) protocol.resume(received, !probe->keyframe_follows);
       if (std::holds_alternative<HelloReceived>(*event)) return 0;  // of their own: what follows has other numbers

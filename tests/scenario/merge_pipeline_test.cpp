@@ -113,6 +113,24 @@ TEST(MergePipeline, RestoresWhatItHad) {
   EXPECT_FALSE(later.pipeline.attempt(1, later.shelf).atlas_changed) << "nothing new, no new revision";
 }
 
+TEST(MergePipeline, ASessionThatIsSetAsideLeavesTheOthersAndComesBack) {
+  Base base({a(), b(), c()});
+  for (const SessionId id : {1, 2, 3}) base.pipeline.attempt(id, base.shelf);
+  ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+  const AttemptReport report = base.pipeline.set_aside(3);
+  EXPECT_TRUE(report.atlas_changed);
+  ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_EQ(base.pipeline.atlas().components[0].placements.size(), 2U);
+  EXPECT_TRUE(base.pipeline.attempt(3, base.shelf).changed.empty());
+  base.pipeline.attempt(1, base.shelf);
+  base.pipeline.add_session(3, ScanContext().id());
+  for (const Keyframe& keyframe : base.drive(3).keyframes) base.pipeline.add_keyframe(3, keyframe);
+  base.pipeline.attempt(3, base.shelf);
+  ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_EQ(base.pipeline.atlas().components[0].placements.size(), 3U);
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
 TEST(MergePipeline, ARetractedMergeStaysOutUntilItIsUndone) {
   Base base({a(), b()});
   base.pipeline.attempt(2, base.shelf);

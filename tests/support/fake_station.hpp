@@ -116,6 +116,21 @@ class FakeStation : public Station {
     if (session == 1) return callback(failure(ErrorCode::refused, "its robot is away"));
     callback(1);
   }
+  void set_aside(SessionId session, const std::string& why,
+                 std::function<void(const Result<void>&)> callback) override {
+    change([&] { rows.at(static_cast<std::size_t>(session) - 1).why_aside = why; });
+    callback({});
+  }
+  void release(SessionId session, std::function<void(const Result<void>&)> callback) override {
+    std::string& why = rows.at(static_cast<std::size_t>(session) - 1).why_aside;
+    if (why.empty()) return callback(failure(ErrorCode::refused, "the session is not set aside"));
+    change([&] { why.clear(); });
+    callback({});
+  }
+  void remove(SessionId session, std::function<void(const Result<void>&)> callback) override {
+    change([&] { std::erase_if(rows, [&](const SessionRow& row) { return row.id == session; }); });
+    callback({});
+  }
   std::vector<Survey> surveys() const override {
     const std::lock_guard lock(mutex_);
     return surveyed;

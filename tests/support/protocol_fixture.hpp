@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/net/robot_protocol.hpp"
+#include "tests/support/next_event.hpp"
 #include "tests/support/robot_bytes.hpp"
 
 namespace headframe {
@@ -13,7 +14,7 @@ class Protocol : public testing::Test {
   std::vector<RobotEvent> feed(const std::string& bytes) {
     protocol.receive(bytes, now);
     std::vector<RobotEvent> events;
-    while (auto event = protocol.next()) events.push_back(std::move(*event));
+    while (auto event = next_event(protocol)) events.push_back(std::move(*event));
     return events;
   }
 

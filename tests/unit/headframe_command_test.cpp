@@ -178,6 +178,16 @@ TEST_F(HeadframeCommand, ExplainsInWords) {
   expect_fault(run("explain alpha"), 2, "B is required");
 }
 
+TEST_F(HeadframeCommand, ASessionIsSetAsideReleasedAndDeleted) {
+  EXPECT_EQ(run("session quarantine beta --reason 'its lidar is loose'").out,
+            "beta/run/1 is set aside; session release takes it back\n");
+  EXPECT_NE(run("sessions").out.find("set aside: its lidar is loose"), std::string::npos);
+  EXPECT_EQ(run("session release beta").out, "beta/run/1 is merged again\n");
+  expect_fault(run("session release beta"), 1, "not set aside");
+  EXPECT_EQ(run("session delete beta").out, "beta/run/1 is deleted\n");
+  expect_fault(run("session delete beta"), 1, "beta");
+}
+
 TEST_F(HeadframeCommand, SessionsGetLabelsAnchorsAndClouds) {
   EXPECT_EQ(run("rename beta 'north drift'").out, "beta/run/1: north drift\n");
   EXPECT_NE(run("sessions").out.find("beta/run/1 (north drift)"), std::string::npos);

@@ -10,6 +10,7 @@
 #include "server/net/robot_protocol.hpp"
 #include "server/operator/router.hpp"
 #include "tests/support/fake_station.hpp"
+#include "tests/support/next_event.hpp"
 #include "tests/support/robot_bytes.hpp"
 
 namespace headframe {
@@ -97,7 +98,7 @@ TEST(Mutation, RobotsBytesGiveSoundEventsOrATypedError) {
     for (std::size_t at = 0, piece = mutator.below(bytes.size() + 1) + 1; at < bytes.size(); at += piece) {
       protocol.receive(std::string_view(bytes).substr(at, piece), {});
       std::vector<RobotEvent> events;
-      while (auto event = protocol.next()) {
+      while (auto event = next_event(protocol)) {
         if (std::holds_alternative<HelloReceived>(*event)) protocol.welcome({});
         events.push_back(std::move(*event));
       }

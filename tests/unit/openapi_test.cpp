@@ -102,6 +102,8 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
       {"get", "/api/v1/sessions/{id}/trajectory", "/api/v1/sessions/1/trajectory", ""},
       {"post", "/api/v1/sessions/{id}/anchor", "/api/v1/sessions/1/anchor", ""},
       {"post", "/api/v1/sessions/{id}/request-clouds", "/api/v1/sessions/2/request-clouds", ""},
+      {"post", "/api/v1/sessions/{id}/quarantine", "/api/v1/sessions/2/quarantine?reason=loose", ""},
+      {"post", "/api/v1/sessions/{id}/release", "/api/v1/sessions/2/release", ""},
       {"post", "/api/v1/survey", "/api/v1/survey?session=1", survey},
       {"get", "/api/v1/survey", "/api/v1/survey", ""},
       {"delete", "/api/v1/survey", "/api/v1/survey?session=1", ""},
@@ -109,7 +111,8 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
       {"get", "/api/v1/robots", "/api/v1/robots", ""},
       {"post", "/api/v1/robots/add", "/api/v1/robots/add?robot=ant", ""},
       {"post", "/api/v1/robots/rate", "/api/v1/robots/rate?robot=ant&kib_s=8", ""},
-      {"post", "/api/v1/robots/revoke", "/api/v1/robots/revoke?robot=ant", ""}};
+      {"post", "/api/v1/robots/revoke", "/api/v1/robots/revoke?robot=ant", ""},
+      {"delete", "/api/v1/sessions/{id}", "/api/v1/sessions/3", ""}};
   std::set<std::string> asked_for, described;
   for (const Asked& asked : all) {
     asked_for.insert(asked.name());

@@ -111,6 +111,30 @@ TEST_F(OperatorExportTest, LasHasTheSamePointsToAMillimetre) {
   EXPECT_NEAR(value_at<double>(las, 187), least_x, 6e-4);
 }
 
+/// An anchor that counts from far away: points 1 m apart stay 1 m apart, whatever the format.
+TEST_F(OperatorExportTest, AComponentFarFromItsOriginKeepsItsMillimetres) {
+  const CloudFile near = read_ply(get("component=1"));
+  const Eigen::Vector3d far(500123.4, 5000321.6, 12);
+  for (Placement& placement : server.station.view.atlas.components[0].placements)
+    placement.T_component_session = Eigen::Translation3d(far) * placement.T_component_session;
+  const auto expect_near = [&](std::size_t i, const Eigen::Vector3d& p) {
+    const Vertex& v = near.vertices[i];
+    EXPECT_LT((Eigen::Vector3d(v.x, v.y, v.z) + far - p).norm(), 2e-3) << i << ": " << p.transpose();
+  };
+  const std::string ply = get("component=1"), pcd = get("component=1&format=pcd");
+  const std::size_t body = ply.find("end_header\n") + 11;
+  ASSERT_EQ(ply.size() - body, near.vertices.size() * 27);
+  for (std::size_t i = 0; i < near.vertices.size(); ++i) {
+    Eigen::Vector3d p;
+    std::memcpy(p.data(), ply.data() + body + 27 * i, sizeof p);
+    expect_near(i, p);
+  }
+  ASSERT_NE(pcd.find("# offset 500123 5000322 12: add it to every point\n"), std::string::npos) << pcd.substr(0, 200);
+  const auto vertices = read_pcd(pcd).vertices;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    expect_near(i, Eigen::Vector3d(vertices[i].x, vertices[i].y, vertices[i].z) + Eigen::Vector3d(500123, 5000322, 12));
+}
+
 /// The grid is a million metres away: whatever the format, its points are the component's laid into it, to a
 /// millimetre.
 TEST_F(OperatorExportTest, TheGridIsKeptToAMillimetreInEveryFormat) {

@@ -116,5 +116,39 @@ TEST_F(Hub, ANewConnectionOfTheSameRunLeavesItsSparesAndOfAnotherDoesNot) {
   EXPECT_EQ(spare_->heard, Words{"closed"});
 }
 
+TEST(Quota, OneRobotLocksOutItselfAndNobodyElse) {
+  const TempDir dir;
+  auto store = open(dir);
+  News news;
+  RobotLimits limits;
+  limits.robots = 20;
+  limits.sessions = 3;
+  limits.sessions_a_day = 5;
+  SessionHub hub{*store, news, limits};
+  std::vector<std::shared_ptr<HeardLink>> links;
+  const auto admit = [&](const std::string& robot, int session) {
+    Hello hello = robot_hello(robot);
+    hello.session.session = std::to_string(session);
+    links.push_back(std::make_shared<HeardLink>());
+    return hub.admit(hello, links.back());
+  };
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(admit("greedy", i));
+  const auto fourth = admit("greedy", 3);
+  ASSERT_FALSE(fourth);
+  EXPECT_EQ(fourth.error().code, ErrorCode::unavailable);
+  EXPECT_NE(fourth.error().message.find("limits.sessions "), std::string::npos) << fourth.error().message;
+  EXPECT_TRUE(admit("greedy", 0)) << "one that it has may come again";
+  EXPECT_TRUE(admit("honest", 0));
+  links.erase(links.begin(), links.begin() + 4);  // it leaves, but for the one that came again
+  for (int i = 3; i < 5; ++i) EXPECT_TRUE(admit("greedy", i));
+  links.clear();
+  const auto sixth = admit("greedy", 5);
+  ASSERT_FALSE(sixth);
+  EXPECT_NE(sixth.error().message.find("limits.sessions_a_day"), std::string::npos) << sixth.error().message;
+  EXPECT_TRUE(admit("greedy", 4)) << "one that it began";
+  EXPECT_TRUE(admit("honest", 1));
+  store.reset();
+}
+
 }  // namespace
 }  // namespace headframe

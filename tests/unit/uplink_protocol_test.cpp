@@ -135,7 +135,7 @@ TEST_F(UplinkProtocolTest, OnHoldOnlyControlIsSent) {
   const auto* told = std::get_if<PolicyTold>(&events_.back());
   ASSERT_NE(told, nullptr);
   EXPECT_EQ(told->bytes_per_s, 5000);
-  EXPECT_EQ(told->hold, "the disk is full");
+  EXPECT_EQ(told->hold, "the disk is?full");
   ping.mutable_ping();
   hear(ping);
   EXPECT_EQ(sent(), Words{"pong"});
@@ -202,7 +202,7 @@ TEST_F(UplinkProtocolTest, WhatAServerMayNotSayEndsTheLink) {
   m.mutable_error()->set_message("no\nroom");
   m.mutable_error()->set_permanent(true);
   EXPECT_TRUE(ends([&] { hear(m); }));
-  EXPECT_EQ(end()->error.message, "the server says: no room");
+  EXPECT_EQ(end()->error.message, "the server says: no?room");
   EXPECT_TRUE(end()->permanent);
 }
 

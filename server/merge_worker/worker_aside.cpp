@@ -1,0 +1,144 @@
+// Sessions that are set aside: by the operator, or because work on them ends the server again and again. All else goes
+// on without them; their robots are served as before, and nothing of theirs is lost until the operator deletes it.
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "server/merge_worker/merge_worker.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr int most_deaths = 2;  // then a session is set aside
+constexpr int most_kills = 5;   // a server may be killed for other reasons
+
+std::string why_aside(const TroubleRecord& trouble) {
+  if (trouble.deaths >= most_deaths)
+    return "work on it failed, hung or ended the server " + std::to_string(trouble.deaths) + " times running";
+  return "the server was killed during work on it " + std::to_string(trouble.kills) + " times running";
+}
+
+bool beyond_bearing(const TroubleRecord& trouble) {
+  return trouble.deaths >= most_deaths || trouble.kills >= most_kills;
+}
+
+}  // namespace
+
+void MergeWorker::working_on(SessionId a, SessionId b) {
+  if (mark_) mark_->on(a, b);
+}
+
+bool MergeWorker::is_aside(SessionId session) const {
+  const auto found = troubles_.find(session);
+  return found != troubles_.end() && !found->second.why_aside.empty();
+}
+
+/// What is stored, and what the process before died of.
+Result<void> MergeWorker::restore_troubles() {
+  const auto stored = store_.troubles();
+  if (!stored) return tl::unexpected(stored.error());
+  for (const TroubleRecord& trouble : *stored) troubles_[trouble.session] = trouble;
+  if (!mark_ || mark_->left().end == WorkMark::End::well) return {};
+  const auto sessions = store_.sessions();
+  if (!sessions) return tl::unexpected(sessions.error());
+  const auto known = [&](SessionId id) {
+    return std::any_of(sessions->begin(), sessions->end(), [&](const SessionRecord& s) { return s.id == id; });
+  };
+  const WorkMark::Left& left = mark_->left();
+  if (known(left.a) && known(left.b)) blame(left);
+  return {};
+}
+
+/// Of two that were worked on together the one is set aside that has the more on it, or else came later.
+void MergeWorker::blame(const WorkMark::Left& left) {
+  TroubleRecord* worst = nullptr;
+  for (const SessionId id : std::set<SessionId>{left.a, left.b}) {
+    TroubleRecord& trouble = troubles_[id];
+    trouble.session = id;
+    ++(left.end == WorkMark::End::died ? trouble.deaths : trouble.kills);
+    const auto rank = [](const TroubleRecord& t) { return std::tuple(t.deaths, t.kills, t.session); };
+    if (!worst || rank(*worst) < rank(trouble)) worst = &trouble;
+  }
+  if (beyond_bearing(*worst) && worst->why_aside.empty()) {
+    worst->why_aside = why_aside(*worst);
+    spdlog::error("session {} is set aside: {}; `headframe session release` takes it back", worst->session,
+                  worst->why_aside);
+  }
+  for (const SessionId id : std::set<SessionId>{left.a, left.b}) (void)write_durably(PutTrouble{troubles_[id]});
+}
+
+/// An attempt that threw, or that was stopped because it took too long.
+void MergeWorker::attempt_failed(SessionId session) {
+  blame({session, session, WorkMark::End::died});
+  if (!is_aside(session)) return;
+  leave_out(session);
+}
+
+void MergeWorker::attempt_went_well(SessionId session) {
+  const auto found = troubles_.find(session);
+  if (found == troubles_.end() || found->second.deaths + found->second.kills == 0 || is_aside(session)) return;
+  found->second.deaths = found->second.kills = 0;
+  (void)write_durably(PutTrouble{found->second});
+}
+
+/// Takes it out of the pipeline and the atlas; what is stored of it stays.
+void MergeWorker::leave_out(SessionId session) {
+  const AttemptReport report = pipeline_->set_aside(session);
+  schedule_.robot_left(session);  // no cloud of it is awaited any more
+  Known& known = known_[session];
+  known = {0, Eigen::Vector3d::Zero(), {}, {}, known.answers};
+  if (troubles_[session].deleted) known_.erase(session);
+  draft_.sessions[session].distance_m = 0;
+  (void)commit({}, report, nullptr);
+  update_view();
+}
+
+Result<void> MergeWorker::put_aside(SessionId session, const std::string& why, bool deleted) {
+  if (!known_.contains(session)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(session));
+  TroubleRecord trouble = troubles_.contains(session) ? troubles_[session] : TroubleRecord{session, 0, 0, {}, false};
+  trouble.why_aside = why;
+  trouble.deleted = deleted;
+  if (!write_durably(PutTrouble{trouble})) return failure(ErrorCode::unavailable, stop_reason_);
+  troubles_[session] = trouble;
+  leave_out(session);
+  spdlog::warn("session {} is {}: {}", session, deleted ? "deleted" : "set aside", why);
+  return {};
+}
+
+Result<void> MergeWorker::take_back(SessionId session) {
+  if (!known_.contains(session)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(session));
+  if (!is_aside(session)) return failure(ErrorCode::refused, "the session is not set aside");
+  const auto sessions = store_.sessions();
+  if (!sessions) return tl::unexpected(sessions.error());
+  if (!write_durably(PutTrouble{{session, 0, 0, {}, false}})) return failure(ErrorCode::unavailable, stop_reason_);
+  troubles_.erase(session);
+  for (const SessionRecord& record : *sessions)
+    if (record.id == session)
+      if (auto done = bring_in(record); !done) return done;
+  schedule_.trigger(session, Trigger::command, std::chrono::steady_clock::now());
+  spdlog::info("session {} is merged again", session);
+  update_view();
+  return {};
+}
+
+void MergeWorker::set_aside(SessionId session, const std::string& why, std::function<void(const Result<void>&)> done) {
+  give([this, session, why, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? put_aside(session, why, false) : admitted);
+  });
+}
+
+void MergeWorker::release(SessionId session, std::function<void(const Result<void>&)> done) {
+  give([this, session, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? take_back(session) : admitted);
+  });
+}
+
+void MergeWorker::remove(SessionId session, std::function<void(const Result<void>&)> done) {
+  give([this, session, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? put_aside(session, "deleted by the operator", true) : admitted);
+  });
+}
+
+}  // namespace headframe

@@ -1,0 +1,50 @@
+#include "server/net/fair_pool.hpp"
+
+namespace headframe {
+
+FairPool::FairPool(int threads) {
+  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
+}
+
+FairPool::~FairPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void FairPool::submit(const std::string& owner, Work work) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto [queue, fresh] = waiting_.try_emplace(owner);
+    queue->second.push_back(std::move(work));
+    if (fresh) turns_.push_back(owner);
+  }
+  wake_.notify_one();
+}
+
+void FairPool::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [&] { return stopping_ || !turns_.empty(); });
+    if (stopping_) return;
+    const std::string owner = std::move(turns_.front());
+    turns_.pop_front();
+    Work work = std::move(waiting_.at(owner).front());
+    waiting_.at(owner).pop_front();
+    lock.unlock();
+    work();
+    work = nullptr;  // what it holds goes outside the lock
+    lock.lock();
+    if (waiting_.at(owner).empty()) {
+      waiting_.erase(owner);
+    } else {
+      turns_.push_back(owner);
+      wake_.notify_one();
+    }
+  }
+}
+
+}  // namespace headframe

@@ -1,0 +1,109 @@
+// Odometry that jumps: a robot that was carried, or a filter that lost its way. What lies on both sides of a jump is
+// held together by nothing.
+
+#include <gtest/gtest.h>
+
+#include "server/place/odometry_jump.hpp"
+#include "tests/scenario/drawn_base.hpp"
+
+namespace headframe {
+namespace {
+
+using test::Base;
+using test::BoxMine;
+using test::Drive;
+
+const BoxMine& other_mine() {
+  static const BoxMine mine(
+      {BoxMine::drift(0, 0, 80, 0, 5), BoxMine::drift(20, -35, 20, 0), BoxMine::drift(55, 0, 55, 30, 6)});
+  return mine;
+}
+
+/// Goes on with `after` as it would be told by a robot that was carried so far.
+Drive carried(Drive drive, const Drive& after, const Eigen::Vector3d& by_m, double rest_s = 1) {
+  const Pose T_first = drive.keyframes.back().T_local_sensor;
+  const Pose T = Eigen::Translation3d(T_first.translation() + by_m) * after.keyframes.front().T_local_sensor.inverse();
+  const double shift_s = drive.keyframes.back().stamp_s + rest_s - after.keyframes.front().stamp_s;
+  for (std::size_t i = 0; i < after.keyframes.size(); ++i) {
+    Keyframe keyframe = after.keyframes[i];
+    keyframe.sequence = drive.keyframes.size() + 1;
+    keyframe.stamp_s += shift_s;
+    keyframe.T_local_sensor = T * keyframe.T_local_sensor;
+    drive.keyframes.push_back(keyframe);
+    drive.clouds.push_back(after.clouds[i]);
+  }
+  return drive;
+}
+
+void settle(Base& base) {
+  for (int round = 0; round < 2; ++round)
+    for (std::size_t i = 0; i < base.drives.size(); ++i) {
+      base.pipeline.complete_session(static_cast<SessionId>(i + 1));
+      base.pipeline.attempt(static_cast<SessionId>(i + 1), base.shelf);
+    }
+}
+
+bool together(const Base& base, SessionId a, SessionId b) {
+  for (const Component& component : base.pipeline.atlas().components) {
+    const auto has = [&](SessionId id) {
+      return std::any_of(component.placements.begin(), component.placements.end(),
+                         [&](const Placement& p) { return p.session == id; });
+    };
+    if (has(a) && has(b)) return true;
+  }
+  return false;
+}
+
+TEST(Jumps, ARobotThatWasCarriedDoesNotJoinTwoMines) {
+  const Drive in_one = test::drive_b_to_a(3);
+  const Drive in_other = test::drive(other_mine(), {{78, 0}, {55, 0}, {55, 28}}, 0.7, 5);
+  for (const auto& by_m : {Eigen::Vector3d(400, 0, 0), Eigen::Vector3d(0, 0, 12), Eigen::Vector3d(40, 0, 0)}) {
+    const Drive both = carried(test::drive_a_to_c(3), test::drive(other_mine(), {{2, 0}, {78, 0}}, 0, 4), by_m);
+    Base base({both, in_one, in_other});
+    settle(base);
+    EXPECT_FALSE(together(base, 2, 3)) << by_m.transpose();
+    EXPECT_TRUE(together(base, 1, 2)) << "what came before the jump is as good as ever, " << by_m.transpose();
+    EXPECT_NE(base.pipeline.why_cut(1), "");
+    EXPECT_EQ(base.pipeline.why_cut(2), "");
+  }
+}
+
+TEST(Jumps, AKeyframeOffThePathIsForgiven) {
+  Drive glitched = test::drive_a_to_c(3);
+  glitched.keyframes[6].T_local_sensor.translation() += Eigen::Vector3d(300, -80, 5);
+  Base base({glitched, test::drive_b_to_a(3)});
+  settle(base);
+  EXPECT_TRUE(together(base, 1, 2));
+  EXPECT_EQ(base.pipeline.why_cut(1), "");
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
+TEST(Jumps, OfWhoJumpsToAndFroOnlyTheFirstPlaceCounts) {
+  Drive jumper = test::drive_a_to_c(3);
+  for (std::size_t i = 0; i < jumper.keyframes.size(); ++i)
+    jumper.keyframes[i].T_local_sensor.translation() += Eigen::Vector3d(i % 2 == 0 ? 0 : 340, i % 4 < 2 ? 0 : 340, 0);
+  Base base({test::drive_b_to_a(3), jumper});
+  settle(base);
+  EXPECT_NE(base.pipeline.why_cut(2), "");
+  EXPECT_LT(base.error_m(), 0.5) << "what stands where it began may merge, what lies elsewhere is not looked at";
+}
+
+TEST(Jumps, WhatNoRobotDrivesAndWhatOneMay) {
+  const auto step = [](double x, double z, double s) {
+    Keyframe a, b;
+    a.stamp_s = 100;
+    b.stamp_s = 100 + s;
+    b.T_local_sensor.translation() = Eigen::Vector3d(x, 0, z);
+    return jump_between(a, b).has_value();
+  };
+  EXPECT_FALSE(step(2, 0.5, 0.2));
+  EXPECT_FALSE(step(10, 3, 1)) << "a fast car on a ramp";
+  EXPECT_FALSE(step(3, 0, 0)) << "no clock";
+  EXPECT_FALSE(step(1, 2, 10)) << "a steep raise";
+  EXPECT_TRUE(step(26, 0, 60));
+  EXPECT_TRUE(step(15, 0, 0.1));
+  EXPECT_TRUE(step(1, 12, 600)) << "a shaft";
+}
+
+}  // namespace
+}  // namespace headframe

@@ -1,0 +1,190 @@
+// A session that work keeps failing on is set aside, and all else goes on.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <future>
+
+#include "server/merge_worker/merge_worker.hpp"
+#include "tests/support/keyframes.hpp"
+#include "tests/support/stores.hpp"
+
+namespace headframe {
+namespace {
+
+struct Log {
+  std::map<SessionId, std::size_t> fed;
+  std::vector<SessionId> attempts, aside;
+  std::function<void(SessionId)> on_attempt = [](SessionId) {};
+};
+
+class LoggingPipeline : public Pipeline {
+ public:
+  explicit LoggingPipeline(Log& log) : log_(log) {}
+  void add_session(SessionId, const FamilyId&) override {}
+  void add_keyframe(SessionId id, Keyframe) override { ++log_.fed[id]; }
+  void complete_session(SessionId) override {}
+  void restore(std::vector<Alignment>, std::uint64_t, std::vector<DecisionRecord>, std::vector<SessionId>) override {}
+  Result<AttemptReport> decide(AlignmentId, Decision) override { return AttemptReport(); }
+  Result<AttemptReport> anchor(SessionId) override { return AttemptReport(); }
+  AttemptReport attempt(SessionId id, CloudSource&) override {
+    log_.attempts.push_back(id);
+    log_.on_attempt(id);
+    return {};
+  }
+  AttemptReport set_aside(SessionId id) override {
+    log_.aside.push_back(id);
+    return {};
+  }
+  const Atlas& atlas() const override { return atlas_; }
+  const std::vector<Alignment>& alignments() const override { return alignments_; }
+
+ private:
+  Log& log_;
+  Atlas atlas_;
+  std::vector<Alignment> alignments_;
+};
+
+struct NoRobots : Robots {
+  void request_submap(SessionId, const std::vector<std::uint64_t>&) override {}
+  void publish(const Atlas&, const std::vector<Component>&) override {}
+};
+
+class Aside : public testing::Test {
+ protected:
+  void SetUp() override {
+    store = open(dir);
+    for (const SessionId id : {1, 2, 3}) {
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
+      for (std::uint64_t i = 1; i <= 4; ++i) ASSERT_TRUE(write_and_wait(*store, PutKeyframe{id, line_keyframe(i)}));
+    }
+  }
+  std::filesystem::path mark_file() const { return dir.path() / "merging"; }
+  void start() {
+    worker.reset();
+    log = {{}, {}, {}, log.on_attempt};
+    worker = std::make_unique<MergeWorker>(std::make_unique<LoggingPipeline>(log), *store, ScheduleConfig{},
+                                           std::move(WorkMark::open(mark_file()).value()));
+    ASSERT_TRUE(worker->restore());
+    worker->start(robots);
+  }
+  /// The server dies, or is killed, in the middle of work on these two; then it starts again.
+  void end_in_the_middle_of(SessionId a, SessionId b, bool of_itself) {
+    worker.reset();
+    {
+      auto mark = WorkMark::open(mark_file()).value();
+      mark.on(a, b);
+      if (of_itself) WorkMark::died();
+    }
+    start();
+  }
+  Result<void> wait_for(const std::function<void(std::function<void(const Result<void>&)>)>& order) {
+    std::promise<Result<void>> done;
+    order([&](const Result<void>& result) { done.set_value(result); });
+    return done.get_future().get();
+  }
+  std::string why(SessionId id) {
+    const auto view = worker->view();
+    const auto shown = view->sessions.find(id);
+    return shown == view->sessions.end() ? "" : shown->second.why_aside;
+  }
+  bool attempted(SessionId id) { return std::count(log.attempts.begin(), log.attempts.end(), id) > 0; }
+  void settle() {
+    ASSERT_TRUE(wait_for([&](auto done) { worker->anchor(1, std::move(done)); }));
+  }
+
+  TempDir dir;
+  Log log;
+  NoRobots robots;
+  std::unique_ptr<Store> store;
+  std::unique_ptr<MergeWorker> worker;
+};
+
+TEST_F(Aside, WorkThatEndedTheServerTwiceIsNotDoneAThirdTime) {
+  end_in_the_middle_of(2, 2, true);
+  EXPECT_EQ(why(2), "");
+  EXPECT_EQ(log.fed[2], 4U);
+  end_in_the_middle_of(2, 2, true);
+  EXPECT_NE(why(2).find("2 times"), std::string::npos) << why(2);
+  EXPECT_EQ(log.fed[2], 0U) << "the pipeline hears nothing of it";
+  EXPECT_EQ(log.fed[1], 4U);
+  start();
+  EXPECT_NE(why(2), "") << "for good";
+}
+
+TEST_F(Aside, OfTwoTheOneWithMoreOnItOrElseTheLater) {
+  end_in_the_middle_of(1, 3, true);
+  end_in_the_middle_of(2, 3, true);
+  EXPECT_NE(why(3), "");
+  EXPECT_EQ(why(1), "");
+  EXPECT_EQ(why(2), "");
+}
+
+TEST_F(Aside, AServerThatIsKilledBlamesNobodySoon) {
+  for (int i = 0; i < 4; ++i) end_in_the_middle_of(2, 2, false);
+  EXPECT_EQ(why(2), "");
+  end_in_the_middle_of(2, 2, false);
+  EXPECT_NE(why(2), "");
+}
+
+TEST_F(Aside, AttemptsThatThrowAreCountedToo) {
+  log.on_attempt = [](SessionId id) {
+    if (id == 2) throw std::runtime_error("out of memory, say");
+  };
+  start();
+  for (int i = 0; i < 20 && why(2).empty(); ++i) {
+    worker->trigger(2, Trigger::command);
+    settle();
+  }
+  EXPECT_NE(why(2), "");
+  settle();
+  EXPECT_EQ(log.aside, std::vector<SessionId>{2});
+  EXPECT_EQ(store->troubles().value().at(0).deaths, 2);
+}
+
+TEST_F(Aside, WhatTheOperatorSetsAsideHeCanTakeBack) {
+  start();
+  ASSERT_TRUE(wait_for([&](auto done) { worker->set_aside(2, "its lidar is loose", std::move(done)); }));
+  EXPECT_EQ(why(2), "its lidar is loose");
+  start();
+  EXPECT_EQ(log.fed[2], 0U);
+  ASSERT_TRUE(wait_for([&](auto done) { worker->release(2, std::move(done)); }));
+  EXPECT_EQ(log.fed[2], 4U);
+  EXPECT_EQ(why(2), "");
+  EXPECT_EQ(wait_for([&](auto done) { worker->release(2, std::move(done)); }).error().code, ErrorCode::refused);
+  EXPECT_EQ(wait_for([&](auto done) { worker->release(9, std::move(done)); }).error().code, ErrorCode::not_found);
+}
+
+TEST_F(Aside, WhatIsDeletedIsGone) {
+  start();
+  ASSERT_TRUE(wait_for([&](auto done) { worker->remove(2, std::move(done)); }));
+  EXPECT_EQ(store->last_keyframe(2).value(), 0U);
+  EXPECT_EQ(store->last_keyframe(1).value(), 4U);
+  EXPECT_TRUE(store->troubles().value().at(0).deleted);
+  start();
+  EXPECT_TRUE(worker->view()->sessions.at(2).deleted);
+  const auto view = worker->view();
+  EXPECT_TRUE(std::none_of(view->atlas.components.begin(), view->atlas.components.end(),
+                           [](const Component& c) { return c.id == 2; }));
+}
+
+TEST(WorkMark, SaysHowTheProcessBeforeEnded) {
+  const TempDir dir;
+  const auto file = dir.path() / "merging";
+  EXPECT_EQ(WorkMark::open(file)->left().end, WorkMark::End::well);
+  {
+    auto mark = WorkMark::open(file).value();
+    WorkMark::died();
+    mark.on(3, 4);
+    mark.off();
+  }
+  EXPECT_EQ(WorkMark::open(file)->left().end, WorkMark::End::well) << "no work, nobody's fault";
+  WorkMark::open(file)->on(3, 4);
+  const auto after = WorkMark::open(file).value();
+  EXPECT_EQ(after.left().end, WorkMark::End::killed);
+  EXPECT_EQ(after.left().a, 3);
+  EXPECT_EQ(after.left().b, 4);
+}
+
+}  // namespace
+}  // namespace headframe
