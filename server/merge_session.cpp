@@ -48,9 +48,12 @@ Laid MergePipeline::State::laid(SessionId one, SessionId other) const {
 
 AttemptReport MergePipeline::State::given_out(AttemptReport report) {
   for (Alignment& alignment : report.changed) alignment = frames.given_out(alignment);
-  for (PairTrace& trace : report.traces)
-    for (auto* poses : {&trace.proposed, &trace.screened})
-      for (Pose& T_a_b : *poses) T_a_b = frames.given_out(trace.a, trace.b, T_a_b);
+  for (PairTrace& trace : report.traces) {
+    const auto give_out = [&](Pose& T_a_b) { T_a_b = frames.given_out(trace.a, trace.b, T_a_b); };
+    for (PairTrace::Proposal& proposal : trace.proposed) give_out(proposal.T_a_b);
+    for (Pose& T_a_b : trace.screened) give_out(T_a_b);
+    for (Judgement& judged : trace.judged) give_out(judged.T_a_b);
+  }
   for (DecisionRecord& record : report.decided) {
     const auto of = std::find_if(alignments.begin(), alignments.end(),
                                  [&](const Alignment& a) { return a.id == record.alignment; });
