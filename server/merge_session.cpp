@@ -67,6 +67,7 @@ AttemptReport MergePipeline::State::given_out(AttemptReport report) {
 
 void MergePipeline::State::forget(SessionId id) {
   sessions.erase(id);
+  frames.come_anew(id);
   const auto of_it = [id](const auto& entry) { return entry.first.first == id || entry.first.second == id; };
   std::erase_if(judged_on, of_it);
   std::erase_if(contacts, of_it);

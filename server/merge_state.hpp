@@ -148,9 +148,14 @@ struct MergePipeline::State {
   /// More of those of the overlap, from that spot on, if they could make it believed.
   std::vector<KeyframeRef> wanted_to_tell(const Laid& pair, const Case& c, const Verdict& verdict) const;
   Scene scene(SessionId id, std::vector<Stand> stands, CloudSource& clouds);
-  /// Placements of a session on itself, other than where it lies, whose first place looks right: its mine repeats
-  /// itself. Looked for again when the session, or what is stored of its clouds, has grown by a quarter.
+  /// Copies that a session's mine shows of itself. Looked for again when the session, or what is stored of its clouds,
+  /// has grown by a quarter.
   double self_aliases(SessionId id, CloudSource& clouds);
+  /// The same placement of a session on itself, looked at 15 m before and behind along its path.
+  std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds);
+  /// How many of these placements of a session on itself, other than where it lies, are copies 15 m long and more:
+  /// their first place looks right by itself, and so does one of those beside it.
+  int copies_within(SessionId id, const std::vector<Case>& cases, CloudSource& clouds);
   /// Of what is known of that so far; see Evidence::repetition. Of less than 500 m little can be said, and of sessions
   /// that have yet to be looked at nothing.
   double repetition() const;

@@ -31,8 +31,8 @@ Alignment with_poses(Alignment alignment, const auto& change) {
 
 Keyframe SessionFrames::taken_in(SessionId session, Keyframe keyframe) {
   Pose& T = keyframe.T_local_sensor;
-  const auto [found, first] = frames_.try_emplace(session);
-  Frame& frame = found->second;
+  Frame& frame = frames_[session];
+  const bool first = frame.last.sequence == 0;
   if (first) frame.origin_m = (T.translation() / origin_step_m).array().round() * origin_step_m;
   T.translation() -= frame.origin_m;
   if (first) frame.first_m = T.translation();
@@ -51,6 +51,13 @@ Keyframe SessionFrames::taken_in(SessionId session, Keyframe keyframe) {
   frame.last.stamp_s = keyframe.stamp_s;
   frame.last.T_local_sensor = T;
   return keyframe;
+}
+
+void SessionFrames::come_anew(SessionId session) {
+  Frame& frame = frames_[session];
+  frame.last = {};
+  frame.left_out = 0;
+  frame.why.clear();
 }
 
 std::string SessionFrames::why_cut(SessionId session) const {

@@ -24,6 +24,9 @@ class SessionFrames {
   /// nothing but the jump. Up to three keyframes off the path are forgiven, then all that follow are left out.
   Keyframe taken_in(SessionId session, Keyframe keyframe);
 
+  /// Its keyframes will come anew, from the first on, which sets the same origin again.
+  void come_anew(SessionId session);
+
   /// Why the session's last keyframes are left out; empty: they are not.
   std::string why_cut(SessionId session) const;
 

@@ -99,7 +99,9 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
   const auto rank = [&](std::size_t i) {
     const Alignment& k = alignments[i];
     // Two placements of one piece of a session share its aliases: they do not tell which of them is right.
-    const double sure = std::max(k.evidence.probability, k.evidence.probability_if_unique) * (1 - k.evidence.runner_up);
+    const double p = std::min(std::max(k.evidence.probability, k.evidence.probability_if_unique), 1 - 1e-9);
+    const double sure =
+        p / (1 - p) * (1 - k.evidence.runner_up);  // odds: a runner-up of .01 weighs less than an overlap
     return std::tuple(k.ruling != Ruling::confirmed, -votes[i], -sure, -k.evidence.seen_points, k.a, k.b);
   };
   std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return rank(i) < rank(j); });
@@ -187,15 +189,11 @@ class Merging {
     return met.contact != Contact::contradicts && !waits;
   }
 
-  /// One of those by which both sessions come to lie where they contradict each other is wrong. Where the mine is known
-  /// to repeat itself it is a copy, as long as the overlap that it was found on, and none that is not clearly longer is
-  /// to be believed.
+  /// One of those by which both sessions come to lie where they contradict each other is wrong: a copy, as long as the
+  /// overlap that it was found on. None that is not clearly longer is to be believed.
   void doubt_between(std::size_t i, const Pair& by) {
     constexpr double clearly = 1.5;  // set by hand on drawn mines of copies, seeds from 70000 on
     const std::vector<std::size_t> way = way_between(i, by);
-    const bool copies = std::any_of(way.begin(), way.end(),
-                                    [&](std::size_t k) { return alignments_[k].evidence.repetition >= copies_known; });
-    if (!copies) return;
     const double shared_m = alignments_[i].evidence.overlap_m;
     bool equals = false;
     for (const std::size_t k : way) {

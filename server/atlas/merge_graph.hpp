@@ -37,9 +37,8 @@ using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a
 /// Sequential merging under the overlap constraint: verified alignments are taken strongest first; one that joins two
 /// components merges them, unless a session of one contradicts one of the other there; one that closes a loop is
 /// published when it agrees with the loop. What is not is held back: verified, or retracted if it had been published.
-/// Of two that contradict each other so the stronger stands, but not where the evidence of one says that the mine
-/// repeats itself: then one of them is a copy as long as its overlap, and those by which the two sessions come to lie
-/// on each other wait as verified unless their overlap is 1.5 times as long. While a contact is unknown, what is
+/// Of two that contradict each other so one is a copy as long as its overlap, and those by which the two sessions come
+/// to lie on each other wait as verified unless their overlap is 1.5 times as long. While a contact is unknown, what is
 /// published stays and what is not waits as verified. Strongest are those that the operator confirmed, then those that
 /// close more triangles with others than they fail to close, then the more probable, aliases aside, with the less
 /// probable runner-up. The published ones are then made to agree by least squares over the session frames. The outcome

@@ -20,9 +20,11 @@ double missing_overlap(const Evidence& e) {
   return 12 * std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1));
 }
 
-/// By hand: what was fitted on has too few copies of a single tile, and a short overlap is likelier to be one. 8 m cost
-/// two thirds.
-double little_overlap(const Evidence& e) { return 2 * std::min(0.0, e.overlap_m / 12 - 1); }
+/// By hand: what was fitted on has too few copies of a single tile, and the shorter an overlap the likelier it is one.
+/// Each halving below 30 m costs 0.5, and of two placements that can not both be right the longer is believed.
+double shared_path(const Evidence& e) {
+  return 0.5 * std::clamp(std::log2(std::max(e.overlap_m, 1e-3) / 30), -6.0, 0.5);
+}
 
 /// Places along a hundred metres that all agree, where the walls hold, are no chance.
 double long_overlap(const Evidence& e) {
@@ -55,9 +57,14 @@ LogOdds log_odds(const Evidence& e) {
   for (std::size_t i = 0; i < terms.size(); ++i)
     out.contributions[i] = {terms[i].name, verdict_weights[i] * terms[i].value};
   out.contributions[verdict_term_count] = {"overlap is short for a mine that repeats itself", missing_overlap(e)};
-  out.contributions[verdict_term_count + 1] = {"little path is shared", little_overlap(e)};
+  out.contributions[verdict_term_count + 1] = {"path that is shared", shared_path(e)};
   out.contributions[verdict_term_count + 2] = {"long overlap agrees", long_overlap(e)};
   return out;
+}
+
+double LogOdds::set_by_hand() const {
+  return std::accumulate(contributions.begin() + verdict_term_count, contributions.end(), 0.0,
+                         [](double sum, const VerdictTerm& t) { return sum + t.value; });
 }
 
 double LogOdds::sum() const {

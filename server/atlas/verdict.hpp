@@ -19,10 +19,11 @@ inline constexpr std::size_t verdict_term_count = 8;
 std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& evidence);
 
 /// What each term adds to the log-odds, as named by verdict_terms(), and what was set by hand: the overlap that is
-/// missing where the mine repeats itself, an overlap of a few metres, and a long one whose places all agree.
+/// missing where the mine repeats itself, how much path is shared, and a long overlap whose places all agree.
 struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_term_count + 3> contributions;
+  double set_by_hand() const;  // of the sum
   double sum() const;
 };
 LogOdds log_odds(const Evidence& evidence);

@@ -3,8 +3,8 @@
 
 usage: fit_verdict.py OUT.hpp ROWS.csv [ROWS.csv ...]     rows: as ./run bench stages and ./run bench merges write them
 Logistic regression with weights that are never negative and a weak pull towards 0, on placements that converged. Wrong
-placements in mines that show copies of themselves are left out where nothing contradicts them: what holds them back is
-the overlap that is asked for there, which is set by hand. Prints, with one kind of world left out at a time, how many right placements reach 0.9, how
+placements in mines that show copies of themselves are left out where hardly anything contradicts them, and so are exact
+copies longer than 25 m: what holds those back is set by hand (the column "by hand"), or other sessions. Prints, with one kind of world left out at a time, how many right placements reach 0.9, how
 many wrong ones do, the log loss and the expected calibration error. Needs numpy.
 """
 import csv
@@ -26,17 +26,19 @@ def load(files):
     return rows
 
 
-def known_copy(row):
-    copies = float(row["aliases"]) > 0 or float(row["repetition"]) >= 0.15
-    return row["right"] == "0" and copies and float(row["worst_place_violation"]) < 3e-3
+def copy(row):
+    violation = float(row["worst_place_violation"])
+    known = float(row["aliases"]) > 0 or float(row["repetition"]) >= 0.15
+    exact = violation < 1e-3 and float(row["overlap_m"]) > 25
+    return row["right"] == "0" and (exact or (known and violation < 3e-3))
 
 
-def fit(X, y, steps=4000):
+def fit(X, y, by_hand, steps=4000):
     spread = np.abs(X).std(0) + 1e-6
     A = np.c_[X / spread, np.ones(len(X))]
     b, m, v = (np.zeros(A.shape[1]) for _ in range(3))
     for t in range(1, steps + 1):  # Adam, with the weights kept from going below 0
-        g = A.T @ (1 / (1 + np.exp(-A @ b)) - y)
+        g = A.T @ (1 / (1 + np.exp(-A @ b - by_hand)) - y)
         g[:-1] += PULL * b[:-1]
         g /= len(y)
         m, v = 0.9 * m + 0.1 * g, 0.999 * v + 0.001 * g * g
@@ -46,24 +48,25 @@ def fit(X, y, steps=4000):
 
 
 def main(out, files):
-    rows = [r for r in load(files) if not known_copy(r)]
+    rows = [r for r in load(files) if not copy(r)]
     terms = [k for k in rows[0] if k.startswith("term: ")]
     X = np.array([[float(r[t]) for t in terms] for r in rows])
     y = np.array([float(r["right"]) for r in rows])
+    by_hand = np.array([float(r["by hand"]) for r in rows])
     kinds = np.array([r["kind"] for r in rows])
     left_out = np.zeros(len(y))
     print("%-18s %6s %8s %6s %8s" % ("kind left out", "right", ">= 0.9", "wrong", ">= 0.9"))
     for kind in sorted(set(kinds)):
         here = kinds == kind
-        c = fit(X[~here], y[~here])
-        p = left_out[here] = 1 / (1 + np.exp(-(X[here] @ c[:-1] + c[-1])))
+        c = fit(X[~here], y[~here], by_hand[~here])
+        p = left_out[here] = 1 / (1 + np.exp(-(X[here] @ c[:-1] + c[-1] + by_hand[here])))
         right = y[here] == 1
         print("%-18s %6d %8d %6d %8d" % (kind, right.sum(), (p[right] >= ACCEPTED).sum(), (~right).sum(), (p[~right] >= ACCEPTED).sum()))
     p = np.clip(left_out, 1e-9, 1 - 1e-9)
     bins = np.minimum((10 * p).astype(int), 9)
     ece = sum(abs(p[bins == b].mean() - y[bins == b].mean()) * (bins == b).mean() for b in set(bins))
     print("log loss %.3f, expected calibration error %.3f" % (-(y * np.log(p) + (1 - y) * np.log(1 - p)).mean(), ece))
-    c = fit(X, y)
+    c = fit(X, y, by_hand)
     for t, w in zip(terms, c):
         print("%8.2f  %s" % (w, t[6:]))
     print("%8.2f  bias" % c[-1])

@@ -25,6 +25,7 @@ VerdictRows::VerdictRows(const std::filesystem::path& file) : csv_(file) {
   csv_ << "source,kind,mine,a,b,right,status";
   for (const auto& field : evidence_fields()) csv_ << ',' << field.name;
   for (const auto& term : verdict_terms({})) csv_ << ",term: " << term.name;
+  csv_ << ",by hand";
   csv_ << '\n';
 }
 
@@ -49,6 +50,7 @@ void VerdictRows::write(const char* source, const DrivenSession& a, const Driven
   Evidence unique = judged.evidence;
   unique.aliases = unique.repetition = 0;
   for (const auto& term : verdict_terms(unique)) csv_ << ',' << term.value;
+  csv_ << ',' << log_odds(unique).set_by_hand();
   csv_ << '\n' << std::flush;
 }
 

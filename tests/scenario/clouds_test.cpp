@@ -100,7 +100,7 @@ TEST(CloudsOnRequest, ADoubtThatNobodyCanLiftStaysACandidate) {
   base.send(base.pipeline.attempt(2, base.shelf).wanted);
   base.lose_the_robots();
   EXPECT_TRUE(base.pipeline.attempt(2, base.shelf).wanted.empty());
-  EXPECT_EQ(base.pair()->state, AlignmentState::candidate);
+  EXPECT_EQ(base.pair()->state, AlignmentState::candidate) << base.pair()->evidence.probability << " over " << base.pair()->evidence.overlap_m;
 }
 
 TEST(CloudsOnRequest, ThoseWhoShareNothingDoNotSendAll) {

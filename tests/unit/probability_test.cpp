@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/merge_config.hpp"
 #include "server/registration/verification.hpp"
 
@@ -28,10 +30,12 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   };
   EXPECT_LT(with(&Evidence::worst_place_violation, 0.06), 0.5);
   EXPECT_LT(with(&Evidence::residual_m, 0.12), 0.5);
-  EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.5);
+  EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.9);
+  EXPECT_LT(with(&Evidence::freespace_violation, 0.02), 0.5);
   EXPECT_LT(with(&Evidence::aliases, 3), 0.5) << "36 m of a mine that repeats itself";
   EXPECT_EQ(with(&Evidence::tilt_deg, 3.1), 0);
-  EXPECT_LT(with(&Evidence::pairs, 1), p(good));
+  EXPECT_LT(with(&Evidence::overlap_m, 15), p(good));
+  EXPECT_LT(with(&Evidence::overlap_m, 3), 0.9);
   EXPECT_LE(probability(RegistrationStatus::degenerate, good), 0.4) << "slides along the drift: at most a candidate";
   EXPECT_EQ(probability(RegistrationStatus::too_little_overlap, good), 0);
   Evidence longer = good;
@@ -49,7 +53,8 @@ TEST(Probability, ALongOverlapOnWhichAllAgreeCounts) {
     e.end_on_match = 1;
     return probability(RegistrationStatus::converged, e);
   };
-  EXPECT_EQ(p(36), p(60));
+  EXPECT_LT(p(36), p(42));
+  EXPECT_EQ(p(43), p(60));
   EXPECT_LT(p(60), p(90));
   EXPECT_LT(p(90), p(120));
   EXPECT_EQ(p(120), p(500));
@@ -105,12 +110,12 @@ TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
     return probability(RegistrationStatus::converged, e);
   };
   const double asked = asked_alike(convincing());
-  EXPECT_EQ(p(0, 0), p(12, asked)) << "nothing compared, nothing said";
-  EXPECT_EQ(p(12, asked), p(12, 1));
+  EXPECT_EQ(p(0, 0), p(0, 1)) << "nothing compared, nothing said";
+  EXPECT_LT(p(12, asked), p(12, 1));
   EXPECT_LT(p(12, asked - 0.01), p(12, asked));
-  EXPECT_LT(p(12, 0.5), 0.5);
-  EXPECT_GT(p(2, 0.5), 0.9) << "two keyframes are few";
-  EXPECT_EQ(p(10, 0.5), p(100, 0.5));
+  EXPECT_LT(p(12, 0.5), 0.9);
+  EXPECT_GT(p(2, 0.5), p(12, 0.5)) << "two keyframes are few";
+  EXPECT_EQ(p(10, 0.5), p(100, 0.5)) << "ten say it all";
 }
 
 TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
@@ -121,9 +126,11 @@ TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
     e.descriptors_alike = alike;
     return probability(RegistrationStatus::converged, e);
   };
-  EXPECT_EQ(p(0, 0.76), p(0, 1));
-  EXPECT_LT(p(1, 0.76), p(1, 0.85));
-  EXPECT_EQ(p(1, 0.85), p(1, 1));
+  const auto odds = [&](double aliases, double alike) {
+    const double chance = p(aliases, alike);
+    return std::log(chance / (1 - chance));
+  };
+  EXPECT_GT(odds(1, 0.85) - odds(1, 0.76), odds(0, 0.85) - odds(0, 0.76)) << "below .85 a copy's mine asks for more";
 }
 
 TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
@@ -155,7 +162,6 @@ TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
   EXPECT_LT(p(0.9 * held_well, 0, 0), 0.8);
   EXPECT_NEAR(p(0.9 * held_well, ends_meet, 0), p(0.1, 0, 0), 1e-4);
   EXPECT_LT(p(0.9 * held_well, 0.9 * ends_meet, 0), p(0.1, 0, 0) - 1e-4);
-  EXPECT_LT(p(0.9 * held_well, ends_meet, 0.005), p(0.1, 0, 0.005)) << "a contradiction counts twice";
 }
 
 }  // namespace
