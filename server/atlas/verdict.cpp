@@ -20,11 +20,16 @@ double missing_overlap(const Evidence& e) {
   return 12 * std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1));
 }
 
-/// By hand: what was fitted on has too few copies of a single tile, and the shorter an overlap the likelier it is one.
-/// Each halving below 30 m costs 0.5, and of two placements that can not both be right the longer is believed.
-double shared_path(const Evidence& e) {
-  return 0.5 * std::clamp(std::log2(std::max(e.overlap_m, 1e-3) / 30), -6.0, 0.5);
+double halvings_below(double metres, const Evidence& e) {
+  return std::clamp(std::log2(std::max(e.overlap_m, 1e-3) / metres), -6.0, 0.5);
 }
+
+/// What was fitted on has too few copies of a single tile, and the shorter an overlap the likelier it is one: each
+/// halving below 30 m costs 0.5.
+double shared_path(const Evidence& e) { return 0.5 * halvings_below(30, e); }
+
+/// Below 10 m each halving costs 1 more. The fit does not know of it, or its bias would make up for it.
+double hardly_any_path(const Evidence& e) { return std::min(0.0, halvings_below(10, e)); }
 
 /// Places along a hundred metres that all agree, where the walls hold, are no chance.
 double long_overlap(const Evidence& e) {
@@ -59,11 +64,12 @@ LogOdds log_odds(const Evidence& e) {
   out.contributions[verdict_term_count] = {"overlap is short for a mine that repeats itself", missing_overlap(e)};
   out.contributions[verdict_term_count + 1] = {"path that is shared", shared_path(e)};
   out.contributions[verdict_term_count + 2] = {"long overlap agrees", long_overlap(e)};
+  out.contributions[verdict_term_count + 3] = {"hardly any path is shared", hardly_any_path(e)};
   return out;
 }
 
-double LogOdds::set_by_hand() const {
-  return std::accumulate(contributions.begin() + verdict_term_count, contributions.end(), 0.0,
+double LogOdds::taken_as_given() const {
+  return std::accumulate(contributions.begin() + verdict_term_count, contributions.end() - 1, 0.0,
                          [](double sum, const VerdictTerm& t) { return sum + t.value; });
 }
 

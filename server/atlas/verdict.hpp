@@ -22,8 +22,8 @@ std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& eviden
 /// missing where the mine repeats itself, how much path is shared, and a long overlap whose places all agree.
 struct LogOdds {
   double bias = 0;
-  std::array<VerdictTerm, verdict_term_count + 3> contributions;
-  double set_by_hand() const;  // of the sum
+  std::array<VerdictTerm, verdict_term_count + 4> contributions;
+  double taken_as_given() const;  // by the fit, of the sum: set by hand
   double sum() const;
 };
 LogOdds log_odds(const Evidence& evidence);

@@ -5,7 +5,7 @@
 
 namespace headframe {
 
-inline constexpr double verdict_bias = 4.108;
-inline constexpr std::array<double, 8> verdict_weights{3.806, 4.525, 0.000, 28.882, 2.322, 7.401, 2.247, 4.149};
+inline constexpr double verdict_bias = 4.152;
+inline constexpr std::array<double, 8> verdict_weights{3.803, 4.473, 0.000, 29.519, 8.000, 7.134, 2.291, 4.224};
 
 }  // namespace headframe

@@ -50,7 +50,7 @@ void VerdictRows::write(const char* source, const DrivenSession& a, const Driven
   Evidence unique = judged.evidence;
   unique.aliases = unique.repetition = 0;
   for (const auto& term : verdict_terms(unique)) csv_ << ',' << term.value;
-  csv_ << ',' << log_odds(unique).set_by_hand();
+  csv_ << ',' << log_odds(unique).taken_as_given();
   csv_ << '\n' << std::flush;
 }
 
