@@ -95,13 +95,13 @@ TEST(CloudsOnRequest, WhatIsInDoubtAsksForMoreOfTheOverlapUntilItIsTold) {
   EXPECT_LT(base.sent, base.shelf.clouds.size()) << "not the whole maps";
 }
 
-TEST(CloudsOnRequest, ADoubtThatNobodyCanLiftStaysACandidate) {
+TEST(CloudsOnRequest, ADoubtThatNobodyCanLiftIsNotMerged) {
   OnRequest base({west(), east()}, {1, 2});
   base.send(base.pipeline.attempt(2, base.shelf).wanted);
   base.lose_the_robots();
   EXPECT_TRUE(base.pipeline.attempt(2, base.shelf).wanted.empty());
-  EXPECT_EQ(base.pair()->state, AlignmentState::candidate)
-      << base.pair()->evidence.probability << " over " << base.pair()->evidence.overlap_m;
+  EXPECT_LT(base.pair()->evidence.probability, MergeConfig{}.accept_probability);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
 }
 
 TEST(CloudsOnRequest, ThoseWhoShareNothingDoNotSendAll) {
