@@ -10,6 +10,7 @@
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
 #include "tests/bench/descriptors/descriptors.hpp"
+#include "tests/bench/live/live.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
@@ -47,6 +48,14 @@ struct Options {
   std::optional<int> mines;
   std::vector<std::filesystem::path> sets;  // of stages
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
+  LiveBench live = {};
+
+  LiveBench live_bench() const {
+    LiveBench bench = live;
+    bench.recordings = recordings;
+    bench.out = out;
+    return bench;
+  }
 };
 
 int fail(const std::string& message, int status) {
@@ -98,6 +107,7 @@ int run(const Options& options) {
   part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
   part("stages", false, [&] { return stages(options.sets, options.out); });
+  part("live", false, [&] { return live(options.live_bench()); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
@@ -126,6 +136,11 @@ int main(int argc, char** argv) {
   stages->add_option("DIR", options.sets, "data sets (with truth.json and truth/ROBOT.txt), or folders of them")
       ->required();
   stages->callback([&options] { options.what = "stages"; });
+  auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
+  live->add_option("--only", options.live.only, "sets whose names contain this");
+  live->add_option("--seed", options.live.first_seed, "of the first drawn mine");
+  live->add_option("--before", options.live.before, "live-drives.jsonl of another version, to compare with");
+  live->callback([&options] { options.what = "live"; });
   CLI11_PARSE(app, argc, argv);
   try {
     return run(options);

@@ -1,0 +1,93 @@
+#include "tests/bench/live/live.hpp"
+
+#include <cstdio>
+#include <fstream>
+
+#include "tests/bench/live/live_report.hpp"
+#include "tests/bench/live/live_sets.hpp"
+#include "tests/bench/live/live_watch.hpp"
+
+namespace headframe::bench {
+namespace {
+
+using Sessions = std::vector<DrivenSession>;
+
+std::vector<const DrivenSession*> pointers(const Sessions& sessions) {
+  std::vector<const DrivenSession*> out;
+  for (const DrivenSession& session : sessions) out.push_back(&session);
+  return out;
+}
+
+bool same_end(const EndState& one, const EndState& other) {
+  return one.together == other.together &&
+         (one.state == AlignmentState::published) == (other.state == AlignmentState::published) &&
+         (!one.together || ((one.T_a_b.translation() - other.T_a_b.translation()).norm() < 0.05 &&
+                            rotation_angle_rad(one.T_a_b.inverse() * other.T_a_b) < 0.005));
+}
+
+/// Pairs whose end differs, in words.
+std::vector<std::string> differences(const std::map<NamedPair, EndState>& one,
+                                     const std::map<NamedPair, EndState>& other) {
+  std::vector<std::string> out;
+  for (const auto& [pair, end] : one) {
+    const EndState& theirs = other.at(pair);
+    if (same_end(end, theirs)) continue;
+    char text[200];
+    std::snprintf(text, sizeof text, "%s and %s: %s%s, else %s%s, %.2f m", pair.first.c_str(), pair.second.c_str(),
+                  std::string(to_string(end.state)).c_str(), end.together ? " together" : "",
+                  std::string(to_string(theirs.state)).c_str(), theirs.together ? " together" : "",
+                  (end.T_a_b.translation() - theirs.T_a_b.translation()).norm());
+    out.emplace_back(text);
+  }
+  return out;
+}
+
+LiveDrive drive(const LiveSet& set, const LiveConditions& conditions, const Sessions& present, const Sessions& driving,
+                std::optional<std::map<NamedPair, EndState>>& first_end) {
+  LiveDrive out;
+  out.set = set.name;
+  out.kind = set.kind;
+  out.conditions = text_of(conditions);
+  LiveWatch watch;
+  LiveRun run(pointers(present), pointers(driving), conditions, [&](const LiveRun& now) { watch.look(now); });
+  run.drive();
+  watch.look(run);
+  auto end = LiveWatch::end_of(run);
+  run.ask_for_merges();
+  const auto asked = LiveWatch::end_of(run);
+  out.asking_changed = differences(end, asked);
+  watch.finish(run);
+  out.wrong = watch.wrong();
+  out.right = watch.right();
+  out.right_withdrawn = watch.right_withdrawn();
+  out.attempts = run.attempts();
+  for (const auto& [id, session] : run.sessions())
+    for (const auto& [other, theirs] : run.sessions())
+      out.meet += id < other && truly_meet(*session.driven, *theirs.driven);
+  if (first_end)
+    out.end_differs = differences(end, *first_end);
+  else
+    first_end = std::move(end);
+  return out;
+}
+
+}  // namespace
+
+nlohmann::json live(const LiveBench& bench) {
+  std::filesystem::create_directories(bench.out);
+  std::ofstream lines(bench.out / "live-drives.jsonl");
+  std::vector<LiveDrive> drives;
+  for (const LiveSet& set : live_sets(bench.recordings, bench.first_seed)) {
+    if (set.name.find(bench.only) == std::string::npos) continue;
+    const Sessions present = set.present(), driving = set.driving();
+    std::optional<std::map<NamedPair, EndState>> first_end;
+    for (const LiveConditions& conditions : set.conditions) {
+      drives.push_back(drive(set, conditions, present, driving, first_end));
+      print(drives.back());
+      lines << to_json(drives.back()).dump() << std::endl;
+    }
+  }
+  return summary(drives, read_right_merges(bench.before));
+}
+
+}  // namespace headframe::bench

@@ -1,0 +1,21 @@
+#pragma once
+// ./run bench live: is anything wrong ever told to a robot, even for a second?
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace headframe::bench {
+
+struct LiveBench {
+  std::filesystem::path recordings, out;
+  std::filesystem::path before;       // live.json of another version, to say how much later merges come; may be empty
+  std::string only;                   // sets whose names contain it
+  std::uint64_t first_seed = 310000;  // of the drawn mines
+};
+
+/// Every set of sessions driven under several conditions; all that stood is compared with the truth. Each drive is
+/// printed and kept in `out`/live-drives.jsonl as soon as it is done.
+nlohmann::json live(const LiveBench& bench);
+
+}  // namespace headframe::bench

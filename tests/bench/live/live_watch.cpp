@@ -1,0 +1,127 @@
+#include "tests/bench/live/live_watch.hpp"
+
+#include <algorithm>
+
+namespace headframe::bench {
+namespace {
+
+Pose T_world_local(const DrivenSession& session) {
+  return session.path.T_world_sensor.front() * session.path.T_local_sensor.front().inverse();
+}
+
+NamedPair named(const LiveRun& run, SessionId a, SessionId b) {
+  NamedPair pair{run.sessions().at(a).driven->name, run.sessions().at(b).driven->name};
+  if (pair.second < pair.first) std::swap(pair.first, pair.second);
+  return pair;
+}
+
+using Pairs = std::map<std::pair<SessionId, SessionId>, Pose>;  // a < b
+
+Pairs together(const Atlas& atlas) {
+  Pairs out;
+  for (const Component& component : atlas.components)
+    for (const Placement& a : component.placements)
+      for (const Placement& b : component.placements)
+        if (a.session < b.session)
+          out[{a.session, b.session}] = a.T_component_session.inverse() * b.T_component_session;
+  return out;
+}
+
+const Alignment* alignment_of(const LiveRun& run, SessionId a, SessionId b) {
+  for (const Alignment& k : run.pipeline().alignments())
+    if (k.a == a && k.b == b) return &k;
+  return nullptr;
+}
+
+/// Path of one session since so much was known of it.
+double farther_m(const LiveRun& run, SessionId a, SessionId b, const Stood& stood) {
+  return std::max(run.sessions().at(a).path_m - stood.known_a_m, run.sessions().at(b).path_m - stood.known_b_m);
+}
+
+}  // namespace
+
+bool truly_meet(const DrivenSession& a, const DrivenSession& b) {
+  return a.world == b.world && overlap_error(a.path, b.path, Pose::Identity()).pairs > 0;
+}
+
+Standing standing_of(const DrivenSession& a, const DrivenSession& b, const Pose& T_a_b) {
+  if (a.world != b.world) return {true, -1};
+  const Pose T_true = T_world_local(a).inverse() * T_world_local(b);
+  const test::OverlapError error = overlap_error(a.path, b.path, T_a_b);
+  if (error.pairs == 0) {
+    const double off_m = (T_true.inverse() * T_a_b).translation().norm();
+    return {off_m > 10, off_m};
+  }
+  const double drift_m = overlap_error(a.path, b.path, T_true).translation_m;
+  return {error.translation_m > std::max(1.0, 0.5 + 2 * drift_m) || error.rotation_deg > 5, error.translation_m};
+}
+
+void LiveWatch::close(Now& now, const LiveRun& run, bool at_end) {
+  now.stood.to_s = run.now_s();
+  now.stood.at_end = at_end;
+  (now.wrong ? wrong_ : right_).push_back(now.stood);
+}
+
+void LiveWatch::look(const LiveRun& run) {
+  const Pairs now = together(run.pipeline().atlas());
+  for (auto known = standing_.begin(); known != standing_.end();) {
+    if (!now.contains(known->first)) {
+      close(known->second, run, false);
+      known = standing_.erase(known);
+    } else {
+      ++known;
+    }
+  }
+  for (const auto& [pair, T_a_b] : now) {
+    const LiveSession &a = run.sessions().at(pair.first), &b = run.sessions().at(pair.second);
+    const Standing standing = standing_of(*a.driven, *b.driven, T_a_b);
+    auto known = standing_.find(pair);
+    if (known != standing_.end() && known->second.wrong != standing.wrong) {
+      close(known->second, run, false);
+      standing_.erase(known);
+      known = standing_.end();
+    }
+    if (known == standing_.end()) {
+      Stood stood{named(run, pair.first, pair.second), run.now_s(), run.now_s()};
+      stood.off_m = standing.off_m;
+      stood.known_a_m = a.path_m;
+      stood.known_b_m = b.path_m;
+      if (const Alignment* k = alignment_of(run, pair.first, pair.second)) stood.evidence = k->evidence;
+      known = standing_.emplace(pair, Now{standing.wrong, stood}).first;
+    }
+    known->second.stood.path_m = farther_m(run, pair.first, pair.second, known->second.stood);
+  }
+}
+
+void LiveWatch::finish(const LiveRun& run) {
+  look(run);
+  for (auto& [pair, now] : standing_) {
+    now.stood.path_m = farther_m(run, pair.first, pair.second, now.stood);
+    close(now, run, true);
+  }
+  standing_.clear();
+}
+
+std::size_t LiveWatch::right_withdrawn() const {
+  return static_cast<std::size_t>(
+      std::count_if(right_.begin(), right_.end(), [](const Stood& stood) { return !stood.at_end; }));
+}
+
+std::map<NamedPair, EndState> LiveWatch::end_of(const LiveRun& run) {
+  std::map<NamedPair, EndState> out;
+  const Pairs merged = together(run.pipeline().atlas());
+  for (const auto& [id_a, a] : run.sessions())
+    for (const auto& [id_b, b] : run.sessions()) {
+      if (id_a >= id_b) continue;
+      EndState end;
+      if (const Alignment* k = alignment_of(run, id_a, id_b)) end.state = k->state;
+      if (const auto found = merged.find({id_a, id_b}); found != merged.end()) {
+        end.together = true;
+        end.T_a_b = a.driven->name < b.driven->name ? found->second : found->second.inverse();
+      }
+      out[named(run, id_a, id_b)] = end;
+    }
+  return out;
+}
+
+}  // namespace headframe::bench

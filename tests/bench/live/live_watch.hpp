@@ -1,0 +1,71 @@
+#pragma once
+// The atlas of a live run against the truth, at every change.
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/bench/live/live_run.hpp"
+
+namespace headframe::bench {
+
+/// A pair of sessions by their names, in order.
+using NamedPair = std::pair<std::string, std::string>;
+
+/// How one session lies on another, against the truth.
+struct Standing {
+  bool wrong = false;
+  double off_m = 0;
+};
+
+/// T_a_b of two sessions in one component. Wrong: of other worlds, or, where they meet, more than 1 m (or 0.5 m and
+/// twice what drift leaves of the true frames) or 5 deg off; where they do not meet, more than 10 m.
+Standing standing_of(const DrivenSession& a, const DrivenSession& b, const Pose& T_a_b);
+
+/// Whether the two come within 8 m of each other.
+bool truly_meet(const DrivenSession& a, const DrivenSession& b);
+
+/// A pair that stood wrongly, or rightly, for a while.
+struct Stood {
+  NamedPair pair;
+  double from_s = 0, to_s = 0;
+  double path_m = 0;                    // that the farther of the two drove in that time
+  double off_m = 0;                     // at first
+  bool at_end = false;                  // it stands still
+  Evidence evidence = {};               // of the pair's own alignment at first, where it has one
+  double known_a_m = 0, known_b_m = 0;  // path of both at first
+};
+
+struct EndState {
+  AlignmentState state = AlignmentState::rejected;
+  bool together = false;  // in one component
+  Pose T_a_b = Pose::Identity();
+};
+
+/// Keeps account of every pair of a run.
+class LiveWatch {
+ public:
+  void look(const LiveRun& run);
+  /// When nothing changes any more.
+  void finish(const LiveRun& run);
+
+  const std::vector<Stood>& wrong() const { return wrong_; }
+  const std::vector<Stood>& right() const { return right_; }
+  /// Of pairs that meet, of which what stood rightly was withdrawn.
+  std::size_t right_withdrawn() const;
+  static std::map<NamedPair, EndState> end_of(const LiveRun& run);
+
+ private:
+  struct Now {
+    bool wrong = false;
+    Stood stood;
+    double max_path_m = 0;
+  };
+  void close(Now& now, const LiveRun& run, bool at_end);
+
+  std::map<std::pair<SessionId, SessionId>, Now> standing_;
+  std::vector<Stood> wrong_, right_;
+};
+
+}  // namespace headframe::bench
