@@ -1,6 +1,6 @@
 #pragma once
-// From evidence to a probability: terms whose weights were fitted on labelled placements (`./run fit`), and what is set
-// by hand because no fit can know it: how much overlap a mine that repeats itself is asked for.
+// From evidence to a probability: terms with weights fitted on labelled placements (tests/bench/fit_verdict.py), and
+// what is set by hand because no fit can know it: how much overlap a mine that repeats itself is asked for.
 
 #include <array>
 #include <string_view>

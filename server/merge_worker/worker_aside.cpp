@@ -53,13 +53,13 @@ Result<void> MergeWorker::restore_troubles() {
 
 /// Of two that were worked on together the one is set aside that has the more on it, or else came later.
 void MergeWorker::blame(const WorkMark::Left& left) {
-  TroubleRecord* worst = nullptr;
+  TroubleRecord* worst = &troubles_[left.a];
   for (const SessionId id : std::set<SessionId>{left.a, left.b}) {
     TroubleRecord& trouble = troubles_[id];
     trouble.session = id;
     ++(left.end == WorkMark::End::died ? trouble.deaths : trouble.kills);
     const auto rank = [](const TroubleRecord& t) { return std::tuple(t.deaths, t.kills, t.session); };
-    if (!worst || rank(*worst) < rank(trouble)) worst = &trouble;
+    if (rank(*worst) < rank(trouble)) worst = &trouble;
   }
   if (beyond_bearing(*worst) && worst->why_aside.empty()) {
     worst->why_aside = why_aside(*worst);

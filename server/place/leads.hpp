@@ -34,8 +34,8 @@ struct Lead {
 /// How many of each source are handed on.
 struct LeadSeats {
   std::size_t walls = 8, coherent = 40, places = 8, votes = 2;
-  /// Placements of the wall search that are refined. In mines made by others a right one that shared a fifth of the rock
-  /// was found as far down as 720.
+  /// Placements of the wall search that are refined. In mines made by others a right one that shared a fifth of the
+  /// rock was found as far down as 720.
   std::size_t coarse_matches = 1000;
 };
 

@@ -244,7 +244,8 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
 bool fits_alone(const Glance& glance) {
   const Registration& r = glance.place.registration;
   return glance.hopeful && r.status == RegistrationStatus::converged && r.direction_hold[0] > 0.05 &&
-         glance.place.matched.cautious() > 0.75 && glance.place.residual_m < 0.045 && glance.place.between().violation() < 0.004;
+         glance.place.matched.cautious() > 0.75 && glance.place.residual_m < 0.045 &&
+         glance.place.between().violation() < 0.004;
 }
 
 Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const JudgeConfig& config) {

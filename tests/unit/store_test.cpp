@@ -128,7 +128,8 @@ TEST(Store, KeepsDecisionsAndThatTheyWereUndone) {
 /// What takes a database back to the schema before labels, anchors, surveys and rates.
 constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN label; ALTER TABLE alignments DROP COLUMN T_a_b_runner_up;"
-    "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; DROP TABLE troubles; ALTER TABLE robots DROP COLUMN rate_kib_s;"
+    "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; DROP TABLE troubles; ALTER TABLE robots DROP "
+    "COLUMN rate_kib_s;"
     "PRAGMA user_version=3;";
 
 Survey survey_of(SessionId session) {
