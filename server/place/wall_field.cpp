@@ -62,7 +62,8 @@ void WallField::mark_reach() {
       if (cell.for_wall == 0 && cell.for_free == 0) continue;
       for (int by = std::max(0, y / block - 1); by <= std::min(reach_rows - 1, y / block + 1); ++by)
         for (int bx = std::max(0, x / block - 1); bx <= std::min(reach_columns_ - 1, x / block + 1); ++bx)
-          reach_[static_cast<std::size_t>(by * reach_columns_ + bx)] = 1;
+          reach_[static_cast<std::size_t>(by) * static_cast<std::size_t>(reach_columns_) +
+                 static_cast<std::size_t>(bx)] = 1;
     }
 }
 
@@ -80,7 +81,9 @@ WallMap WallField::near_part(const WallMap& b, const WallMatch& guess,
       if (!(c.x() >= 0 && c.y() >= 0 && c.x() < static_cast<float>(columns_) && c.y() < static_cast<float>(rows_)))
         continue;
       const int bx = static_cast<int>(c.x()) / block, by = static_cast<int>(c.y()) / block;
-      if (reach_[static_cast<std::size_t>(by * reach_columns_ + bx)]) to.push_back(p);
+      if (reach_[static_cast<std::size_t>(by) * static_cast<std::size_t>(reach_columns_) +
+                 static_cast<std::size_t>(bx)])
+        to.push_back(p);
     }
   };
   WallMap out{{}, {}, b.cell_m};

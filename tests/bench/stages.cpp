@@ -240,10 +240,8 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
       sessions.emplace(robot, read_driven_session(set, robot, *family));
     for (const auto& pair : truth.at("pairs")) {
       rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), pair).run(evidence));
-      if (!rows.back().right && rows.back().overlap_pct >= 1)
-        print_lost(rows.back());
-      else if (rows.back().merged && !rows.back().right)
-        print_lost(rows.back());
+      const PairRow& row = rows.back();
+      if (!row.right && (row.overlap_pct >= 1 || row.merged)) print_lost(row);
     }
     std::fprintf(stderr, "\r%zu of %zu data sets", static_cast<std::size_t>(&set - sets.data()) + 1, sets.size());
   }

@@ -19,7 +19,8 @@ KeyframeCloud one_sweep(Points points) { return {{Sweep{Eigen::Vector3f::Zero(),
 Points wall(float at_m, std::size_t side) {
   Points points;
   for (std::size_t i = 0; i < side * side; ++i)
-    points.emplace_back(at_m, 0.1F * static_cast<float>(i % side), 0.1F * static_cast<float>(i / side));
+    points.emplace_back(at_m, 0.1F * static_cast<float>(i % side),
+                        0.1F * static_cast<float>(i / side));  // NOLINT(bugprone-integer-division): a grid
   return points;
 }
 
