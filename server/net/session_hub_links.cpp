@@ -60,8 +60,7 @@ std::string SessionHub::want_of_room(const Hello& hello) const {
     ++all;
     own += session.record.key.robot == hello.session.robot ? 1 : 0;
   }
-  if (auto why = quota_.objection(hello.session.robot, own, !ids_.contains(hello.session), Clock::now());
-      !why.empty())
+  if (auto why = quota_.objection(hello.session.robot, own, !ids_.contains(hello.session), Clock::now()); !why.empty())
     return why;
   if (all < limits_.robots) return "";
   return "the server serves " + std::to_string(limits_.robots) +
