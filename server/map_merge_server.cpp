@@ -21,15 +21,18 @@ namespace headframe {
 /// Order of life: what is below uses what is above. stop() goes from the peers inwards.
 struct MapMergeServer::Parts {
   Parts(const ServerOptions& o, std::unique_ptr<Store> opened, std::optional<boost::asio::ssl::context> door,
-        WorkMark mark)
+        WorkMark mark, RevocationLog revoked)
       : options(o),
+        revocations(std::move(revoked)),
         store(std::move(opened)),
         worker(make_pipeline(o.config.merge), *store, o.config.schedule, std::move(mark)),
         hub(*store, worker, o.config.limits),
         notes(*store),
-        gate(*store, {{},
-                      [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); },
-                      [this](const std::string& robot, std::uint64_t kib_s) { hub.set_rate(robot, kib_s * 1024); }}),
+        gate(*store,
+             {{},
+              [this](const std::string& robot, const std::string& why) { hub.end_robot(robot, why); },
+              [this](const std::string& robot, std::uint64_t kib_s) { hub.set_rate(robot, kib_s * 1024); }},
+             {}, &revocations),
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
         view(io, hub, worker, *store, notes, o.config.merge) {}
@@ -41,6 +44,7 @@ struct MapMergeServer::Parts {
   void stop();
 
   const ServerOptions options;
+  RevocationLog revocations;
   boost::asio::io_context io;
   std::unique_ptr<Store> store;
   MergeWorker worker;
@@ -109,7 +113,10 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
   }
   auto mark = WorkMark::open(options.data / "merging");
   if (!mark) return tl::unexpected(mark.error());
-  auto parts = std::make_unique<Parts>(options, std::move(*store), std::move(tls), std::move(*mark));
+  auto revocations = RevocationLog::open(options.data / "revoked");
+  if (!revocations) return tl::unexpected(revocations.error());
+  auto parts =
+      std::make_unique<Parts>(options, std::move(*store), std::move(tls), std::move(*mark), std::move(*revocations));
   parts->fingerprint = fingerprint;
   if (auto done = parts->start(); !done) return tl::unexpected(done.error());
   return std::unique_ptr<MapMergeServer>(new MapMergeServer(std::move(parts)));

@@ -11,6 +11,7 @@ struct MergeConfig {
   double runner_up_share = 0.1;        // ... when its runner-up's odds stay below this share of its own
   double candidate_probability = 0.2;  // shown as a candidate at or above this
   double least_path_m = 50;            // a growing session waits until it has come so far, or its robot asks
+  double shown_m = 60;                 // ... and while it grows, until path shared and path since make up so much
   int hypotheses = 40;                 // of wall maps that hardly contradict each other, screened for each pair
   int searches = 4;                    // pairs of sessions whose walls are searched anew in one attempt
   int clouds_requested = 4;            // of each session for a first look at a hypothesis; twice as many while in doubt

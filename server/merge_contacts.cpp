@@ -17,10 +17,6 @@ constexpr std::size_t placements_kept = 4;     // of a pair
 // wrong ones had more than this.
 constexpr double contradiction = 0.015;
 
-Eigen::Vector3d middle_of(const Session& session) {
-  return session.keyframes[session.keyframes.size() / 2].T_local_sensor.translation();
-}
-
 bool near(const Session& a, const Session& b, const Pose& T_a_b, double reach_m) {
   Eigen::AlignedBox3d box;
   for (const Keyframe& k : a.keyframes) box.extend(k.T_local_sensor.translation());
@@ -46,7 +42,7 @@ SeenContact* MergePipeline::State::seen_contact(const Nearing& n) {
   const auto found = contacts.find({n.a, n.b});
   if (found == contacts.end()) return nullptr;
   const auto seen = std::find_if(found->second.begin(), found->second.end(), [&](const SeenContact& c) {
-    return !differ(c.T_a_b, n.T_a_b, middle_of(sessions.at(n.b)), same_m, same_rad);
+    return !differ(c.T_a_b, n.T_a_b, sessions.at(n.b).middle(), same_m, same_rad);
   });
   return seen == found->second.end() ? nullptr : &*seen;
 }

@@ -7,11 +7,13 @@
 #include <set>
 
 #include "server/merge_state.hpp"
+#include "server/registration/parallel.hpp"
 
 namespace headframe {
 namespace {
 
-constexpr double close_m = 5, step_m = 4;  // of b's path, where it passes so near to a's
+constexpr double close_m = 5, step_m = 4;       // of b's path, where it passes so near to a's
+constexpr std::size_t spots_unless_copies = 4;  // the ends of the overlap, and between
 
 /// Free space alone: what a registration needs is kept small.
 PlaceConfig farther() {
@@ -48,13 +50,22 @@ bool known_around(const Session& session, SessionId id, std::size_t keyframe, co
   return known;
 }
 
+/// So many, evenly spread, the ends among them.
+template <class T>
+std::vector<T> spread_evenly(const std::vector<T>& all, std::size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<T> out;
+  for (std::size_t i = 0; i < most; ++i) out.push_back(all[i * (all.size() - 1) / (most - 1)]);
+  return out;
+}
+
 }  // namespace
 
 PlaceConfig MergePipeline::State::far_places_config() { return farther(); }
 
 void MergePipeline::State::look_farther(const Laid& pair, const Case& c, Verdict& verdict, CloudSource& clouds) {
   Judgement& judgement = verdict.judgement;
-  std::vector<PlaceRequest> asked;
+  std::vector<std::pair<std::size_t, std::size_t>> spots;  // keyframes of a and b
   std::set<KeyframeRef> wanted;
   double next_m = std::numeric_limits<double>::lowest();
   for (const Stand& s : c.b.stored) {
@@ -65,22 +76,30 @@ void MergePipeline::State::look_farther(const Laid& pair, const Case& c, Verdict
                known_b = known_around(sessions.at(pair.b), pair.b, s.keyframe, clouds, wanted);
     if (!known_a || !known_b) continue;
     next_m = path_m + step_m;
-    asked.push_back(place_at(pair.a, other->keyframe));
-    asked.push_back(place_at(pair.b, s.keyframe));
+    spots.emplace_back(other->keyframe, s.keyframe);
+  }
+  if (judgement.evidence.repetition < copies_known) spots = spread_evenly(spots, spots_unless_copies);
+  std::vector<PlaceRequest> asked;
+  for (const auto& [of_a, of_b] : spots) {
+    asked.push_back(place_at(pair.a, of_a));
+    asked.push_back(place_at(pair.b, of_b));
   }
   verdict.wanted.assign(wanted.begin(), wanted.end());
   const std::vector<PlacePtr> near = places.get(asked, clouds), far = far_places.get(asked, clouds);
   const JudgeConfig judge = judge_config();
-  for (std::size_t i = 0; i < near.size(); i += 2) {
-    // Looked at where its own registration puts it: drift is not a contradiction.
-    PlaceCheck place = register_place(*near[i], *near[i + 1], judgement.T_a_b, judge.place);
+  std::vector<double> violations(spots.size());
+  for_blocks(spots.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const Place &of_a = *near[2 * i], &of_b = *near[2 * i + 1];
+    PlaceCheck place = register_place(of_a, of_b, judgement.T_a_b, judge.place);
     const Pose& T = place.registration.T_target_source;
     const bool drifted = place.registration.status != RegistrationStatus::too_little_overlap &&
-                         !differ(T, judgement.T_a_b, near[i + 1]->p, judge.place_drift_m, judge.place_drift_rad);
-    look_at_place(place, *far[i], *far[i + 1], drifted ? T : judgement.T_a_b, farther());
-    double& worst = judgement.evidence.farther_violation;
-    worst = std::max(worst, place.between().violation());
-  }
+                         !differ(T, judgement.T_a_b, of_b.p, judge.place_drift_m, judge.place_drift_rad);
+    look_at_place(place, *far[2 * i], *far[2 * i + 1], drifted ? T : judgement.T_a_b, farther());
+    if (drifted) look_again(place, *far[2 * i], *far[2 * i + 1], judgement.T_a_b, farther());
+    violations[i] = place.between().violation();
+  });
+  double& worst = judgement.evidence.farther_violation;
+  for (const double violation : violations) worst = std::max(worst, violation);
 }
 
 }  // namespace headframe

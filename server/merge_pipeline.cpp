@@ -9,7 +9,8 @@ namespace headframe {
 namespace {
 
 constexpr double news_m = 0.05, news_rad = 0.2 * std::numbers::pi / 180;  // smaller changes of a transform are not told
-constexpr double rival_m = 2, rival_rad = 0.17;                           // nearer than this it is the same placement
+constexpr double awaited_news_m = 5;
+constexpr double rival_m = 2, rival_rad = 0.17;  // nearer than this it is the same placement
 
 }  // namespace
 
@@ -31,15 +32,15 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
   clouds.working_on(a, b);
   Alignment* known = find(a, b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
-  if (in_force && still_holds(*known, clouds, report)) return;
+  if (in_force && !ended_since_judged(*known) && still_holds(*known, clouds, report)) return;
 
   // 5, 6: where could b lie on a? Not one nearest pair, but all that the descriptors and the wall maps propose.
   const Found* found = nullptr;
   {
     const Stopwatch watch(report.times.hypotheses_ms);
-    found = finder.find({a, sessions[a].keyframes}, {b, sessions[b].keyframes}, [&] {
-      return match_descriptors(sessions[a].keyframes, sessions[b].keyframes, config.threads);
-    });
+    const Session &of_a = sessions[a], &of_b = sessions[b];
+    found = finder.find({a, of_a.keyframes, of_a.complete}, {b, of_b.keyframes, of_b.complete},
+                        [&] { return match_descriptors(of_a.keyframes, of_b.keyframes, config.threads); });
   }
   if (!found) {
     report.unfinished = true;  // enough searched for one attempt
@@ -55,7 +56,8 @@ void MergePipeline::State::merge_pair(const Laid& pair, CloudSource& clouds, Att
   of_all.repetition = repetition();
   std::vector<std::size_t> judged_now{found->version, static_cast<std::size_t>(worth_clouds(pair)),
                                       static_cast<std::size_t>(asked_overlap_m(of_all) / 10),
-                                      static_cast<std::size_t>(of_all.repetition >= copies_known)};
+                                      static_cast<std::size_t>(of_all.repetition >= copies_known),
+                                      static_cast<std::size_t>(sessions[a].complete + sessions[b].complete)};
   for (const Case& c : candidates.cases) judged_now.push_back(c.a.stored.size() + c.b.stored.size());
   if (auto& before = judged_on[std::minmax(a, b)]; before == judged_now)
     return;
@@ -108,6 +110,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
   again.evidence.repetition = repetition();
   again.evidence.farther_violation = published.evidence.farther_violation;
   again.evidence.support = published.evidence.support;
+  again.evidence.path_m = published.evidence.path_m;
   again.evidence.runner_up = published.evidence.runner_up;
   compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, again);
   weigh(again);
@@ -126,15 +129,20 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
 void MergePipeline::State::record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up,
                                   bool waits, AttemptReport& report) {
   const auto [a, b] = std::minmax(pair.a, pair.b);
-  const Judgement best = by_ids(pair, judged);
+  Judgement best = by_ids(pair, judged);
+  best.evidence.path_m = sessions[a].path_m() + sessions[b].path_m();
+  best.evidence.awaited_m = path_awaited_m(pair, judged.T_a_b, judged.evidence.overlap_m);
   const std::optional<Pose> T_a_b_runner_up = T_runner_up ? std::optional(by_ids(pair, *T_runner_up)) : std::nullopt;
   const Evidence& e = best.evidence;
+  Alignment* known = find(a, b);
+  const bool stands = known && known->state == AlignmentState::published &&
+                      !differ(best.T_a_b, known->T_a_b, sessions.at(b).middle(), rival_m, rival_rad);
+  const bool told = stands || (worth_clouds(pair) && !waits && e.awaited_m <= 0);
   AlignmentState now = AlignmentState::rejected;
   if (convinces(e, config))
-    now = worth_clouds(pair) && !waits ? AlignmentState::verified : AlignmentState::candidate;
+    now = told ? AlignmentState::verified : AlignmentState::candidate;
   else if (e.probability >= config.candidate_probability)
     now = AlignmentState::candidate;
-  Alignment* known = find(a, b);
   if (!known) {
     alignments.push_back({static_cast<AlignmentId>(alignments.size()) + 1, a, b, now, best.T_a_b, e, now, Ruling::none,
                           T_a_b_runner_up});
@@ -148,7 +156,8 @@ void MergePipeline::State::record(const Laid& pair, const Judgement& judged, con
   known->verdict = now;
   if (known->state == AlignmentState::published && now != AlignmentState::verified) now = AlignmentState::retracted;
   if (known->state == AlignmentState::retracted && now == AlignmentState::rejected) now = AlignmentState::retracted;
-  const bool news = known->state != now || differ(known->T_a_b, best.T_a_b, Eigen::Vector3d::Zero(), 1e-6, 1e-6);
+  const bool news = known->state != now || differ(known->T_a_b, best.T_a_b, Eigen::Vector3d::Zero(), 1e-6, 1e-6) ||
+                    std::abs(known->evidence.awaited_m - e.awaited_m) > awaited_news_m;
   known->state = now;
   known->T_a_b = best.T_a_b;
   known->T_a_b_runner_up = T_a_b_runner_up;
@@ -212,6 +221,7 @@ AttemptReport MergePipeline::set_aside(SessionId id) {
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   keyframe = state_->frames.taken_in(id, std::move(keyframe));
   state_->index_keyframe(id, keyframe);
+  state_->sessions[id].complete = false;
   state_->sessions[id].add(std::move(keyframe));
 }
 

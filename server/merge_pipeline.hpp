@@ -79,7 +79,8 @@ class MergePipeline {
   /// keyframe. Some tens of milliseconds; false when nothing is left. Optional: attempts make what they miss.
   bool prepare_ahead(CloudSource& clouds);
 
-  /// No keyframe follows, or its robot asks for a merge: however short it is, it may merge now. Harmless when repeated.
+  /// No keyframe follows, or none has for a while: however short it is, it may merge now. Harmless when repeated; a
+  /// keyframe that comes after all ends it.
   void complete_session(SessionId id);
 
   /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes.

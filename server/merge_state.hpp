@@ -14,6 +14,9 @@
 
 namespace headframe {
 
+/// Two registrations that end nearer to each other have found the same placement.
+inline constexpr double same_placement_m = 2, same_placement_rad = 0.12;
+
 /// How often a session looks like itself elsewhere, and what that was found from.
 struct SelfLikeness {
   double path_m = -1;
@@ -26,7 +29,7 @@ struct Session {
   FamilyId family;
   std::vector<Keyframe> keyframes;
   std::vector<double> path_to_m;  // to each keyframe
-  bool complete = false;
+  bool complete = false;          // no keyframe is expected: it ended, or rests
   SelfLikeness self;
   std::size_t prepared = 0;  // keyframes whose places were made ahead
   std::size_t asked = 0;     // keyframes whose neighbours were asked whether they see the same
@@ -35,6 +38,7 @@ struct Session {
   void add(Keyframe keyframe);
   /// Those that fit none of their neighbours keep their place on the path and nothing else: no walls, no cloud, no yaw.
   void set_aside_odd();
+  Eigen::Vector3d middle() const { return keyframes[keyframes.size() / 2].T_local_sensor.translation(); }
   double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
 };
 
@@ -124,6 +128,11 @@ struct MergePipeline::State {
   /// The verdict on a placement that is trusted to within a metre or two.
   Judgement judge_placement(const Laid& pair, const Pose& T_a_b, CloudSource& clouds);
   bool still_holds(Alignment& published, CloudSource& clouds, AttemptReport& report);
+  /// Path in metres that a session which still grows has to come along before a placement is told, after
+  /// MergeConfig::shown_m; 0: none, or both are complete.
+  double path_awaited_m(const Laid& pair, const Pose& T_a_b, double shared_m) const;
+  /// Both are complete, and at least one was not when the pair was judged as a whole.
+  bool ended_since_judged(const Alignment& known) const;
   void record(const Laid& pair, const Judgement& judged, const std::optional<Pose>& T_runner_up, bool waits,
               AttemptReport& report);
   /// Looks where sessions that alignments would bring together meet. Those that agree become alignments themselves.

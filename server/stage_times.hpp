@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 
 namespace headframe {
 
@@ -20,6 +21,13 @@ struct StageTimes {
     atlas_ms += other.atlas_ms;
     return *this;
   }
+};
+
+/// What attempts have come to since the server began.
+struct MergeEffort {
+  std::uint64_t attempts = 0;
+  StageTimes stages;            // summed over them
+  std::uint64_t withdrawn = 0;  // merges that were published, and contradicted by what came later
 };
 
 inline double ms_since(std::chrono::steady_clock::time_point start) {

@@ -64,17 +64,8 @@ Pending StationView::pending() const {
 
 Workload StationView::workload() const {
   const StoreLoad load = store_.load();
-  const auto [attempts, stages] = worker_.effort();
-  return {load.queued_writes,
-          load.queued_bytes,
-          load.durable_writes,
-          load.failed_writes,
-          load.last_error,
-          attempts,
-          stages,
-          load.commits,
-          load.commit_s,
-          worker_.waiting_orders()};
+  return {load.queued_writes, load.queued_bytes, load.durable_writes, load.failed_writes,      load.last_error,
+          worker_.effort(),   load.commits,      load.commit_s,       worker_.waiting_orders()};
 }
 
 LinkHealth StationView::link_health() const {

@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 28> fields{{
+constexpr std::array<EvidenceField, 30> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -21,6 +21,8 @@ constexpr std::array<EvidenceField, 28> fields{{
     {"residual_m", &Evidence::residual_m},
     {"spread_m", &Evidence::spread_m},
     {"overlap_m", &Evidence::overlap_m},
+    {"path_m", &Evidence::path_m},
+    {"awaited_m", &Evidence::awaited_m},
     {"aliases", &Evidence::aliases},
     {"repetition", &Evidence::repetition},
     {"overlap_a", &Evidence::overlap_a},
@@ -56,8 +58,9 @@ std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<s
 double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, e.aliases); }
 
 double counted_aliases(const Evidence& e) {
-  const double alike = std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0);
-  return e.aliases * (1 - 0.5 * alike * std::min(1.0, e.descriptors_compared / 6));
+  const double alike = std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0),
+               unlike = std::clamp((0.76 - e.descriptors_alike) / 0.04, 0.0, 1.0);
+  return e.aliases * (1 + (unlike - 0.5 * alike) * std::min(1.0, e.descriptors_compared / 6));
 }
 
 double asked_overlap_m(const Evidence& e) {

@@ -32,6 +32,8 @@ struct Evidence {
   double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square
   double overlap_m = 0;        // path along those, mean of both sessions
+  double path_m = 0;           // of both sessions when the pair was last judged as a whole
+  double awaited_m = 0;        // path that a session which still grows has to come along before the placement is told
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
   double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
   double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
@@ -59,8 +61,7 @@ inline constexpr double held_well = 0.03, ends_meet = 0.12;
 /// Repetition from which on the database is known to hold copies: over all recordings at once it is 0.05.
 inline constexpr double copies_known = 0.15;
 
-/// Farther violation from which on a placement is at most a candidate. In drawn mines of copies 65 of 68 right ones had
-/// less, and of 56 wrong ones that nothing near contradicted 39 had more.
+/// Farther violation that speaks against a placement.
 inline constexpr double contradicted_farther = 0.003;
 
 /// How alike the descriptors have to be: .72; .85 where the mine repeats itself. At right placements of drawn mines
@@ -68,9 +69,10 @@ inline constexpr double contradicted_farther = 0.003;
 /// to .69.
 double asked_alike(const Evidence& evidence);
 
-/// The aliases as they count: half of each when the descriptors are as alike as they can be over six keyframes. Counted
-/// in full, a true pair of the recordings that shares 14 m would wait; at half, copies of 19 and 36 m were merged,
-/// until the repetition counted too.
+/// The aliases as they count: half of each when the descriptors are as alike as they can be over six keyframes, and
+/// twice when they are .72 alike or less (at .74, and counted once, a copy of a crosscut was merged over 37 m of smooth
+/// drift). Counted in full, a true pair of the recordings that shares 14 m would wait; at half, copies of 19 and 36 m
+/// were merged, until the repetition counted too.
 double counted_aliases(const Evidence& evidence);
 
 /// For each alias that counts. With 30 m two mines of the same 20 m tiles were merged over 24 m.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/session/keyframe.hpp"
-#include "server/atlas/alignment.hpp"
+#include "server/atlas/findings.hpp"
 #include "server/merge_config.hpp"
 
 namespace headframe {
@@ -21,18 +21,6 @@ struct ExplainedSession {
   bool connected = false;
   std::string why_cut = {};    // its last keyframes are left out, and why; empty: they are not
   std::string why_aside = {};  // it is set aside, and why; empty: it is not
-};
-
-enum class Speaks { in_favour, against, neither };
-
-std::string_view to_string(Speaks speaks);
-
-/// One piece of evidence, and what it means.
-struct Finding {
-  std::string_view evidence;  // name of the field of Evidence
-  double value = 0;
-  Speaks speaks = Speaks::neither;
-  std::string text;
 };
 
 struct Explanation {

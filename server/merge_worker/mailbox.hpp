@@ -13,7 +13,7 @@ struct SessionNews {
   std::optional<FamilyId> added;
   std::uint64_t durable_keyframes = 0;
   std::set<std::uint64_t> clouds_came, clouds_gone;
-  bool may_merge = false;                                          // its robot said so: goodbye, or a request
+  bool ended = false, asks = false;                                // its robot said goodbye, asked for a merge
   bool left = false;                                               // comes before `came`
   std::optional<bool> came;                                        // whether it answers
   std::optional<std::pair<Trigger, MergeSchedule::Time>> trigger;  // the first

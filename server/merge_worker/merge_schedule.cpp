@@ -6,8 +6,8 @@
 namespace headframe {
 
 std::string_view to_string(Trigger trigger) {
-  constexpr std::array<std::string_view, 7> names{"link",    "travelled", "request", "goodbye",
-                                                  "command", "restart",   "junction"};
+  constexpr std::array<std::string_view, 8> names{"link",    "travelled", "request",  "goodbye",
+                                                  "command", "restart",   "junction", "rest"};
   return names.at(static_cast<std::size_t>(trigger));
 }
 
@@ -41,8 +41,23 @@ std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
 
 void MergeSchedule::again(const Attempt& attempt) { enqueue(attempt); }
 
-MergeSchedule::Time MergeSchedule::deadline(Time now) const {
-  return now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(config_.submap_s));
+MergeSchedule::Time MergeSchedule::after(Time now, double seconds) {
+  return now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
+}
+
+void MergeSchedule::grows(SessionId session, Time now) { rests_at_[session] = after(now, config_.rest_s); }
+
+void MergeSchedule::asks(SessionId session, Time now) {
+  if (const auto it = rests_at_.find(session); it != rests_at_.end())
+    it->second = std::min(it->second, after(now, config_.asked_rest_s));
+}
+
+std::vector<SessionId> MergeSchedule::come_to_rest(Time now) {
+  std::vector<SessionId> out;
+  for (const auto& [session, time] : rests_at_)
+    if (time <= now) out.push_back(session);
+  for (const SessionId session : out) rests_at_.erase(session);
+  return out;
 }
 
 std::vector<KeyframeRef> MergeSchedule::wait_for(Attempt attempt, const std::vector<KeyframeRef>& wanted, Time now) {
@@ -54,7 +69,7 @@ std::vector<KeyframeRef> MergeSchedule::wait_for(Attempt attempt, const std::vec
     missing.insert(cloud);
     if (!awaited_.insert(cloud).second) continue;
     ask.push_back(cloud);
-    deadlines_[cloud.session] = deadline(now);
+    deadlines_[cloud.session] = after(now, config_.submap_s);
   }
   if (missing.empty()) {
     enqueue(attempt);
@@ -81,7 +96,7 @@ void MergeSchedule::settle(const KeyframeRef& cloud) {
 void MergeSchedule::cloud_came(const KeyframeRef& cloud, Time now) {
   in_vain_.erase(cloud);
   settle(cloud);
-  if (const auto it = deadlines_.find(cloud.session); it != deadlines_.end()) it->second = deadline(now);
+  if (const auto it = deadlines_.find(cloud.session); it != deadlines_.end()) it->second = after(now, config_.submap_s);
 }
 
 void MergeSchedule::cloud_will_not_come(const KeyframeRef& cloud) {
@@ -111,7 +126,8 @@ void MergeSchedule::tick(Time now) {
 
 std::optional<MergeSchedule::Time> MergeSchedule::next_deadline() const {
   std::optional<Time> first;
-  for (const auto& [session, time] : deadlines_) first = first ? std::min(*first, time) : time;
+  for (const auto* times : {&deadlines_, &rests_at_})
+    for (const auto& [session, time] : *times) first = first ? std::min(*first, time) : time;
   return first;
 }
 

@@ -22,6 +22,7 @@ enum class Trigger {
   command,    // the operator asked for it
   restart,    // keyframes came before the server stopped that no attempt has seen
   junction,   // its robot has come to a junction, and not just after the last try
+  rest,       // no keyframe has come for a while: it counts as complete until one does
 };
 
 std::string_view to_string(Trigger trigger);
@@ -47,6 +48,14 @@ class MergeSchedule {
   /// Its robot is at a junction, where drifts that look alike can be told apart. A try follows when the session has
   /// come config.junction_m since its last one, now or later: of the keyframes at one junction one asks.
   void junction(SessionId session, Time now);
+
+  /// A keyframe came, so the session grows; its robot asks for a merge; it has ended.
+  void grows(SessionId session, Time now);
+  void asks(SessionId session, Time now);
+  void ended(SessionId session) { rests_at_.erase(session); }
+  /// Sessions that grew and came to rest since the last call: nothing came for config.rest_s, or for
+  /// config.asked_rest_s after their robot asked.
+  std::vector<SessionId> come_to_rest(Time now);
 
   /// The attempt that was queued first; it counts as the session's last try.
   std::optional<Attempt> next();
@@ -81,13 +90,14 @@ class MergeSchedule {
   void enqueue(const Attempt& attempt);
   void settle(const KeyframeRef& cloud);
   void give_up(SessionId session);
-  Time deadline(Time now) const;
+  static Time after(Time now, double seconds);
 
   ScheduleConfig config_;
   std::deque<Attempt> queue_;
   std::vector<Waiting> waiting_;  // one for each session at most
   std::set<KeyframeRef> awaited_, in_vain_;
   std::map<SessionId, Time> deadlines_;  // of robots that owe clouds
+  std::map<SessionId, Time> rests_at_;   // of sessions that grow
   std::map<SessionId, double> travelled_m_;
   std::set<SessionId> at_junction_;  // since their last try
 };

@@ -32,6 +32,7 @@ Result<void> MergeWorker::restore() {
       continue;
     }
     if (auto done = bring_in(session); !done) return done;
+    if (!session.complete) schedule_.grows(session.id, Clock::now());
     if (known_[session.id].keyframes > session.attempted_keyframes)
       schedule_.trigger(session.id, Trigger::restart, Clock::now());
   }
@@ -98,6 +99,7 @@ void MergeWorker::run() {
       if (!news.empty()) update_view();
       for (const Order& order : orders) order({});
       schedule_.tick(Clock::now());
+      for (const SessionId session : schedule_.come_to_rest(Clock::now())) come_to_rest(session);
       const auto next = schedule_.next();
       if (next) attempt(*next);
       ahead_ = next || prepare_ahead();
@@ -155,7 +157,10 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   }
   if (news.added) pipeline_->add_session(session, *news.added);
   Known& known = known_[session];
-  if (news.durable_keyframes > known.keyframes) feed(session, true);
+  if (news.durable_keyframes > known.keyframes) {
+    feed(session, true);
+    schedule_.grows(session, now);
+  }
   for (const std::uint64_t sequence : news.clouds_came) {
     known.stored.insert(sequence);
     schedule_.cloud_came({session, sequence}, now);
@@ -170,8 +175,19 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
     known.answers = *news.came;
     schedule_.robot_came(session);
   }
-  if (news.may_merge) pipeline_->complete_session(session);
+  if (news.asks) schedule_.asks(session, now);
+  if (news.ended) {
+    pipeline_->complete_session(session);
+    schedule_.ended(session);
+  }
   if (news.trigger && known.keyframes > 0) schedule_.trigger(session, news.trigger->first, news.trigger->second);
+}
+
+/// Nothing contradicts it by driving on; should its robot drive on after all, it grows again.
+void MergeWorker::come_to_rest(SessionId session) {
+  if (is_aside(session) || known_[session].keyframes == 0) return;
+  pipeline_->complete_session(session);
+  schedule_.trigger(session, Trigger::rest, Clock::now());
 }
 
 /// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.
@@ -217,8 +233,8 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   const StageTimes& t = report.times;
   {
     const std::lock_guard lock(mutex_);
-    ++effort_.first;
-    effort_.second += t;
+    ++effort_.attempts;
+    effort_.stages += t;
   }
   spdlog::info(
       "attempt: session {} ({}), {:.0f} ms: hypotheses {:.0f}, sampling {:.0f}, registration {:.0f}, verification "

@@ -77,7 +77,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::size_t waiting_orders() const;
   std::shared_ptr<const MergeView> view() const;
   /// Attempts since start(), and where their time went.
-  std::pair<std::uint64_t, StageTimes> effort() const;
+  MergeEffort effort() const;
 
  private:
   using Time = MergeSchedule::Time;
@@ -101,6 +101,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   bool prepare_ahead();
   void take(SessionId session, const SessionNews& news);
   void feed(SessionId session, bool counts);
+  void come_to_rest(SessionId session);
   void attempt(const MergeSchedule::Attempt& attempt);
   void give(Order order);
   Result<void> carry_out(AlignmentId alignment, Decision decision);
@@ -109,6 +110,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
   void published(const MergeSchedule::Attempt* attempt);
+  void note_withdrawn(const AttemptReport& report);
   bool write_durably(const Write& write);
   Result<void> bring_in(const SessionRecord& session);
   // worker_aside.cpp
@@ -142,7 +144,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   Mailbox mailbox_;
   std::vector<Order> orders_;
   Pending pending_;  // of the schedule, when the worker looked last
-  std::pair<std::uint64_t, StageTimes> effort_;
+  MergeEffort effort_;
   bool busy_ = false, stopping_ = false;
   std::atomic<bool> cancelled_ = false;           // as stopping_, for work that runs
   bool ahead_ = false;                            // the worker's thread only: there is more to prepare

@@ -7,6 +7,8 @@ struct ScheduleConfig {
   double travelled_m = 10;  // along the trajectory, since the session's last try
   double junction_m = 5;    // the same for a session that has come to a junction since
   double submap_s = 30;     // without any cloud from a robot, until the clouds asked of it count as not coming
+  double rest_s = 120;      // without a keyframe, until a session counts as complete though no goodbye came ...
+  double asked_rest_s = 3;  // ... and after its robot asked for a merge
 };
 
 }  // namespace headframe

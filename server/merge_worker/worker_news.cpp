@@ -50,7 +50,8 @@ void MergeWorker::robot_left(SessionId session) {
 
 void MergeWorker::trigger(SessionId session, Trigger trigger) {
   tell(session, [&](SessionNews& news) {
-    news.may_merge |= trigger == Trigger::goodbye || trigger == Trigger::request;
+    news.ended |= trigger == Trigger::goodbye;
+    news.asks |= trigger == Trigger::request;
     if (!news.trigger) news.trigger.emplace(trigger, std::chrono::steady_clock::now());
   });
 }
@@ -102,7 +103,7 @@ Pending MergeWorker::pending() const {
   return pending;
 }
 
-std::pair<std::uint64_t, StageTimes> MergeWorker::effort() const {
+MergeEffort MergeWorker::effort() const {
   const std::lock_guard lock(mutex_);
   return effort_;
 }

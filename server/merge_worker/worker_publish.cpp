@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "server/merge_worker/merge_worker.hpp"
 
 namespace headframe {
@@ -40,6 +42,7 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
   if (!news && !write.atlas) return true;
   if (!write_durably(write)) return false;
   if (report.atlas_changed) published(attempt);
+  if (attempt) note_withdrawn(report);
   if (report.atlas_changed || !report.changed.empty()) update_view();
   return true;
 }
@@ -54,6 +57,21 @@ void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
   draft_.sessions[attempt->session].trigger_to_transform_ms = ms;
   spdlog::info("revision {}: session {}, {:.0f} ms from its trigger ({}) to the transform; {} components changed",
                atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
+}
+
+/// A robot may have driven by it: nothing is worse, so it is never passed over in silence.
+void MergeWorker::note_withdrawn(const AttemptReport& report) {
+  for (const Alignment& now : report.changed) {
+    const auto was =
+        std::find_if(draft_.alignments.begin(), draft_.alignments.end(), [&](const auto& k) { return k.id == now.id; });
+    if (was == draft_.alignments.end() || was->state != AlignmentState::published ||
+        now.state == AlignmentState::published)
+      continue;
+    spdlog::error("a published merge is withdrawn: sessions {} and {}, alignment {}: later evidence contradicts it",
+                  now.a, now.b, now.id);
+    const std::lock_guard lock(mutex_);
+    ++effort_.withdrawn;
+  }
 }
 
 /// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the

@@ -180,7 +180,7 @@ std::string explanation_json(const SessionKey& a, const SessionKey& b, const Ali
   Json findings = Json::array();
   for (const Finding& finding : explanation.findings)
     findings.push_back({{"evidence", finding.evidence},
-                        {"value", number(finding.value)},
+                        {"value", number(finding.log_odds)},
                         {"speaks", to_string(finding.speaks)},
                         {"text", finding.text}});
   return text({{"a", session(a)},

@@ -39,7 +39,7 @@ std::string label(const char* key, std::string_view value) {
   return out;
 }
 
-void add_stages(Page& page, const Workload& work) {
+void add_effort(Page& page, const MergeEffort& work) {
   page.one("merge_attempts_total", "counter", "Attempts to merge a session.", work.attempts);
   page.family("merge_seconds_total", "counter", "Time spent in attempts, by stage.");
   const std::array<std::pair<const char*, double>, 5> stages{{{"hypotheses", work.stages.hypotheses_ms},
@@ -48,6 +48,7 @@ void add_stages(Page& page, const Workload& work) {
                                                               {"verification", work.stages.verification_ms},
                                                               {"atlas", work.stages.atlas_ms}}};
   for (const auto& [stage, ms] : stages) page.sample(ms / 1000, label("stage", stage));
+  page.one("merges_withdrawn_total", "counter", "Published merges that later evidence contradicted.", work.withdrawn);
 }
 
 /// By state as they stand, and by verdict: what the evidence alone says.
@@ -114,7 +115,7 @@ std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasVie
            work.commits);
   page.one("store_commit_seconds_total", "counter", "Time spent in commits.", work.commit_s);
   add_links(page, links);
-  add_stages(page, work);
+  add_effort(page, work.effort);
   return page.text();
 }
 

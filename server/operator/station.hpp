@@ -63,8 +63,7 @@ struct Workload {
   std::uint64_t durable_writes = 0;
   std::uint64_t failed_writes = 0;
   std::string disk_error;  // empty when the last write was well
-  std::uint64_t attempts = 0;
-  StageTimes stages;  // summed over the attempts
+  MergeEffort effort;
   std::uint64_t commits = 0;
   double commit_s = 0;             // spent in commits until they were durable
   std::size_t waiting_orders = 0;  // of the operator, not yet taken up

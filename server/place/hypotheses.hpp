@@ -32,6 +32,7 @@ struct Hypothesis {
 struct SessionView {
   SessionId id = 0;
   std::span<const Keyframe> keyframes;
+  bool complete = false;
 };
 
 /// What was found for a pair of sessions, best first. The version changes with every new search.
@@ -42,7 +43,7 @@ struct Found {
 };
 
 /// Finds hypotheses for pairs of sessions, and remembers what it drew and found: a pair is searched again when one of
-/// both has grown by news_m. Not thread safe.
+/// both has grown by news_m, or at all when it is complete now. Not thread safe.
 class HypothesisFinder {
  public:
   struct Config {

@@ -59,13 +59,17 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
   std::stable_sort(matches.begin(), matches.end(), [](const auto& m, const auto& n) { return m.score > n.score; });
   if (matches.size() > 4 * most) matches.resize(4 * most);
   std::vector<WallMatch> kept;
+  std::vector<Eigen::Vector2d> middles;  // of those that are kept
   for (const WallMatch& m : matches) {
     if (kept.size() == most) break;
-    if (std::none_of(kept.begin(), kept.end(), [&](const WallMatch& k) {
-          return (middle_at(k, middle) - middle_at(m, middle)).norm() < same_place_m &&
-                 std::abs(wrap_rad(k.yaw_rad - m.yaw_rad)) < same_yaw_rad;
-        }))
-      kept.push_back(m);
+    const Eigen::Vector2d at = middle_at(m, middle);
+    bool known = false;
+    for (std::size_t i = 0; i < kept.size() && !known; ++i)
+      known = (middles[i] - at).squaredNorm() < same_place_m * same_place_m &&
+              std::abs(wrap_rad(kept[i].yaw_rad - m.yaw_rad)) < same_yaw_rad;
+    if (known) continue;
+    kept.push_back(m);
+    middles.push_back(at);
   }
   matches = std::move(kept);
 }

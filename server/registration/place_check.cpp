@@ -99,4 +99,11 @@ void look_at_place(PlaceCheck& check, const Place& a, const Place& b, const Pose
   check.own += b.own;
 }
 
+void look_again(PlaceCheck& check, const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config) {
+  if (check.between().violated == 0) return;
+  PlaceCheck other = check;
+  look_at_place(other, a, b, T_a_b, config);
+  if (other.between().violation() < check.between().violation()) check = other;
+}
+
 }  // namespace headframe

@@ -35,4 +35,9 @@ PlaceCheck register_place(const Place& a, const Place& b, const Pose& T_a_b, con
 /// Fills what it looks like, at T_a_b.
 void look_at_place(PlaceCheck& check, const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config);
 
+/// What it looks like where it contradicts least of two: where its own registration put it, and at T_a_b. By itself a
+/// place of a smooth drift slides a metre and more along it, and then sees through walls that bend; at T_a_b it is off
+/// by the drift of the odometry. Other rock contradicts at both.
+void look_again(PlaceCheck& check, const Place& a, const Place& b, const Pose& T_a_b, const PlaceConfig& config);
+
 }  // namespace headframe

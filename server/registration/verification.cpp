@@ -163,15 +163,21 @@ void measure_overlap(Evidence& e, std::span<const Stand> a, std::span<const Stan
 std::optional<Meeting> first_meeting(std::span<const Stand> a, std::span<const Stand> b, const Pose& T_0,
                                      const Eigen::Vector3d& p_b, const JudgeConfig& config) {
   std::optional<Meeting> out;
-  double least = std::numeric_limits<double>::max();
+  double least = std::numeric_limits<double>::max(), nearest_m = config.apart_m;
   for (const Stand& s : b) {
     const Nearest other = nearest_to(a, T_0 * s.p);
     const double cost = (s.p - p_b).norm() + 10 * std::max(0.0, other.distance_m - config.meet_m / 2);
+    nearest_m = std::min(nearest_m, other.distance_m);
     if (cost >= least || other.distance_m > config.apart_m) continue;
     least = cost;
     out = {other.stand->keyframe, s.keyframe};
   }
-  return out;
+  if (!out || nearest_m <= config.meet_m) return out;
+  // Where the paths come nearest to each other there may be rock between them: each looks from where it is nearest to
+  // what both saw.
+  const Nearest of_a = nearest_to(a, T_0 * p_b), of_b = nearest_to(b, p_b);
+  if (std::max(of_a.distance_m, of_b.distance_m) > config.far_m) return out;
+  return Meeting{of_a.stand->keyframe, of_b.stand->keyframe};
 }
 
 double screen(const Place& a, const Place& b, Pose& T) {
@@ -223,12 +229,12 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
     agrees = agreeing(places, out.T_a_b, config);
     if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return out;
   }
-  // Each place is looked at where its own registration put it: drift is not a contradiction, other rock is.
-  const std::size_t seen = slid ? 0 : 1;
-  for_blocks(places.size() - seen, 1, config.threads, [&](std::size_t k, std::size_t, std::size_t) {
-    const std::size_t i = seen + k;
-    look_at_place(places[i], *pairs[i].a, *pairs[i].b, agrees[i] ? places[i].registration.T_target_source : out.T_a_b,
-                  config.place);
+  // Drift is not a contradiction, other rock is.
+  for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const Pose& T = agrees[i] ? places[i].registration.T_target_source : out.T_a_b;
+    const bool seen = i == 0 && !slid;
+    if (!seen) look_at_place(places[i], *pairs[i].a, *pairs[i].b, T, config.place);
+    if (agrees[i]) look_again(places[i], *pairs[i].a, *pairs[i].b, out.T_a_b, config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
   measure_overlap(out.evidence, a.stands, b.stands, out.T_a_b, config);
@@ -283,8 +289,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
   const double z = log_odds(e).sum();
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the drift can look right at many places: at most a candidate.
-  if (status != RegistrationStatus::converged) return 0.4 * p;
-  return e.farther_violation >= contradicted_farther ? 0.5 * p : p;  // a copy that ends where it was not driven
+  return status == RegistrationStatus::converged ? p : 0.4 * p;
 }
 
 }  // namespace headframe

@@ -55,8 +55,8 @@ struct Scene {
   std::function<std::vector<PlacePtr>(std::span<const std::size_t> keyframes)> places;  // around each that is asked for
 };
 
-/// Where to look first: the keyframe of b nearest to p_b that comes near a, and the one of a nearest to it. Nothing
-/// when they lie too far apart.
+/// Where to look first: the keyframe of b nearest to p_b that comes near a, and the one of a nearest to it; where their
+/// paths never meet, those nearest to p_b. Nothing when they lie too far apart.
 struct Meeting {
   std::size_t keyframe_a = 0, keyframe_b = 0;
 };

@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t companions = 3;
 constexpr float companion_leaves = 1.8F;
 constexpr int views_asked = 8;
+constexpr int least_hits = 2;         // by its own session: what one sweep met and no other is dust as likely as rock
 constexpr float least_cosine = 0.3F;  // of a ray that may go through a surface, to its normal
 
 /// Whose violations have companions within reach is a patch.
@@ -94,7 +95,7 @@ Submap without_transients(const Submap& surfels, std::span<const PlacedView> own
   Submap kept;
   for (std::size_t i = 0; i < surfels.points.size(); ++i) {
     const Answer answer = ask(views, surfels.points[i], surfels.normals[i], reach_m);
-    if (answer.through > 0 && answer.through >= answer.hits) continue;
+    if (answer.hits < least_hits || answer.through >= answer.hits) continue;
     kept.points.push_back(surfels.points[i]);
     kept.normals.push_back(surfels.normals[i]);
   }

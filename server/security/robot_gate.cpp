@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 namespace headframe {
 namespace {
 
@@ -9,8 +11,13 @@ double system_now_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+double steady_now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 RobotGate::Seams filled(RobotGate::Seams seams) {
   if (!seams.now_s) seams.now_s = system_now_s;
+  if (!seams.steady_s) seams.steady_s = steady_now_s;
   if (!seams.ended) seams.ended = [](const std::string&, const std::string&) {};
   if (!seams.rated) seams.rated = [](const std::string&, std::uint64_t) {};
   return seams;
@@ -18,15 +25,44 @@ RobotGate::Seams filled(RobotGate::Seams seams) {
 
 }  // namespace
 
-RobotGate::RobotGate(Store& store, Seams seams, const AttemptLimits& limits)
-    : store_(store), seams_(filled(std::move(seams))), attempts_(limits), lines_(limits) {}
+RobotGate::RobotGate(Store& store, Seams seams, const AttemptLimits& limits, RevocationLog* revocations)
+    : store_(store),
+      seams_(filled(std::move(seams))),
+      clock_(seams_.now_s, seams_.steady_s),
+      attempts_(limits),
+      lines_(limits),
+      revocations_(revocations) {}
 
 Result<void> RobotGate::restore() {
   const auto robots = store_.robots();
   if (!robots) return tl::unexpected(robots.error());
   registry_.restore(*robots);
-  for (const RobotRecord& robot : *robots) seams_.rated(robot.name, robot.rate_kib_s);
+  for (const RobotRecord& robot : *robots) {
+    seams_.rated(robot.name, robot.rate_kib_s);
+    clock_.at_least(std::max(robot.enrolled_s, robot.code_expires_s - RobotRegistry::code_lifetime_s));
+  }
+  if (revocations_) revoke_again(*robots);
   return {};
+}
+
+/// What was revoked while the disk was full, and the process ended before there was room. A robot that has enrolled
+/// anew since is another matter.
+void RobotGate::revoke_again(const std::vector<RobotRecord>& stored) {
+  for (const RevocationLog::Waiting& waiting : revocations_->waiting()) {
+    const auto it = std::find_if(stored.begin(), stored.end(),
+                                 [&](const RobotRecord& robot) { return robot.name == waiting.entry.robot; });
+    const bool same = it != stored.end() && it->token_digest == waiting.entry.token_digest;
+    const auto change = same && !it->revoked ? registry_.revoke(it->name) : failure(ErrorCode::not_found, "");
+    if (!change) {
+      revocations_->remove(waiting.slot);
+      continue;
+    }
+    spdlog::warn("robot {} is revoked, as was said before the last end of the server", it->name);
+    store_.write(PutRobot{change->after},
+                 [revocations = revocations_, slot = waiting.slot](const Result<void>& written) {
+                   if (written) revocations->remove(slot);
+                 });
+  }
 }
 
 void RobotGate::admit(const std::string& robot, const Credential& shown, const boost::asio::ip::address& from,
@@ -36,7 +72,7 @@ void RobotGate::admit(const std::string& robot, const Credential& shown, const b
     return done(failure(ErrorCode::unavailable,
                         "too many failed attempts from " + from.to_string() + ": try again in a minute"));
   const std::lock_guard lock(order_);
-  const auto admitted = registry_.admit(robot, shown, seams_.now_s());
+  const auto admitted = registry_.admit(robot, shown, now_s());
   if (!admitted) {
     attempts_.failed(from, now);
     return done(tl::unexpected(admitted.error()));
@@ -59,7 +95,7 @@ bool RobotGate::worth_a_line(const boost::asio::ip::address& from, AttemptLimite
 
 void RobotGate::open(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) {
   const std::lock_guard lock(order_);
-  auto opened = registry_.open(robot, seams_.now_s());
+  auto opened = registry_.open(robot, now_s());
   if (!opened) return done(tl::unexpected(opened.error()));
   keep(opened->change, [robot, code = opened->code, done](const Result<void>& stored) {
     if (!stored) return done(tl::unexpected(stored.error()));
@@ -74,7 +110,14 @@ void RobotGate::revoke(const std::string& robot, const std::function<void(const 
   if (!revoked) return done(tl::unexpected(revoked.error()));
   seams_.ended(robot, "it was revoked");
   spdlog::info("robot {} was revoked", robot);
-  store_.write(PutRobot{revoked->after}, done);  // not taken back when it fails: better locked out than let in
+  // Not taken back when it can not be stored: better locked out than let in.
+  const auto slot = revocations_ ? revocations_->add({robot, revoked->after.token_digest})
+                                 : Result<std::size_t>(failure(ErrorCode::unavailable, "there is no list"));
+  if (!slot) return store_.write(PutRobot{revoked->after}, done);
+  store_.write(PutRobot{revoked->after}, [revocations = revocations_, slot = *slot](const Result<void>& written) {
+    if (written) revocations->remove(slot);
+  });
+  done({});
 }
 
 void RobotGate::set_rate(const std::string& robot, std::uint64_t kib_s,

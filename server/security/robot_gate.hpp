@@ -3,6 +3,8 @@
 #include <functional>
 
 #include "server/security/attempt_limiter.hpp"
+#include "server/security/forward_clock.hpp"
+#include "server/security/revocation_log.hpp"
 #include "server/security/robot_registry.hpp"
 
 namespace headframe {
@@ -15,8 +17,11 @@ class RobotGate {
     std::function<double()> now_s;  // since the epoch; empty: the system's
     std::function<void(const std::string& robot, const std::string& why)> ended;
     std::function<void(const std::string& robot, std::uint64_t kib_s)> rated;  // what it may send; 0: no limit
+    std::function<double()> steady_s = {};  // of a clock that nobody sets; empty: the system's
   };
-  RobotGate(Store& store, Seams seams, const AttemptLimits& limits = {});
+  /// revocations: where they wait for a disk that is full; null: nowhere, and those that wait are lost with the
+  /// process.
+  RobotGate(Store& store, Seams seams, const AttemptLimits& limits = {}, RevocationLog* revocations = nullptr);
 
   Result<void> restore();
 
@@ -33,21 +38,24 @@ class RobotGate {
 
   /// Gives the code.
   void open(const std::string& robot, const std::function<void(const Result<std::string>&)>& done);
-  /// The robot is cut off before this returns; `done` says that it is on the disk.
+  /// The robot is cut off before this returns; `done` says that it is on the disk, be that full. Waits for the disk.
   void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done);
   /// `done` says that it is on the disk, and that robots that are connected were told.
   void set_rate(const std::string& robot, std::uint64_t kib_s, const std::function<void(const Result<void>&)>& done);
   std::vector<RobotRecord> robots() const { return registry_.robots(); }
-  double now_s() const { return seams_.now_s(); }
+  double now_s() const { return clock_.now_s(); }
 
  private:
+  void revoke_again(const std::vector<RobotRecord>& stored);
   void keep(const RobotRegistry::Change& change, const std::function<void(const Result<void>&)>& done);
 
   Store& store_;
   const Seams seams_;
+  ForwardClock clock_;
   std::mutex order_;  // changes reach the store in the order in which they were made
   RobotRegistry registry_;
   AttemptLimiter attempts_, lines_;
+  RevocationLog* const revocations_;
 };
 
 }  // namespace headframe

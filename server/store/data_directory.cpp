@@ -2,13 +2,45 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
 namespace headframe {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The database and what SQLite keeps beside it.
+constexpr std::array database_files{"headframe.db", "headframe.db-wal", "headframe.db-shm", "headframe.lock"};
+
+constexpr auto others = fs::perms::group_all | fs::perms::others_all;
+
+/// A folder that holds nothing, or a database, is the server's own. One that it shares (a home, /tmp) is left as it is.
+bool looks_our_own(const fs::path& path) {
+  std::error_code error;
+  const bool shared = (fs::status(path, error).permissions() & fs::perms::sticky_bit) != fs::perms::none;
+  return !shared && (fs::is_empty(path, error) || fs::exists(path / "headframe.db", error));
+}
+
+/// What robots have mapped is nobody else's business on this machine. SQLite gives its other files the database's mode,
+/// so the database is there, empty, before SQLite makes it.
+void take_from_others(const fs::path& path, bool is_our_own) {
+  std::error_code ignored;
+  if (is_our_own) fs::permissions(path, others, fs::perm_options::remove, ignored);
+  const int made = ::open((path / "headframe.db").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (made >= 0) ::close(made);
+  for (const char* name : database_files) fs::permissions(path / name, others, fs::perm_options::remove, ignored);
+}
+
+/// Held by another process; else by this one from now on. Some file systems can not lock a folder: then it is free.
+bool is_taken(int file) { return ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+
+}  // namespace
 
 Result<DataDirectory> DataDirectory::open(const std::filesystem::path& path) {
   std::error_code error;
@@ -16,31 +48,34 @@ Result<DataDirectory> DataDirectory::open(const std::filesystem::path& path) {
   if (error)
     return failure(ErrorCode::unavailable, "data directory " + path.string() +
                                                " can not be created: " + error.message() + "; choose another --data");
-  const auto lock_path = path / "headframe.lock";
-  const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (lock < 0)
+  const bool is_our_own = looks_our_own(path);
+  const int lock = ::open((path / "headframe.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DataDirectory locked(path, lock, folder);
+  if (lock < 0 || folder < 0)
     return failure(ErrorCode::unavailable, "data directory " + path.string() + " can not be written: " +
                                                std::strerror(errno) + "; choose another --data");
-  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    ::close(lock);
+  if (is_taken(lock) || is_taken(folder))
     return failure(ErrorCode::unavailable, "data directory " + path.string() +
                                                " is in use by another headframe-server; stop it or choose another "
                                                "--data");
-  }
-  return DataDirectory(path, lock);
+  take_from_others(path, is_our_own);
+  return locked;
 }
 
 DataDirectory::DataDirectory(DataDirectory&& other) noexcept
-    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)), folder_(std::exchange(other.folder_, -1)) {}
 
 DataDirectory& DataDirectory::operator=(DataDirectory&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(lock_, other.lock_);
+  std::swap(folder_, other.folder_);
   return *this;
 }
 
 DataDirectory::~DataDirectory() {
-  if (lock_ >= 0) ::close(lock_);
+  for (const int file : {lock_, folder_})
+    if (file >= 0) ::close(file);
 }
 
 }  // namespace headframe

@@ -65,6 +65,9 @@ CREATE TABLE troubles (
   session INTEGER PRIMARY KEY REFERENCES sessions(id), deaths INTEGER NOT NULL, kills INTEGER NOT NULL,
   why_aside TEXT NOT NULL, deleted INTEGER NOT NULL);
 )sql",
+    R"sql(
+ALTER TABLE keyframes ADD COLUMN checksum INTEGER;
+)sql",
 };
 
 }  // namespace

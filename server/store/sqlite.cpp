@@ -1,6 +1,7 @@
 #include "server/store/sqlite.hpp"
 
 #include <sqlite3.h>
+#include <unistd.h>
 
 namespace headframe {
 
@@ -9,8 +10,10 @@ void Database::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_fin
 
 std::int64_t Row::integer(int column) const { return sqlite3_column_int64(statement_, column); }
 
+bool Row::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+
 double Row::real(int column) const {
-  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::numeric_limits<double>::quiet_NaN();
+  if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
   return sqlite3_column_double(statement_, column);
 }
 
@@ -28,6 +31,17 @@ Result<Database> Database::open(const std::string& path) {
   if (code != SQLITE_OK) return database.fault(code);
   sqlite3_busy_timeout(handle, 5000);
   return database;
+}
+
+Result<void> Database::still_there() const {
+  int moved = 0;
+  const int known = sqlite3_file_control(handle_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  const bool log_gone = ::access((path_ + "-wal").c_str(), F_OK) != 0;
+  if ((known == SQLITE_OK && moved != 0) || log_gone)
+    return failure(ErrorCode::bad_input, path_ + (log_gone ? "-wal" : "") +
+                                             " was removed or replaced while the server ran: what comes now can not be "
+                                             "kept; put it back and start the server anew");
+  return {};
 }
 
 Result<void> Database::execute(const std::string& sql) {

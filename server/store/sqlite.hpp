@@ -26,6 +26,7 @@ class Row {
   explicit Row(sqlite3_stmt* statement) : statement_(statement) {}
   std::int64_t integer(int column) const;
   double real(int column) const;  // NULL is NaN: SQLite has no other word for it
+  bool is_null(int column) const;
   std::string text(int column) const { return std::string(blob(column)); }
   std::string_view blob(int column) const;
 
@@ -39,6 +40,10 @@ class Row {
 class Database {
  public:
   static Result<Database> open(const std::string& path);
+
+  /// Whether its file, or its log, still lies where it was opened; else nobody will find again what is written there.
+  /// bad_input: it does not.
+  Result<void> still_there() const;
 
   /// Any statements, no values.
   Result<void> execute(const std::string& sql);

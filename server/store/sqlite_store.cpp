@@ -1,11 +1,14 @@
 #include "server/store/sqlite_store.hpp"
 
-#include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
+#include <set>
+#include <utility>
 
 #include "server/store/columns.hpp"
 #include "server/store/data_directory.hpp"
+#include "server/store/keyframe_row.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/sqlite_writer.hpp"
 
@@ -28,21 +31,6 @@ SessionRecord session_of(const Row& row) {
   return s;
 }
 
-Keyframe keyframe_of(const Row& row) {
-  Keyframe k;
-  k.sequence = static_cast<std::uint64_t>(row.integer(0));
-  k.stamp_s = row.real(1);
-  k.T_local_sensor = pose_from_blob(row.blob(2));
-  k.spaciousness_m = static_cast<float>(row.real(3));
-  k.descriptor.q = floats_from_blob(row.blob(4));
-  k.descriptor.w = floats_from_blob(row.blob(5));
-  k.descriptor.place_class = static_cast<PlaceClass>(row.integer(6));
-  const auto walls = row.blob(7);
-  std::copy_n(walls.begin(), std::min(walls.size(), k.walls.code.size()), k.walls.code.begin());
-  k.point_count = static_cast<std::uint32_t>(row.integer(8));
-  return k;
-}
-
 void set_evidence(Evidence& evidence, std::string_view name, double value) {
   for (const EvidenceField& field : evidence_fields())
     if (field.name == name) evidence.*field.member = value;
@@ -54,7 +42,11 @@ class SqliteStore : public Store {
       : directory_(std::move(directory)), reader_(std::move(reader)), writer_(std::move(writer), options) {}
 
   void write(Write write, Done done) override { writer_.write(std::move(write), std::move(done)); }
-  StoreLoad load() const override { return writer_.load(); }
+  StoreLoad load() const override {
+    StoreLoad load = writer_.load();
+    load.damaged_keyframes = damaged_count_;
+    return load;
+  }
 
   Result<std::vector<SessionRecord>> sessions() override {
     std::vector<SessionRecord> sessions;
@@ -70,10 +62,23 @@ class SqliteStore : public Store {
   Result<void> each_keyframe(SessionId session, std::uint64_t first,
                              const std::function<void(Keyframe)>& visit) override {
     const std::lock_guard lock(mutex_);
-    return reader_.each(
-        "SELECT sequence, stamp_s, T_local_sensor, spaciousness_m, q, w, place_class, walls, point_count"
-        " FROM keyframes WHERE session=? AND sequence>=? ORDER BY sequence",
-        [&](const Row& row) { visit(keyframe_of(row)); }, session, first);
+    std::optional<Keyframe> last;
+    std::vector<std::uint64_t> damaged;  // before the first that is whole
+    auto read = reader_.each(
+        select_keyframes() + " WHERE session=? AND sequence>=? ORDER BY sequence",
+        [&](const Row& row) {
+          const auto sequence = static_cast<std::uint64_t>(row.integer(0));
+          auto keyframe = keyframe_of(row);
+          if (!keyframe) note_damage({session, sequence});
+          if (!keyframe && !last) return damaged.push_back(sequence);
+          if (!keyframe) return visit(stand_in(sequence, *last));
+          for (const std::uint64_t earlier : std::exchange(damaged, {})) visit(stand_in(earlier, *keyframe));
+          last = *keyframe;
+          visit(std::move(*keyframe));
+        },
+        session, first);
+    for (const std::uint64_t sequence : damaged) visit(stand_in(sequence, {}));
+    return read;
   }
 
   Result<std::uint64_t> last_keyframe(SessionId session) override {
@@ -159,6 +164,12 @@ class SqliteStore : public Store {
   }
 
  private:
+  /// Under the lock.
+  void note_damage(const KeyframeRef& keyframe) {
+    damaged_.insert(keyframe);
+    damaged_count_ = damaged_.size();
+  }
+
   Result<void> read_surveys(std::vector<Survey>& surveys) {
     auto read = reader_.each("SELECT session, T_grid_session FROM surveys ORDER BY choice", [&](const Row& row) {
       surveys.push_back({row.integer(0), pose_from_blob(row.blob(1)), {}});
@@ -220,7 +231,9 @@ class SqliteStore : public Store {
   }
 
   DataDirectory directory_;
-  std::mutex mutex_;  // of reader_
+  std::mutex mutex_;  // of reader_ and damaged_
+  std::set<KeyframeRef> damaged_;
+  std::atomic<std::size_t> damaged_count_ = 0;
   Database reader_;
   SqliteWriter writer_;
 };

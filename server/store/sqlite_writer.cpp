@@ -98,6 +98,7 @@ Result<void> SqliteWriter::try_commit(const std::deque<Item>& group, std::size_t
     (void)database_.execute("ROLLBACK");
     return done;
   }
+  if (done = database_.still_there(); !done) return done;
   const std::lock_guard lock(mutex_);
   ++load_.commits;
   load_.commit_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "server/store/columns.hpp"
+#include "server/store/keyframe_row.hpp"
 
 namespace headframe {
 namespace {
@@ -20,14 +21,19 @@ Result<void> put(Database& db, const PutSession& write) {
 
 /// A repeat is harmless; another keyframe of the same number is not.
 Result<void> same_as_stored(Database& db, const PutKeyframe& write) {
-  bool same = false;
+  const char* other = nullptr;
   auto read = db.each(
-      "SELECT stamp_s FROM keyframes WHERE session=? AND sequence=?",
-      [&](const Row& row) { same = row.real(0) == write.keyframe.stamp_s; }, write.session, write.keyframe.sequence);
-  if (!read || same) return read;
+      select_keyframes() + " WHERE session=? AND sequence=?",
+      [&](const Row& row) {
+        const auto stored = keyframe_of(row);  // of a damaged one nobody knows
+        other = stored ? difference(*stored, write.keyframe) : nullptr;
+      },
+      write.session, write.keyframe.sequence);
+  if (!read || other == nullptr) return read;
   return failure(ErrorCode::refused, "keyframe " + std::to_string(write.keyframe.sequence) + " of session " +
-                                         std::to_string(write.session) +
-                                         " is stored with another stamp: the robot's spool was copied");
+                                         std::to_string(write.session) + " is stored with " + other +
+                                         ": the robot's spool was copied, or its numbers are used twice; begin a new "
+                                         "session");
 }
 
 Result<void> put(Database& db, const PutKeyframe& write) {
@@ -42,12 +48,7 @@ Result<void> put(Database& db, const PutKeyframe& write) {
     return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(k.sequence) + " of session " +
                                                     std::to_string(write.session) + " would leave a hole after " +
                                                     std::to_string(last));
-  const std::string T = pose_blob(k.T_local_sensor);
-  const std::string q = floats_blob(k.descriptor.q), w = floats_blob(k.descriptor.w);
-  const std::string walls(k.walls.code.begin(), k.walls.code.end());
-  return db.run("INSERT INTO keyframes VALUES (?,?,?,?,?,?,?,?,?,?)", write.session, k.sequence, k.stamp_s, Blob{T},
-                double{k.spaciousness_m}, Blob{q}, Blob{w}, static_cast<int>(k.descriptor.place_class), Blob{walls},
-                k.point_count);
+  return insert_keyframe(db, write.session, k);
 }
 
 Result<void> put(Database& db, const PutCloud& write) {

@@ -45,7 +45,8 @@ struct RobotRecord {
   bool operator==(const RobotRecord&) const = default;
 };
 
-// Writes. Each may come again (a robot repeats what was not acknowledged): the second time changes nothing.
+// Writes. Each may come again (a robot repeats what was not acknowledged): the second time changes nothing. A keyframe
+// that comes again with other content is refused.
 struct PutSession {
   SessionRecord session;
 };
@@ -108,11 +109,12 @@ struct StoreLoad {
   std::uint64_t durable_writes = 0;
   std::uint64_t failed_writes = 0;
   std::uint64_t commits = 0;
-  double commit_s = 0;          // spent in them, until they were durable
-  std::size_t queue_bytes = 0;  // the most that may be queued
-  std::string last_error;       // empty when the last write was well
-  std::string waits_for;        // why the disk refuses the next write; empty: it does not. It is tried again
-  std::string broken;           // why nothing is written any more, until the store is opened anew; empty: it is well
+  double commit_s = 0;                // spent in them, until they were durable
+  std::size_t queue_bytes = 0;        // the most that may be queued
+  std::size_t damaged_keyframes = 0;  // rows that were read and are not what was written
+  std::string last_error;             // empty when the last write was well
+  std::string waits_for;              // why the disk refuses the next write; empty: it does not. It is tried again
+  std::string broken;  // why nothing is written any more, until the store is opened anew; empty: it is well
 };
 
 struct StoredMerge {
@@ -145,7 +147,8 @@ class Store {
 
   // Reads block on the disk: never on an I/O thread.
   virtual Result<std::vector<SessionRecord>> sessions() = 0;
-  /// Keyframes from sequence `first` on, in order.
+  /// Keyframes from sequence `first` on, in order. One whose row is damaged keeps its number, stands where the one
+  /// before it does and has seen nothing.
   virtual Result<void> each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) = 0;
   /// How many keyframes it has: the last sequence, 0 without any.

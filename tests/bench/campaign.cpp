@@ -13,7 +13,6 @@ namespace headframe::bench {
 namespace {
 
 constexpr double bar_overlap_pct = 18;
-constexpr std::uint64_t first_seed = 90000;  // README, "How sure", says on which others the weights were set
 
 struct Sent {
   std::size_t clouds = 0, of = 0;
@@ -28,7 +27,7 @@ struct PairResult {
   Evidence evidence = {};
 };
 
-mine::Request request_for(mine::Kind kind, std::uint64_t number) {
+mine::Request request_for(mine::Kind kind, std::uint64_t first_seed, std::uint64_t number) {
   static constexpr std::array overlaps{20.0, 30.0, 45.0, 25.0, 60.0, 35.0, 22.0};
   static const std::vector<std::vector<std::string>> sensors{{"os1-32", "vlp16-hires", "os1-32"},
                                                              {"vlp16-hires", "os1-32", "vlp16-hires"},
@@ -93,11 +92,12 @@ void draw(const PipelineRun& run, SessionId a, SessionId b, const PairResult& re
 }
 
 /// Two mines of a kind in one database: 6 pairs within them, 9 across. What was sent of their clouds.
-Sent run_batch(mine::Kind kind, std::uint64_t number, Clouds clouds, std::vector<PairResult>& results,
-               const std::filesystem::path& pictures, VerdictRows& evidence) {
+Sent run_batch(const Campaign& campaign, mine::Kind kind, std::uint64_t number, std::vector<PairResult>& results,
+               VerdictRows& evidence) {
   std::vector<DrivenMine> mines;
-  for (const std::uint64_t n : {number, number + 1}) mines.push_back(drive_somehow(request_for(kind, n)));
-  PipelineRun run(clouds);
+  for (const std::uint64_t n : {number, number + 1})
+    mines.push_back(drive_somehow(request_for(kind, campaign.first_seed, n)));
+  PipelineRun run(campaign.clouds);
   Sent sent;
   for (const DrivenMine& mine : mines)
     for (const DrivenSession& session : mine.sessions) {
@@ -114,7 +114,7 @@ Sent run_batch(mine::Kind kind, std::uint64_t number, Clouds clouds, std::vector
       const auto mine = static_cast<std::size_t>(a > 3), i = static_cast<std::size_t>((a - 1) % 3),
                  j = static_cast<std::size_t>((b - 1) % 3);
       r.overlap_pct = same ? mines[mine].overlap_pct[i][j] : 0;
-      r.drift = request_for(kind, number + mine).drift > 0;
+      r.drift = request_for(kind, campaign.first_seed, number + mine).drift > 0;
       const Outcome outcome = judge_outcome(run, a, b);
       r.merged = outcome.merged;
       r.right = outcome.right;
@@ -122,10 +122,10 @@ Sent run_batch(mine::Kind kind, std::uint64_t number, Clouds clouds, std::vector
       r.re_deg = outcome.error.rotation_deg;
       if (const Alignment* found = alignment_of(run, a, b)) r.evidence = found->evidence;
       const bool bad = r.merged ? !r.right || r.te_m > 0.4 : r.overlap_pct >= bar_overlap_pct;
-      if (bad) draw(run, a, b, r, pictures / (r.kind + "-" + std::to_string(results.size()) + ".png"));
+      if (bad) draw(run, a, b, r, campaign.out / (r.kind + "-" + std::to_string(results.size()) + ".png"));
       results.push_back(r);
     }
-  sent.clouds = clouds == Clouds::at_once ? sent.of : run.came();
+  sent.clouds = campaign.clouds == Clouds::at_once ? sent.of : run.came();
   return sent;
 }
 
@@ -165,17 +165,17 @@ bool knowable(const PairResult& r) { return r.kind != "look_alike" && r.kind != 
 
 }  // namespace
 
-nlohmann::json campaign(int mines, Clouds clouds, const std::filesystem::path& pictures) {
-  std::filesystem::create_directories(pictures);
+nlohmann::json run_campaign(const Campaign& campaign) {
+  std::filesystem::create_directories(campaign.out);
   Sent sent;
   std::vector<PairResult> results;
-  VerdictRows evidence(pictures / "verdict.csv");
+  VerdictRows evidence(campaign.out / "verdict.csv");
   static constexpr std::array kinds{mine::Kind::junctions, mine::Kind::grid,     mine::Kind::room_and_pillar,
                                     mine::Kind::ramp,      mine::Kind::straight, mine::Kind::look_alike};
-  for (int m = 0; m + 1 < mines; m += 2) {
+  for (int m = 0; m + 1 < campaign.mines; m += 2) {
     const auto kind = kinds[static_cast<std::size_t>(m / 2) % kinds.size()];
-    std::fprintf(stderr, "\rmines %d of %d, %zu pairs", m + 2, mines, results.size());
-    const Sent more = run_batch(kind, static_cast<std::uint64_t>(m), clouds, results, pictures, evidence);
+    std::fprintf(stderr, "\rmines %d of %d, %zu pairs", m + 2, campaign.mines, results.size());
+    const Sent more = run_batch(campaign, kind, static_cast<std::uint64_t>(m), results, evidence);
     sent.clouds += more.clouds;
     sent.of += more.of;
   }

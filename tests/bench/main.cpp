@@ -48,6 +48,7 @@ struct Options {
   std::optional<int> mines;
   std::vector<std::filesystem::path> sets;  // of stages
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
+  std::uint64_t first_seed = Campaign{}.first_seed;
   LiveBench live = {};
 
   LiveBench live_bench() const {
@@ -63,14 +64,14 @@ int fail(const std::string& message, int status) {
   return status;
 }
 
-nlohmann::json campaign(const Options& options, Clouds clouds, const char* pictures) {
-  return campaign(options.mines.value_or(56), clouds, options.out / pictures);
+nlohmann::json drawn_mines(const Options& options, Clouds clouds, const char* folder) {
+  return run_campaign({options.mines.value_or(Campaign{}.mines), clouds, options.out / folder, options.first_seed});
 }
 
 nlohmann::json merges(const Options& options) {
   nlohmann::json figures;
   figures["recordings"] = recordings_crossed(options.recordings, options.out);
-  figures["merges"] = campaign(options, Clouds::at_once, "merges");
+  figures["merges"] = drawn_mines(options, Clouds::at_once, "merges");
   figures["merge"] = merge_times();
   return figures;
 }
@@ -103,7 +104,8 @@ int run(const Options& options) {
   part("places", true, walls);
   // Minutes: only when asked for.
   part("merges", false, [&] { return merges(options); });
-  part("merges-on-request", false, [&] { return campaign(options, Clouds::on_request, "merges-on-request"); });
+  part("drawn-mines", false, [&] { return drawn_mines(options, Clouds::at_once, "drawn-mines"); });
+  part("merges-on-request", false, [&] { return drawn_mines(options, Clouds::on_request, "merges-on-request"); });
   part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
   part("stages", false, [&] { return stages(options.sets, options.out); });
@@ -113,8 +115,8 @@ int run(const Options& options) {
   if (known) return missing ? 1 : 0;
   return fail(
       "no bench '" + options.what +
-          "'; there are: registration, places, all; minutes each: basin, merges, merges-on-request, recordings, "
-          "merge-times, descriptors, link",
+          "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
+          "recordings, merge-times, stages, live, descriptors, link",
       2);
 }
 
@@ -125,11 +127,14 @@ int main(int argc, char** argv) {
   using namespace headframe::bench;
   Options options;
   CLI::App app{"Measures; the figures also land in build/bench/WHAT.json"};
-  app.add_option("WHAT", options.what,
-                 "registration, places, basin, merges, merges-on-request, recordings, merge-times, descriptors; all");
+  app.add_option(
+      "WHAT", options.what,
+      "registration, places, basin, merges (which is recordings, drawn-mines and merge-times), merges-on-request, "
+      "descriptors; all");
   app.add_option("RECORDINGS", options.recordings, "folder of the data sets");
   app.add_option("MINES", options.mines, "of merges: mines in all; of descriptors: of each kind")
       ->check(CLI::Range(1, 1000));
+  app.add_option("--first-seed", options.first_seed, "of the drawn mines; others than those reported, to set weights");
   app.add_option("--families", options.families, "of descriptors: comma separated, as robots take them")
       ->delimiter(',');
   auto* stages = app.add_subcommand("stages", "at which stage pairs of sessions are lost");

@@ -8,10 +8,16 @@
 
 namespace headframe::bench {
 
-/// Pairs of sessions in simulated mines that were never used to set a weight: what was merged, what should have been,
-/// how far off, and how many clouds were sent; a table by kind and by overlap. Draws what was missed, wrong or 0.4 m
-/// off into `pictures`.
-nlohmann::json campaign(int mines, Clouds clouds, const std::filesystem::path& pictures);
+struct Campaign {
+  int mines = 56;
+  Clouds clouds = Clouds::at_once;
+  std::filesystem::path out;         // pictures, and the evidence of all that was judged
+  std::uint64_t first_seed = 90000;  // of the first mine: from here on none was used to set a weight
+};
+
+/// Pairs of sessions in simulated mines: what was merged, what should have been, how far off, and how many clouds were
+/// sent; a table by kind and by overlap. Draws what was missed, wrong or 0.4 m off.
+nlohmann::json run_campaign(const Campaign& campaign);
 
 /// All pairs of the recordings, within and across their sets, with the evidence: as they are, with every frame turned,
 /// and with 5 % of the keyframes noise besides. Null, and a line that says so, where there are none.

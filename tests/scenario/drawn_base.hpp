@@ -34,6 +34,13 @@ struct Base {
   }
 
   SessionId arrive(const Drive& drive, const FamilyId& family = ScanContext().id()) {
+    const SessionId id = grow(drive, family);
+    pipeline.complete_session(id);
+    return id;
+  }
+
+  /// Its robot may drive on.
+  SessionId grow(const Drive& drive, const FamilyId& family = ScanContext().id()) {
     drives.push_back(drive);
     const auto id = static_cast<SessionId>(drives.size());
     pipeline.add_session(id, family);

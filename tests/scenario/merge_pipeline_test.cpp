@@ -92,12 +92,52 @@ TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
   const auto path_m = [](const Drive& d) { return 3.0 * static_cast<double>(d.keyframes.size() - 1); };
   Drive shortened = a();
   while (path_m(shortened) >= MergeConfig{}.least_path_m) shortened.keyframes.pop_back();
-  Base base({shortened, b()});
-  base.pipeline.attempt(1, base.shelf);
+  MergeConfig config;
+  config.shown_m = 0;
+  Base base({b()}, config);
+  const SessionId growing = base.grow(shortened);
+  base.pipeline.attempt(growing, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
   EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::candidate);
-  base.pipeline.complete_session(1);
-  base.pipeline.attempt(1, base.shelf);
+  base.pipeline.complete_session(growing);
+  base.pipeline.attempt(growing, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+}
+
+/// What became of b, still driving, beside the drive to the other branch, which has ended.
+Alignment while_b_drives(double shown_m) {
+  MergeConfig config;
+  config.shown_m = shown_m;
+  Base base({a()}, config);
+  base.pipeline.attempt(base.grow(b()), base.shelf);
+  return base.pipeline.alignments().at(0);
+}
+
+TEST(MergePipeline, WhatARobotHasYetToSeeMayContradictSoItDrivesOnBeforeItIsTold) {
+  const Alignment waits = while_b_drives(1000);
+  EXPECT_EQ(waits.state, AlignmentState::candidate);
+  EXPECT_TRUE(convinces(waits.evidence, {}));
+  const double shown_m = 1000 - waits.evidence.awaited_m;
+  EXPECT_NEAR(shown_m, waits.evidence.overlap_m, 3) << "b has just come from where they met";
+  EXPECT_EQ(while_b_drives(shown_m - 0.1).state, AlignmentState::published);
+  EXPECT_EQ(while_b_drives(shown_m + 0.1).state, AlignmentState::candidate);
+}
+
+TEST(MergePipeline, WhatWaitedIsToldWhenTheRobotEndsAndStandsWhenItDrivesOnAfterAll) {
+  MergeConfig config;
+  config.shown_m = 1000;
+  Drive first = b();
+  const Keyframe last = first.keyframes.back();
+  first.keyframes.pop_back();
+  Base base({a()}, config);
+  const SessionId growing = base.grow(first);
+  base.pipeline.attempt(growing, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
+  base.pipeline.complete_session(growing);
+  base.pipeline.attempt(growing, base.shelf);
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
+  base.pipeline.add_keyframe(growing, last);
+  base.pipeline.attempt(growing, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
 }
 
@@ -125,6 +165,7 @@ TEST(MergePipeline, ASessionThatIsSetAsideLeavesTheOthersAndComesBack) {
   base.pipeline.attempt(1, base.shelf);
   base.pipeline.add_session(3, ScanContext().id());
   for (const Keyframe& keyframe : base.drive(3).keyframes) base.pipeline.add_keyframe(3, keyframe);
+  base.pipeline.complete_session(3);
   base.pipeline.attempt(3, base.shelf);
   ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
   EXPECT_EQ(base.pipeline.atlas().components[0].placements.size(), 3U);
@@ -224,6 +265,7 @@ TEST(MergePipeline, GarbageKeyframesChangeNothing) {
   garbage.descriptor.w = garbage.descriptor.q;
   garbage.point_count = 1;
   base.pipeline.add_keyframe(2, garbage);
+  base.pipeline.complete_session(2);
   base.pipeline.attempt(2, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
   EXPECT_LT(base.error_m(), 0.15);

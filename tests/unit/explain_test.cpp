@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "server/atlas/verdict.hpp"
 
 namespace headframe {
 namespace {
@@ -24,7 +27,8 @@ Alignment good() {
   e.overlap_a = 0.6;
   e.overlap_b = 0.5;
   e.seen_points = 20000;
-  e.freespace_violation = e.own_violation = 0.001;
+  e.residual_m = 0.03;
+  e.overlap_m = 40;
   e.weakest_hold = 0.1;
   e.slide_ratio = 0.7;
   e.descriptors_compared = 8;
@@ -43,19 +47,38 @@ bool says(const std::vector<std::string>& lines, const std::string& what) {
   return std::any_of(lines.begin(), lines.end(), [&](const auto& l) { return l.find(what) != std::string::npos; });
 }
 
-Speaks side(const Explanation& e, std::string_view evidence) {
+std::optional<Speaks> side(const Explanation& e, std::string_view evidence) {
   const auto at =
       std::find_if(e.findings.begin(), e.findings.end(), [&](const auto& f) { return f.evidence == evidence; });
-  return at == e.findings.end() ? Speaks::neither : at->speaks;
+  return at == e.findings.end() ? std::nullopt : std::optional(at->speaks);
 }
 
 TEST(Explain, WhatIsContradictedFartherOffSpeaksAgainst) {
   Alignment k = good();
-  EXPECT_EQ(side(explained(k), "farther_violation"), Speaks::neither) << "not asked";
-  k.evidence.farther_violation = 0.99 * contradicted_farther;
-  EXPECT_EQ(side(explained(k), "farther_violation"), Speaks::in_favour);
-  k.evidence.farther_violation = contradicted_farther;
-  EXPECT_EQ(side(explained(k), "farther_violation"), Speaks::against);
+  EXPECT_FALSE(side(explained(k), "free space farther off contradicts")) << "not asked";
+  k.evidence.farther_violation = 0.01;
+  EXPECT_EQ(side(explained(k), "free space farther off contradicts"), Speaks::against);
+}
+
+TEST(Explain, FindingsAreTheVerdictItself) {
+  Alignment k = good();
+  k.evidence.worst_place_violation = 0.01;
+  k.evidence.overlap_m = 12;
+  const std::vector<Finding> findings = explained(k).findings;
+  const LogOdds odds = log_odds(k.evidence);
+  double sum = odds.bias;
+  for (const Finding& f : findings) sum += f.log_odds;
+  EXPECT_NEAR(sum, odds.sum(), 1e-9) << "none is left out, none added";
+  for (std::size_t i = 1; i < findings.size(); ++i) {
+    EXPECT_LE(findings[i - 1].speaks == Speaks::in_favour, findings[i].speaks == Speaks::in_favour);
+    if (findings[i].speaks == Speaks::against) {
+      EXPECT_LE(findings[i - 1].log_odds, findings[i].log_odds);
+    }
+  }
+  EXPECT_EQ(findings.front().evidence, "one place contradicts");
+  Evidence without = k.evidence;
+  without.worst_place_violation = 0;
+  EXPECT_NEAR(probability_without(findings.front(), k.evidence), 1 / (1 + std::exp(-log_odds(without).sum())), 1e-9);
 }
 
 TEST(Explain, AMergeSaysWhereAndHowSureAndMissesNothing) {
@@ -89,42 +112,41 @@ TEST(Explain, WhoHoldsAMergeBackIsNamed) {
   EXPECT_TRUE(says(e.missing, "9.4 %"));
 }
 
-/// Each figure of the evidence on its bad side: it speaks against, and what to do is said.
+/// Each figure of the evidence on its bad side: it speaks against, and what it costs is said.
 TEST(Explain, EachPieceOfEvidenceHasTwoSides) {
   struct Case {
     double Evidence::*member;
     double bad;
-    std::string_view evidence;
-    const char* missing;  // empty: nothing the operator could do
+    std::string_view term;
+    const char* missing;
   };
-  for (const Case& c : {Case{&Evidence::inlier_fraction, 0.59, "inlier_fraction", ""},
-                        Case{&Evidence::freespace_violation, 0.01, "freespace_violation", "sees through walls"},
-                        Case{&Evidence::overlap_b, 0.05, "overlap_a", ""},
-                        Case{&Evidence::seen_points, 5999, "seen_points", "overlap is small"},
-                        Case{&Evidence::pairs, 2, "pairs", "overlap is small"},
-                        Case{&Evidence::places_agreeing, 4, "places_agreeing", ""},
-                        Case{&Evidence::weakest_hold, 0.01, "weakest_hold", "held by nothing: drive on to a junction"},
-                        Case{&Evidence::slide_ratio, 0.99, "slide_ratio", ""},
-                        Case{&Evidence::descriptors_alike, 0.71, "descriptors_alike", ""},
-                        Case{&Evidence::tilt_deg, 2, "tilt_deg", ""}}) {
+  for (const Case& c :
+       {Case{&Evidence::freespace_violation, 0.01, "free space contradicts", "1.00 % of the points"},
+        Case{&Evidence::worst_place_violation, 0.01, "one place contradicts", "1.00 % do so at the place"},
+        Case{&Evidence::residual_m, 0.12, "surfaces lie apart", "120 mm apart"},
+        Case{&Evidence::places_agreeing, 4, "places disagree", "4 of 5 places"},
+        Case{&Evidence::weakest_hold, 0.01, "nothing holds it along the tunnel", "drive on to a junction"},
+        Case{&Evidence::descriptors_alike, 0.5, "descriptors differ", "50 % alike"}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
-    EXPECT_EQ(side(explained(k), c.evidence), Speaks::in_favour) << c.evidence;
-    EXPECT_FALSE(*c.missing && says(explained(k).missing, c.missing)) << c.missing;
+    k.evidence.probability = 0.5;
+    EXPECT_NE(side(explained(k), c.term), Speaks::against) << c.term;
+    EXPECT_FALSE(says(explained(k).missing, c.missing)) << c.missing;
     k.evidence.*c.member = c.bad;
-    EXPECT_EQ(side(explained(k), c.evidence), Speaks::against) << c.evidence;
-    EXPECT_TRUE(says(explained(k).missing, c.missing) || !*c.missing) << c.missing;
+    EXPECT_EQ(side(explained(k), c.term), Speaks::against) << c.term;
+    EXPECT_TRUE(says(explained(k).missing, c.missing)) << c.missing;
   }
 }
 
 TEST(Explain, EndsThatDoNotMeetSpeakOnlyWhereTheWallsHardlyHold) {
   Alignment k = good();
-  k.evidence.end_on_match = 0.11;
-  EXPECT_EQ(side(explained(k), "end_on_match"), Speaks::in_favour);
+  constexpr auto term = "nothing holds it along the tunnel";
+  k.evidence.end_on_match = 0.05;
+  EXPECT_EQ(side(explained(k), term), Speaks::in_favour);
   k.evidence.weakest_hold = 0.029;
-  EXPECT_EQ(side(explained(k), "end_on_match"), Speaks::against);
+  EXPECT_EQ(side(explained(k), term), Speaks::against);
   k.evidence.end_on_match = 0.13;
-  EXPECT_EQ(side(explained(k), "end_on_match"), Speaks::in_favour);
+  EXPECT_EQ(side(explained(k), term), Speaks::in_favour);
 }
 
 TEST(Explain, WhatTheVerdictAsksForIsNamedWithBothFigures) {

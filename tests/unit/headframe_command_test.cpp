@@ -172,7 +172,7 @@ TEST_F(HeadframeCommand, ExplainsInWords) {
   const Outcome why = run("explain alpha beta");
   EXPECT_EQ(why.code, 0) << why.err;
   EXPECT_EQ(why.out.rfind("alpha/run/1 and beta/run/1 are merged: at x 10.0", 0), 0U) << why.out;
-  EXPECT_NE(why.out.find("  + 90 % of the points"), std::string::npos) << why.out;
+  EXPECT_NE(why.out.find("  + 0.00 % of the points lie"), std::string::npos) << why.out;
   EXPECT_NE(run("explain alpha 'gamma \"3\"'").out.find("missing\n    they do not meet"), std::string::npos);
   expect_fault(run("explain alpha delta"), 1, "no session \"delta\"");
   expect_fault(run("explain alpha"), 2, "B is required");

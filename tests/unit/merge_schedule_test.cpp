@@ -65,6 +65,34 @@ TEST_F(Schedule, AJunctionAsksForATryButNotJustAfterTheLast) {
   EXPECT_EQ(schedule.next()->trigger, Trigger::junction) << "far enough: at once";
 }
 
+TEST_F(Schedule, ASessionComesToRestWhenNoKeyframeFollows) {
+  using Ids = std::vector<SessionId>;
+  schedule.grows(1, now);
+  schedule.grows(1, now + milliseconds(1000));
+  EXPECT_EQ(schedule.next_deadline(), now + milliseconds(121000));
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(120999)), Ids());
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(121000)), Ids{1});
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(500000)), Ids()) << "once";
+  schedule.asks(1, now + milliseconds(500000));
+  EXPECT_FALSE(schedule.next_deadline()) << "it rests already";
+}
+
+TEST_F(Schedule, ARobotThatAsksAndStandsStillHasNotToWaitAsLong) {
+  using Ids = std::vector<SessionId>;
+  schedule.grows(1, now);
+  schedule.asks(1, now);
+  schedule.grows(1, now + milliseconds(1000));
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(4000)), Ids()) << "it drove on";
+  schedule.asks(1, now + milliseconds(5000));
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(7999)), Ids());
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(8000)), Ids{1});
+  schedule.grows(2, now);
+  schedule.asks(2, now + milliseconds(119000));
+  EXPECT_EQ(schedule.next_deadline(), now + milliseconds(120000)) << "asking makes nothing later";
+  schedule.ended(2);
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(200000)), Ids()) << "it said goodbye";
+}
+
 TEST_F(Schedule, CloudsAreAskedForOnceAndTheAttemptComesBackWhenAllAreHere) {
   EXPECT_EQ(wait_for({{2, 7}, {3, 1}}), (Refs{{2, 7}, {3, 1}}));
   EXPECT_EQ(wait_for({{2, 7}, {2, 8}}), (Refs{{2, 8}})) << "7 is on its way";

@@ -123,10 +123,10 @@ class Worker : public testing::Test {
   }
 
   /// As after a restart, with every session attempted already or not.
-  void start(bool attempted = true) {
+  void start(bool attempted = true, const ScheduleConfig& schedule = {}) {
     if (attempted)
       for (const SessionId id : {1, 2}) keep(PutMerge{id, 5, {}, std::nullopt, {}});
-    worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, ScheduleConfig{});
+    worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, schedule);
     ASSERT_TRUE(worker->restore());
     worker->start(robots);
   }
@@ -187,8 +187,8 @@ TEST_F(Worker, AJunctionTriggersBeforeTheDistanceDoes) {
   EXPECT_EQ(script.attempted(), 2U) << "5 m, with a junction on the way";
 }
 
-TEST_F(Worker, AGoodbyeOrARequestLetsAShortSessionMerge) {
-  start();
+TEST_F(Worker, AGoodbyeOrARequestAtRestLetsAShortSessionMerge) {
+  start(true, {.asked_rest_s = 0});
   worker->trigger(1, Trigger::link);
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_TRUE(script.completed.empty());

@@ -64,8 +64,9 @@ TEST_F(OperatorApiTest, EveryMetricOfTheDashboardIsServed) {
 }
 
 TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
-  server.station.work.attempts = 5;
-  server.station.work.stages.registration_ms = 1500;
+  server.station.work.effort.attempts = 5;
+  server.station.work.effort.withdrawn = 2;
+  server.station.work.effort.stages.registration_ms = 1500;
   server.station.work.commits = 4;
   server.station.work.commit_s = 0.25;
   server.station.rows[1].backlog = 9;
@@ -93,6 +94,7 @@ TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
   EXPECT_EQ(samples["headframe_store_commits_total"], 4);
   EXPECT_EQ(samples["headframe_store_commit_seconds_total"], 0.25);
   EXPECT_EQ(samples["headframe_merge_attempts_total"], 5);
+  EXPECT_EQ(samples["headframe_merges_withdrawn_total"], 2);
   EXPECT_EQ(samples["headframe_merge_seconds_total{stage=\"registration\"}"], 1.5);
 }
 

@@ -88,7 +88,7 @@ TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
   EXPECT_GT(p(70), 0.95);
 }
 
-TEST(Probability, WhatIsContradictedFartherOffIsAtMostACandidate) {
+TEST(Probability, WhatIsContradictedFartherOffIsBelievedLess) {
   Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
   const auto p = [&](double farther) {
     j.evidence.farther_violation = farther;
@@ -96,10 +96,23 @@ TEST(Probability, WhatIsContradictedFartherOffIsAtMostACandidate) {
     return j.evidence.probability;
   };
   const double believed = p(0);
-  EXPECT_EQ(p(0.99 * contradicted_farther), believed);
-  EXPECT_LT(p(contradicted_farther), MergeConfig{}.accept_probability);
-  EXPECT_GT(p(contradicted_farther), MergeConfig{}.candidate_probability);
+  EXPECT_EQ(p(0.002), believed);
+  EXPECT_LT(p(contradicted_farther), believed);
+  EXPECT_NEAR(p(0.99 * contradicted_farther), p(1.01 * contradicted_farther), 0.05) << "no cliff";
+  EXPECT_LT(p(0.03), MergeConfig{}.accept_probability);
   EXPECT_LT(j.evidence.probability_if_unique, MergeConfig{}.accept_probability);
+}
+
+TEST(Probability, FewPointsThatMeetSpeakAgainst) {
+  const auto p = [](double inliers) {
+    Evidence e = convincing();
+    e.inlier_fraction = inliers;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(0.3), p(0.9));
+  EXPECT_LT(p(0.29), p(0.3));
+  EXPECT_GT(p(0.28), MergeConfig{}.accept_probability) << "right ones of a cave and a surveyed mine";
+  EXPECT_LT(p(0.14), 0.5) << "side by side, with rock between them";
 }
 
 TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
@@ -148,6 +161,10 @@ TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
   e.descriptors_compared = 3;
   EXPECT_EQ(counted(1), 3) << "three keyframes are few";
   EXPECT_EQ(asked_overlap_m(e), 99);
+  e.descriptors_compared = 6;
+  EXPECT_NEAR(counted(0.74), 6, 1e-9) << "unlike: half more";
+  EXPECT_NEAR(counted(0.72), 8, 1e-9);
+  EXPECT_EQ(counted(0.5), 8) << "twice at most";
 }
 
 TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {

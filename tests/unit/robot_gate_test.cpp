@@ -24,7 +24,7 @@ struct Gate : testing::Test {
     RobotGate::Seams seams{
         [this] { return now_s; },
         [this](const std::string& robot, const std::string& why) { ended += robot + " " + why + "\n"; },
-        [this](const std::string& robot, std::uint64_t kib_s) { rates[robot] = kib_s; }};
+        [this](const std::string& robot, std::uint64_t kib_s) { rates[robot] = kib_s; }, [this] { return steady_s; }};
     gate =
         std::make_unique<RobotGate>(*store, seams, AttemptLimits{.failures = 2, .forgiven_per_s = 1, .addresses = 9});
     ASSERT_TRUE(gate->restore());
@@ -52,7 +52,7 @@ struct Gate : testing::Test {
   }
 
   TempDir dir;
-  double now_s = 1000;
+  double now_s = 1000, steady_s = 7;
   AttemptLimiter::Time now{};
   std::string ended;
   std::map<std::string, std::uint64_t> rates;
@@ -71,6 +71,88 @@ TEST_F(Gate, WhatItSaidYesToOutlivesTheServer) {
   EXPECT_TRUE(revoke("ant"));
   reopen();
   EXPECT_FALSE(admit("ant", {token, ""}));
+}
+
+TEST_F(Gate, ARevocationIsKeptWhileTheDiskIsFull) {
+  ASSERT_TRUE(admit("ant", {token, open("ant")}));
+  ASSERT_TRUE(admit("bee", {other, open("bee")}));
+  auto revocations = RevocationLog::open(dir.path() / "revoked");
+  ASSERT_TRUE(revocations);
+  const auto start_anew = [&](std::size_t queue_bytes) {
+    gate.reset();
+    store.reset();
+    store = open_sqlite_store(dir.path(), {.queue_bytes = queue_bytes}).value();
+    gate = std::make_unique<RobotGate>(*store, RobotGate::Seams{[this] { return now_s; }, {}, {}}, AttemptLimits{},
+                                       &*revocations);
+    ASSERT_TRUE(gate->restore());
+  };
+  start_anew(1);  // every write is one too many
+  EXPECT_TRUE(revoke("ant"));
+  EXPECT_FALSE(admit("ant", {token, ""}));
+  ASSERT_EQ(revocations->waiting().size(), 1U);
+  start_anew(1);
+  EXPECT_FALSE(admit("ant", {token, ""})) << "the server went down before there was room";
+  EXPECT_TRUE(admit("bee", {other, ""}));
+  start_anew(1 << 20);
+  EXPECT_FALSE(admit("ant", {token, ""}));
+  gate.reset();
+  store.reset();  // all is written
+  EXPECT_TRUE(revocations->waiting().empty());
+  start_anew(1 << 20);
+  EXPECT_FALSE(admit("ant", {token, ""}));
+  EXPECT_TRUE(admit("ant", {token, open("ant")})) << "who is invited again comes in";
+  start_anew(1 << 20);
+  EXPECT_TRUE(admit("ant", {token, ""}));
+}
+
+TEST_F(Gate, TheListOfRevocationsIsOfOneSizeAndSaysWhenItIsFull) {
+  const auto path = dir.path() / "revoked";
+  {
+    auto log = RevocationLog::open(path);
+    ASSERT_TRUE(log);
+    const auto bytes = std::filesystem::file_size(path);
+    for (std::size_t i = 0; i < RevocationLog::slots; ++i)
+      ASSERT_TRUE(log->add({std::string(128, 'x'), std::string(32, '\xff')}));
+    EXPECT_EQ(log->add({"one more", ""}).error().code, ErrorCode::unavailable);
+    log->remove(7);
+    EXPECT_EQ(log->add({"one more", ""}), 7U);
+    EXPECT_EQ(std::filesystem::file_size(path), bytes) << "a full disk has these blocks already";
+  }
+  const auto waiting = RevocationLog::open(path)->waiting();
+  ASSERT_EQ(waiting.size(), RevocationLog::slots);
+  EXPECT_EQ(waiting[7].entry.robot, "one more");
+  EXPECT_EQ(waiting[8].entry.robot, std::string(128, 'x'));
+  EXPECT_EQ(waiting[8].entry.token_digest, std::string(32, '\xff'));
+}
+
+TEST_F(Gate, AClockThatIsSetBackRevivesNoCode) {
+  const auto refusal = [&](const std::string& code) {
+    now += 10s;  // each is looked at
+    const auto admitted = admit("ant", {token, code});
+    return admitted ? "let in" : admitted.error().message;
+  };
+  std::string code = open("ant");
+  now_s += RobotRegistry::code_lifetime_s;
+  EXPECT_NE(refusal(code).find("expired"), std::string::npos);
+  now_s -= 100;
+  EXPECT_NE(refusal(code).find("expired"), std::string::npos) << "it was seen to be over";
+  code = open("ant");
+  now_s -= 1800;
+  steady_s += RobotRegistry::code_lifetime_s;
+  EXPECT_NE(refusal(code).find("expired"), std::string::npos) << "nobody looked, an hour passed all the same";
+  now_s += 1e6;
+  const std::string late = open("ant");
+  now_s = 1000;
+  reopen();
+  steady_s += RobotRegistry::code_lifetime_s + 1;
+  EXPECT_NE(refusal(late).find("expired"), std::string::npos) << "a restart gives no time back";
+}
+
+TEST_F(Gate, AClockThatIsSetBackMakesNoCodeLastLongerOrShorter) {
+  const std::string code = open("ant");
+  now_s = 0;
+  steady_s += RobotRegistry::code_lifetime_s - 1;
+  EXPECT_TRUE(admit("ant", {token, code}));
 }
 
 TEST_F(Gate, ConnectionsEndWithTheirCredential) {

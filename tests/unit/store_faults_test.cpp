@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <functional>
 #include <thread>
 
 #include "server/store/sqlite.hpp"
@@ -92,6 +93,56 @@ TEST(StoreFaults, ADatabaseThatCanNotBeWrittenIsNotTriedAgain) {
     EXPECT_EQ(after.error().message, failed.error().message);
     EXPECT_EQ(store->load().durable_writes, durable);
     EXPECT_EQ(store->load().queued_bytes, 0U);
+  }
+}
+
+TEST(StoreFaults, ADamagedRowCostsItselfAlone) {
+  for (const char* damage :
+       {"stamp_s=stamp_s+1", "T_local_sensor=zeroblob(96)", "T_local_sensor=x'00'", "spaciousness_m=99",
+        "q=zeroblob(12)", "q=x''", "w=zeroblob(8)", "place_class=2", "walls=zeroblob(180)", "point_count=7"}) {
+    const TempDir dir;
+    {
+      const auto store = open(dir);
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+      for (std::uint64_t i = 1; i <= 5; ++i) ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(i)}));
+      EXPECT_EQ(keyframes(*store, 1).size(), 5U);
+      EXPECT_EQ(store->load().damaged_keyframes, 0U);
+    }
+    tamper(dir, "UPDATE keyframes SET " + std::string(damage) + " WHERE sequence IN (1, 3)");
+    const auto store = open(dir);
+    const auto all = keyframes(*store, 1);
+    ASSERT_EQ(all.size(), 5U) << damage;
+    for (const std::uint64_t i : {1, 3}) {
+      EXPECT_EQ(all[i - 1].sequence, i) << damage;
+      EXPECT_EQ(all[i - 1].T_local_sensor.matrix(), line_keyframe(2).T_local_sensor.matrix()) << "its neighbour's";
+      EXPECT_TRUE(all[i - 1].descriptor.q.empty()) << damage;
+      EXPECT_EQ(all[i - 1].point_count, 0U) << damage;
+    }
+    for (const std::uint64_t i : {2, 4, 5})
+      EXPECT_EQ(all[i - 1].T_local_sensor.matrix(), line_keyframe(i).T_local_sensor.matrix()) << damage;
+    EXPECT_EQ(store->load().damaged_keyframes, 2U);
+    ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(6)})) << "and it goes on";
+  }
+}
+
+TEST(StoreFaults, WhatGoesIntoAFileThatIsGoneIsNotAcknowledged) {
+  const auto remove = [](const std::filesystem::path& file) { std::filesystem::remove(file); };
+  const auto replace = [](const std::filesystem::path& file) {
+    std::filesystem::rename(file, file.string() + ".old");
+    std::filesystem::copy(file.string() + ".old", file);
+  };
+  const std::vector<std::pair<const char*, std::function<void(const std::filesystem::path&)>>> ways{
+      {"headframe.db", remove}, {"headframe.db", replace}, {"headframe.db-wal", remove}};
+  for (const auto& [name, lose] : ways) {
+    const TempDir dir;
+    const auto store = open(dir, {.retry_ms = 1});
+    ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+    lose(dir.path() / name);
+    const auto lost = write_and_wait(*store, PutKeyframe{1, line_keyframe(1)});
+    ASSERT_FALSE(lost) << name;
+    EXPECT_NE(lost.error().message.find(std::string(name) + " was removed or replaced"), std::string::npos)
+        << lost.error().message;
+    EXPECT_EQ(store->load().broken, lost.error().message) << "no robot hears of an ack until it was mended";
   }
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <limits>
 
 #include "server/store/schema.hpp"
@@ -129,7 +130,7 @@ TEST(Store, KeepsDecisionsAndThatTheyWereUndone) {
 constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN label; ALTER TABLE alignments DROP COLUMN T_a_b_runner_up;"
     "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; DROP TABLE troubles; ALTER TABLE robots DROP "
-    "COLUMN rate_kib_s;"
+    "COLUMN rate_kib_s; ALTER TABLE keyframes DROP COLUMN checksum;"
     "PRAGMA user_version=3;";
 
 Survey survey_of(SessionId session) {
@@ -258,17 +259,71 @@ TEST(Store, RepeatsChangeNothingAndHolesFail) {
 }
 
 TEST(Store, AnotherKeyframeOfTheSameNumberFails) {
+  const std::vector<std::pair<std::string, std::function<void(Keyframe&)>>> changes{
+      {"another stamp", [](Keyframe& k) { k.stamp_s += 1e-6; }},
+      {"another pose", [](Keyframe& k) { k.T_local_sensor.translation().z() += 0.01; }},
+      {"another descriptor", [](Keyframe& k) { k.descriptor.q.back() += 1; }},
+      {"another descriptor", [](Keyframe& k) { k.descriptor.w.pop_back(); }},
+      {"another descriptor", [](Keyframe& k) { k.descriptor.place_class = PlaceClass::junction; }},
+      {"other walls", [](Keyframe& k) { k.walls.code.back() = 1; }},
+      {"another scan", [](Keyframe& k) { k.point_count = 0; }},
+      {"another scan", [](Keyframe& k) { k.spaciousness_m = 9; }}};
   const TempDir dir;
   const auto store = open(dir);
   ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
   ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
-  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
-  Keyframe other = line_keyframe(1);
-  other.stamp_s += 1e-6;
-  const auto refused = write_and_wait(*store, PutKeyframe{1, other});
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("was copied"), std::string::npos) << refused.error().message;
+  for (const auto& [what, change] : changes) {
+    Keyframe other = line_keyframe(1);
+    change(other);
+    const auto refused = write_and_wait(*store, PutKeyframe{1, other});
+    ASSERT_FALSE(refused) << what;
+    EXPECT_EQ(refused.error().code, ErrorCode::refused);
+    EXPECT_NE(refused.error().message.find("with " + what), std::string::npos) << refused.error().message;
+  }
   EXPECT_EQ(keyframes(*store, 1).at(0).stamp_s, line_keyframe(1).stamp_s);
+  Keyframe rounded = line_keyframe(1);  // as another compiler's arithmetic would have it
+  rounded.T_local_sensor.linear()(0, 1) += 1e-15;
+  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, rounded}));
+}
+
+TEST(Store, NobodyElseReadsWhatIsInIt) {
+  namespace fs = std::filesystem;
+  const auto mode = [](const fs::path& path) { return fs::status(path).permissions(); };
+  constexpr auto folder = fs::perms::owner_all, file = fs::perms::owner_read | fs::perms::owner_write;
+  const TempDir dir;
+  const fs::path data = dir.path() / "new" / "data", db = data / "headframe.db";
+  for (const bool of_an_older_server : {false, true}) {
+    if (of_an_older_server) {
+      fs::permissions(data, fs::perms(0755));
+      fs::permissions(db, fs::perms(0644));
+      fs::permissions(data / "headframe.lock", fs::perms(0644));
+    }
+    const auto store = open_sqlite_store(data);
+    ASSERT_TRUE(store);
+    ASSERT_TRUE(write_and_wait(**store, PutSession{session_record(1, "ant")}));
+    EXPECT_EQ(mode(data), folder);
+    for (const char* name : {"headframe.db", "headframe.db-wal", "headframe.db-shm", "headframe.lock"})
+      EXPECT_EQ(mode(data / name), file) << name;
+  }
+}
+
+TEST(Store, ASecondServerIsKeptOutAlsoWithoutTheLockFile) {
+  const TempDir dir;
+  const auto first = open(dir);
+  ASSERT_TRUE(std::filesystem::remove(dir.path() / "headframe.lock"));
+  const auto second = open_sqlite_store(dir.path());
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().message.find("in use by another"), std::string::npos) << second.error().message;
+}
+
+TEST(Store, AFolderWithOtherThingsInItStaysOpenToOthers) {
+  namespace fs = std::filesystem;
+  const TempDir home;
+  fs::permissions(home.path(), fs::perms(0755));
+  std::ofstream(home.path() / "letter.txt") << "dear";
+  const auto store = open(home);
+  EXPECT_EQ(fs::status(home.path()).permissions(), fs::perms(0755));
+  EXPECT_EQ(fs::status(home.path() / "headframe.db").permissions(), fs::perms(0600));
 }
 
 TEST(Store, FullQueueRefusesAtOnce) {
