@@ -219,10 +219,11 @@ AttemptReport MergePipeline::set_aside(SessionId id) {
 }
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
-  keyframe = state_->frames.taken_in(id, std::move(keyframe));
+  Session& session = state_->sessions[id];
+  keyframe = state_->frames.taken_in(id, std::move(keyframe), session.keyframes);
   state_->index_keyframe(id, keyframe);
-  state_->sessions[id].complete = false;
-  state_->sessions[id].add(std::move(keyframe));
+  session.complete = false;
+  session.add(std::move(keyframe));
 }
 
 Judgement MergePipeline::judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds) {

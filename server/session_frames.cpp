@@ -9,9 +9,10 @@ constexpr double origin_step_m = 1000;
 constexpr int forgiven = 3;  // keyframes off the path
 
 /// Of the keyframe after `last`.
-bool sound(const Keyframe& last, const Keyframe& keyframe, int left_out, std::string& why) {
+bool sound(const Keyframe& last, const Keyframe& keyframe, std::span<const Keyframe> earlier, int left_out,
+           std::string& why) {
   if (left_out > forgiven) return false;
-  const auto jump = jump_between(last, keyframe);
+  const auto jump = jump_between(last, keyframe, earlier);
   if (jump && left_out == 0) why = *jump;
   return !jump;
 }
@@ -29,7 +30,7 @@ Alignment with_poses(Alignment alignment, const auto& change) {
 
 }  // namespace
 
-Keyframe SessionFrames::taken_in(SessionId session, Keyframe keyframe) {
+Keyframe SessionFrames::taken_in(SessionId session, Keyframe keyframe, std::span<const Keyframe> earlier) {
   Pose& T = keyframe.T_local_sensor;
   Frame& frame = frames_[session];
   const bool first = frame.last.sequence == 0;
@@ -37,7 +38,7 @@ Keyframe SessionFrames::taken_in(SessionId session, Keyframe keyframe) {
   T.translation() -= frame.origin_m;
   if (first) frame.first_m = T.translation();
   const bool far = (T.translation() - frame.first_m).norm() > farthest_m;
-  if (!first && (far || !sound(frame.last, keyframe, frame.left_out, frame.why))) {
+  if (!first && (far || !sound(frame.last, keyframe, earlier, frame.left_out, frame.why))) {
     if (++frame.left_out == 1 && frame.why.empty()) frame.why = "its keyframes lie too far apart";
     T = frame.last.T_local_sensor;
     keyframe.walls = {};

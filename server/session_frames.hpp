@@ -2,6 +2,7 @@
 // Local origins: robots may count their metres from anywhere (a mine grid, UTM), the numeric rooms only near zero.
 
 #include <map>
+#include <span>
 #include <string>
 
 #include "common/session/keyframe.hpp"
@@ -22,7 +23,8 @@ class SessionFrames {
   /// and nothing else (it stays where the one before it was, without walls, descriptor or cloud) when it lies beyond
   /// farthest_m, or behind a jump of the odometry: what two robots see of each other across a jump would be joined by
   /// nothing but the jump. Up to three keyframes off the path are forgiven, then all that follow are left out.
-  Keyframe taken_in(SessionId session, Keyframe keyframe);
+  /// `earlier`: the session's keyframes so far, as they were taken in.
+  Keyframe taken_in(SessionId session, Keyframe keyframe, std::span<const Keyframe> earlier);
 
   /// Its keyframes will come anew, from the first on, which sets the same origin again.
   void come_anew(SessionId session);

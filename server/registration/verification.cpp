@@ -97,11 +97,15 @@ void gather(Evidence& e, const std::vector<PlaceCheck>& places, const std::vecto
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
-/// Path, in metres, along which these follow each other in their session.
+/// Path, in metres, along which these follow each other in their session. Between keyframes farther apart than any
+/// selection puts them the robot drove back over its own path.
 double shared_path_m(const Stands& near) {
+  constexpr double farthest_m = 15;
   double path = 0;
   for (std::size_t i = 1; i < near.size(); ++i)
-    if (near[i].keyframe - near[i - 1].keyframe <= 2) path += (near[i].p - near[i - 1].p).norm();
+    if (const double step_m = (near[i].p - near[i - 1].p).norm();
+        near[i].keyframe - near[i - 1].keyframe <= 2 && step_m < farthest_m)
+      path += step_m;
   return path;
 }
 

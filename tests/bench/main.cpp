@@ -47,6 +47,7 @@ struct Options {
   std::filesystem::path recordings = "../shared/data", out = "build/bench";
   std::optional<int> mines;
   std::vector<std::filesystem::path> sets;  // of stages
+  bool crossed = false;                     // sessions of different sets
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
   std::uint64_t first_seed = Campaign{}.first_seed;
   LiveBench live = {};
@@ -108,7 +109,8 @@ int run(const Options& options) {
   part("merges-on-request", false, [&] { return drawn_mines(options, Clouds::on_request, "merges-on-request"); });
   part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
-  part("stages", false, [&] { return stages(options.sets, options.out); });
+  part("stages", false,
+       [&] { return options.crossed ? stages_crossed(options.sets, options.out) : stages(options.sets, options.out); });
   part("live", false, [&] { return live(options.live_bench()); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
@@ -140,6 +142,7 @@ int main(int argc, char** argv) {
   auto* stages = app.add_subcommand("stages", "at which stage pairs of sessions are lost");
   stages->add_option("DIR", options.sets, "data sets (with truth.json and truth/ROBOT.txt), or folders of them")
       ->required();
+  stages->add_flag("--crossed", options.crossed, "every two sessions of different sets of one world instead");
   stages->callback([&options] { options.what = "stages"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
   live->add_option("--only", options.live.only, "sets whose names contain this");

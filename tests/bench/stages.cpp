@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "common/descriptor/family.hpp"
 #include "tests/bench/measure.hpp"
@@ -55,15 +56,22 @@ Pose true_placement(const test::TruePath& a, const test::TruePath& b, double nea
   return a.T_local_sensor[i] * a.T_world_sensor[i].inverse() * b.T_world_sensor[j] * b.T_local_sensor[j].inverse();
 }
 
+/// What two sessions truly have in common.
+struct InCommon {
+  double overlap_pct = 0, nearest_m = 0;
+};
+
+std::string kind_of(const std::string& world) { return world.substr(0, world.find('-')); }
+
 class PairStudy {
  public:
-  PairStudy(const DrivenSession& a, const DrivenSession& b, const nlohmann::json& truth) : a_(a), b_(b) {
-    row_.set = a.world;
-    row_.world = a.world.substr(0, a.world.find('-'));
+  PairStudy(const DrivenSession& a, const DrivenSession& b, const InCommon& truth) : a_(a), b_(b) {
+    row_.set = a.name;
+    row_.world = kind_of(a.world);
     row_.a = a.name;
     row_.b = b.name;
-    row_.overlap_pct = truth.at("overlap_pct");
-    row_.nearest_m = truth.at("nearest_poses_m");
+    row_.overlap_pct = truth.overlap_pct;
+    row_.nearest_m = truth.nearest_m;
     near_m_ = std::max(8.0, row_.nearest_m + 4);
   }
 
@@ -182,13 +190,40 @@ void write_csv(const std::vector<PairRow>& rows, const std::filesystem::path& fi
 void print_lost(const PairRow& r) {
   const Evidence& o = r.oracle.evidence;
   std::printf(
-      "    %-16s %-11s %4.1f %% near %4.1f m: rank %d of %d (source %d), screened %d, oracle %s p %.3f (%.0f/%.0f "
+      "    %-16s %-20s %-11s %4.1f %% near %4.1f m: rank %d of %d (source %d), screened %d, oracle %s p %.3f "
+      "(%.0f/%.0f "
       "places, worst %.4f, misfit %.3f, inliers %.2f, alike %.2f, shared %.0f m, aliases %.0f), found p %.3f %.2f "
       "m%s\n",
-      r.set.c_str(), bin_of(r), r.overlap_pct, r.nearest_m, r.rank, r.proposals, static_cast<int>(r.source), r.screened,
-      std::string(to_string(r.oracle.status)).c_str(), o.probability, o.places_agreeing, o.places,
-      o.worst_place_violation, o.residual_m, o.inlier_fraction, o.descriptors_alike, o.overlap_m, o.aliases,
-      r.found ? r.found->probability : -1, r.found_te_m, r.merged && !r.right ? "  WRONG" : "");
+      r.set.c_str(), r.b.c_str(), bin_of(r), r.overlap_pct, r.nearest_m, r.rank, r.proposals,
+      static_cast<int>(r.source), r.screened, std::string(to_string(r.oracle.status)).c_str(), o.probability,
+      o.places_agreeing, o.places, o.worst_place_violation, o.residual_m, o.inlier_fraction, o.descriptors_alike,
+      o.overlap_m, o.aliases, r.found ? r.found->probability : -1, r.found_te_m, r.merged && !r.right ? "  WRONG" : "");
+}
+
+void print_if_lost(const PairRow& row) {
+  if (!row.right && (row.overlap_pct >= 1 || row.merged)) print_lost(row);
+}
+
+std::map<std::string, DrivenSession> sessions_of(const std::filesystem::path& set, const nlohmann::json& truth) {
+  const auto family = make_family(default_family_name).value();
+  std::map<std::string, DrivenSession> sessions;
+  for (const auto& [robot, unused] : truth.at("robots").items())
+    sessions.emplace(robot, read_driven_session(set, robot, *family));
+  return sessions;
+}
+
+/// Share of the poses of the one that has fewer within 8 m of the other's, in place of the share of rock.
+InCommon path_in_common(const DrivenSession& a, const DrivenSession& b) {
+  const bool a_is_less = a.path.T_world_sensor.size() < b.path.T_world_sensor.size();
+  const auto &of = (a_is_less ? a : b).path.T_world_sensor, &other = (a_is_less ? b : a).path.T_world_sensor;
+  InCommon out{0, 1e9};
+  for (const Pose& T : of) {
+    double nearest_m = 1e9;
+    for (const Pose& U : other) nearest_m = std::min(nearest_m, (T.translation() - U.translation()).norm());
+    out.nearest_m = std::min(out.nearest_m, nearest_m);
+    out.overlap_pct += nearest_m < 8 ? 100.0 / static_cast<double>(of.size()) : 0;
+  }
+  return out;
 }
 
 nlohmann::json summed_up(const std::vector<PairRow>& rows) {
@@ -229,24 +264,46 @@ nlohmann::json summed_up(const std::vector<PairRow>& rows) {
 
 nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out) {
   const auto sets = sets_below(folders);
-  const auto family = make_family(default_family_name).value();
   std::vector<PairRow> rows;
   VerdictRows evidence(out / "verdict_sets.csv");
   for (const auto& set : sets) {
     std::ifstream in(set / "truth.json");
     const auto truth = nlohmann::json::parse(in);
-    std::map<std::string, DrivenSession> sessions;
-    for (const auto& [robot, unused] : truth.at("robots").items())
-      sessions.emplace(robot, read_driven_session(set, robot, *family));
+    const auto sessions = sessions_of(set, truth);
     for (const auto& pair : truth.at("pairs")) {
-      rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), pair).run(evidence));
-      const PairRow& row = rows.back();
-      if (!row.right && (row.overlap_pct >= 1 || row.merged)) print_lost(row);
+      const InCommon common{pair.at("overlap_pct"), pair.at("nearest_poses_m")};
+      rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), common).run(evidence));
+      print_if_lost(rows.back());
     }
     std::fprintf(stderr, "\r%zu of %zu data sets", static_cast<std::size_t>(&set - sets.data()) + 1, sets.size());
   }
   std::fprintf(stderr, "\n");
   write_csv(rows, out / "stages.csv");
+  return summed_up(rows);
+}
+
+nlohmann::json stages_crossed(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out) {
+  std::map<std::string, std::vector<DrivenSession>> by_kind;
+  for (const auto& set : sets_below(folders)) {
+    std::ifstream in(set / "truth.json");
+    for (auto& [robot, session] : sessions_of(set, nlohmann::json::parse(in)))
+      by_kind[kind_of(session.world)].push_back(session);
+  }
+  std::vector<PairRow> rows;
+  VerdictRows evidence(out / "verdict_crossed.csv");
+  for (auto& [kind, sessions] : by_kind) {
+    std::vector<std::string> sets;
+    for (DrivenSession& session : sessions) sets.push_back(std::exchange(session.world, kind));
+    for (std::size_t i = 0; i < sessions.size(); ++i)
+      for (std::size_t j = i + 1; j < sessions.size(); ++j) {
+        if (sets[i] == sets[j]) continue;
+        rows.push_back(PairStudy(sessions[i], sessions[j], path_in_common(sessions[i], sessions[j])).run(evidence));
+        print_if_lost(rows.back());
+        std::fprintf(stderr, "\r%s: session %zu of %zu", kind.c_str(), i + 1, sessions.size());
+      }
+  }
+  std::fprintf(stderr, "\n");
+  write_csv(rows, out / "stages_crossed.csv");
   return summed_up(rows);
 }
 

@@ -78,6 +78,53 @@ TEST(Jumps, AKeyframeOffThePathIsForgiven) {
   EXPECT_LT(base.error_m(), 0.15);
 }
 
+/// As the selection leaves them: none nearer than 2.9 m to an earlier one.
+Drive as_selected(const Drive& all) {
+  Drive out;
+  out.T_mine_local = all.T_mine_local;
+  for (std::size_t i = 0; i < all.keyframes.size(); ++i) {
+    const auto near = [&](const Keyframe& k) {
+      return (k.T_local_sensor.translation() - all.keyframes[i].T_local_sensor.translation()).norm() < 2.9;
+    };
+    if (std::any_of(out.keyframes.begin(), out.keyframes.end(), near)) continue;
+    out.keyframes.push_back(all.keyframes[i]);
+    out.keyframes.back().sequence = out.keyframes.size();
+    out.clouds.push_back(all.clouds[i]);
+  }
+  return out;
+}
+
+TEST(Jumps, WhoDrivesBackOverItsPathIsNotCut) {
+  const Drive back = as_selected(test::drive(other_mine(), {{2, 0}, {78, 0}, {20, 0}, {20, -33}}, 0, 6));
+  const auto farthest_m = [&] {
+    double out = 0;
+    for (std::size_t i = 1; i < back.keyframes.size(); ++i)
+      out = std::max(
+          out,
+          (back.keyframes[i].T_local_sensor.translation() - back.keyframes[i - 1].T_local_sensor.translation()).norm());
+    return out;
+  };
+  ASSERT_GT(farthest_m(), 50) << "where it drives on there is no keyframe near the last one";
+  Base base({back, test::drive(other_mine(), {{20, -33}, {20, 0}}, 0.7, 7)});
+  settle(base);
+  EXPECT_EQ(base.pipeline.why_cut(1), "");
+  EXPECT_TRUE(together(base, 1, 2)) << "by what came after the way back";
+  EXPECT_LT(base.error_m(), 0.15);
+}
+
+TEST(Jumps, BesideItsOwnPathItMustSeeTheSame) {
+  const Drive along = test::drive(other_mine(), {{2, 0}, {78, 0}}, 0, 4),
+              across = test::drive(other_mine(), {{20, -33}, {20, -3}}, 0, 5);
+  const auto jumps_to = [&](Keyframe keyframe, double x_m) {
+    keyframe.T_local_sensor.translation() = Eigen::Vector3d(x_m, 0, 0);
+    keyframe.stamp_s = along.keyframes.back().stamp_s + 600;
+    return jump_between(along.keyframes.back(), keyframe, along.keyframes).has_value();
+  };
+  EXPECT_FALSE(jumps_to(along.keyframes[3], 10)) << "back where it was";
+  EXPECT_TRUE(jumps_to(across.keyframes[5], 10)) << "other walls: odometry that began at zero again";
+  EXPECT_TRUE(jumps_to(along.keyframes[3], -20)) << "beside nothing";
+}
+
 TEST(Jumps, OfWhoJumpsToAndFroOnlyTheFirstPlaceCounts) {
   Drive jumper = test::drive_a_to_c(3);
   for (std::size_t i = 0; i < jumper.keyframes.size(); ++i)
