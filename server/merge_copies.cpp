@@ -57,12 +57,12 @@ double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
   if (self_likeness_known(id, clouds)) return session.self.aliases;
   const Found* found = finder.find_within({id, session.keyframes});
   std::vector<Case> cases;
-  double itself = 0;
-  for (const Hypothesis& h : found->hypotheses)
-    if (differ(h.T_a_b, Pose::Identity(), h.place_b, elsewhere_m, elsewhere_rad))
-      cases.push_back(make_case(id, id, h, clouds));
-    else
-      itself = std::max(itself, h.score);
+  double itself = 0, elsewhere = 0;
+  for (const Hypothesis& h : found->hypotheses) {
+    const bool there = differ(h.T_a_b, Pose::Identity(), h.place_b, elsewhere_m, elsewhere_rad);
+    (there ? elsewhere : itself) = std::max(there ? elsewhere : itself, h.score);
+    if (there) cases.push_back(make_case(id, id, h, clouds));
+  }
   std::vector<KeyframeRef> wanted;
   for (const Case& c : cases)
     if (c.hypothesis.score >= alike_walls * itself) {
@@ -74,7 +74,8 @@ double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
       }
     }
   const int alike = copies_within(id, cases, clouds);
-  session.self = {session.path_m(), stored_clouds(session, id, clouds), static_cast<double>(alike), std::move(wanted)};
+  session.self = {session.path_m(), stored_clouds(session, id, clouds), static_cast<double>(alike),
+                  elsewhere / std::max(1.0, itself), std::move(wanted)};
   return session.self.aliases;
 }
 
@@ -123,6 +124,18 @@ double MergePipeline::State::repetition() const {
     if (session.self.wanted.empty()) path_m += std::max(0.0, session.self.path_m);
   }
   return 100 * copies / std::max(path_m, least_m);
+}
+
+double MergePipeline::State::walls_repeat(SessionId a, SessionId b) const {
+  constexpr double unknown = 0.25, unknown_m = 100;  // as if so much path had shown so much
+  double repeat_m = unknown * unknown_m, path_m = unknown_m;
+  for (const SessionId id : {a, b}) {
+    const SelfLikeness& self = sessions.at(id).self;
+    const double looked_at_m = std::max(0.0, self.path_m);
+    repeat_m += std::min(1.0, self.walls_elsewhere) * looked_at_m;
+    path_m += looked_at_m;
+  }
+  return repeat_m / path_m;
 }
 
 }  // namespace headframe

@@ -22,6 +22,7 @@ struct SelfLikeness {
   double path_m = -1;
   std::size_t clouds = 0;
   double aliases = 0;
+  double walls_elsewhere = 0;       // best score of its walls laid on themselves elsewhere, over that where they lie
   std::vector<KeyframeRef> wanted;  // clouds of spots whose walls look alike, and that nobody has looked at closely
 };
 
@@ -168,6 +169,8 @@ struct MergePipeline::State {
   /// Of what is known of that so far; see Evidence::repetition. Of less than 500 m little can be said, and of sessions
   /// that have yet to be looked at nothing.
   double repetition() const;
+  /// Evidence::walls_repeat, of sessions that were looked at.
+  double walls_repeat(SessionId a, SessionId b) const;
   /// Glances at all, in parallel.
   std::vector<Glance> glance_at(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds);
   /// The hopeful ones that differ are judged; those that could not cast doubt on a better one only when all are asked

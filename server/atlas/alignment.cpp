@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 
-constexpr std::array<EvidenceField, 30> fields{{
+constexpr std::array<EvidenceField, 31> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -25,6 +25,7 @@ constexpr std::array<EvidenceField, 30> fields{{
     {"awaited_m", &Evidence::awaited_m},
     {"aliases", &Evidence::aliases},
     {"repetition", &Evidence::repetition},
+    {"walls_repeat", &Evidence::walls_repeat},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},

@@ -36,7 +36,11 @@ struct Evidence {
   double awaited_m = 0;        // path that a session which still grows has to come along before the placement is told
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
   double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
-  double overlap_a = 0;        // share of a's points near the overlap that b's rays met, and the other way round
+  /// How well the walls of both sessions lie on themselves elsewhere, as a share of how well they lie where they are:
+  /// 0.1 in caves and workings that nobody planned, 0.5 among tunnels of equal pieces. Drawn towards 0.25 while little
+  /// path is known.
+  double walls_repeat = 0;
+  double overlap_a = 0;  // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
   double seen_points = 0;            // that speak for it, both ways
   double freespace_violation = 0;    // points of one map that the other's rays pass through / points that say anything

@@ -283,7 +283,7 @@ void weigh(Judgement& judgement) {
   Evidence& e = judgement.evidence;
   e.probability = probability(judgement.status, e);
   Evidence unique = e;
-  unique.aliases = unique.repetition = 0;
+  unique.aliases = unique.repetition = unique.walls_repeat = 0;
   e.probability_if_unique = probability(judgement.status, unique);
 }
 
