@@ -5,7 +5,8 @@
 namespace headframe {
 namespace {
 
-constexpr double farthest_m = 25, fastest_m_s = 30, least_fast_m = 8, least_climb_m = 4;
+constexpr double farthest_m = 25, fastest_m_s = 30, least_fast_m = 8;
+constexpr double least_climb_m = 4, most_climb_m = 10, slowest_climb_m_s = 0.3, fastest_climb_m_s = 5;
 
 std::string whole(double value) { return std::to_string(std::llround(value)); }
 
@@ -18,8 +19,11 @@ std::optional<std::string> jump_between(const Keyframe& before, const Keyframe& 
                             std::to_string(after.sequence) + " its odometry jumps ";
   if (step_m > farthest_m) return where + whole(step_m) + " m";
   if (time_s > 0 && step_m > least_fast_m && step_m > fastest_m_s * time_s) return where + whole(step_m) + " m at once";
-  if (std::abs(step.z()) > least_climb_m && std::abs(step.z()) > level_m)
-    return where + whole(std::abs(step.z())) + (step.z() > 0 ? " m up" : " m down");
+  const double climb_m = std::abs(step.z());
+  const bool flown =
+      climb_m <= most_climb_m && climb_m >= slowest_climb_m_s * time_s && climb_m <= fastest_climb_m_s * time_s;
+  if (climb_m > least_climb_m && climb_m > level_m && !flown)
+    return where + whole(climb_m) + (step.z() > 0 ? " m up" : " m down");
   return std::nullopt;
 }
 
