@@ -62,13 +62,15 @@ int serve(const ServerOptions& options) {
 
 int run(int argc, char** argv) {
   std::string data, listen = "127.0.0.1:7447", http = "127.0.0.1:7448", config;
-  bool insecure = false, insecure_any = false;
+  bool insecure = false, insecure_any = false, new_identity = false;
   CLI::App app("The base station: robots stream their maps, the server merges them.", "headframe-server");
   app.add_option("--data", data, "directory of the database; made when it is not there")->required();
   app.add_option("--listen", listen, "HOST:PORT for robots; port 0 takes any")->capture_default_str();
   app.add_option("--http", http, "HOST:PORT for operators; port 0 takes any")->capture_default_str();
   app.add_flag("--insecure", insecure, "on the loopback: no TLS, no enrolment, no operator's token");
   app.add_flag("--insecure-any", insecure_any, "the same on any address: who reaches the ports may do anything");
+  app.add_flag("--new-identity", new_identity,
+               "make another key where the server's own is lost: all robots enrol anew");
   app.add_option("--config", config, "TOML file: [server], [limits], [merge]");
   try {
     app.parse(argc, argv);
@@ -85,7 +87,7 @@ int run(int argc, char** argv) {
                   bad_usage);
   auto settings = config.empty() ? Result<ServerConfig>(ServerConfig()) : load_config(config);
   if (!settings) return fail(settings.error().message, bad_usage);
-  return serve({data, *robots, *operators, *settings, insecure || insecure_any});
+  return serve({data, *robots, *operators, *settings, insecure || insecure_any, new_identity});
 }
 
 }  // namespace

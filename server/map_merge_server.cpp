@@ -2,6 +2,7 @@
 
 #include <google/protobuf/stubs/logging.h>
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <optional>
@@ -106,7 +107,10 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
   std::optional<boost::asio::ssl::context> tls;
   std::string fingerprint;
   if (!options.insecure) {
-    auto identity = server_identity(options.data);
+    const auto robots = (*store)->robots();
+    if (!robots) return tl::unexpected(robots.error());
+    const bool known = std::any_of(robots->begin(), robots->end(), [](const auto& r) { return r.enrolled_s > 0; });
+    auto identity = server_identity(options.data, !known || options.new_identity);
     if (!identity) return tl::unexpected(identity.error());
     fingerprint = identity->fingerprint;
     tls = std::move(identity->tls);

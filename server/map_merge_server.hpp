@@ -14,13 +14,15 @@ struct ServerOptions {
   Endpoint listen;  // for robots
   Endpoint http;    // for operators
   ServerConfig config;
-  bool insecure = false;  // neither TLS nor tokens: who reaches the ports may use them
+  bool insecure = false;      // neither TLS nor tokens: who reaches the ports may use them
+  bool new_identity = false;  // where the key is missing by which enrolled robots know the server, another may be made
 };
 
 /// Runs from start() to stop(); restored from its data directory when there is something in it.
 class MapMergeServer {
  public:
-  /// unavailable: the directory can not be written or is in use, a port is taken; incompatible: a newer schema.
+  /// unavailable: the directory can not be written or is in use, a port is taken; incompatible: a newer schema;
+  /// refused: the server's identity is lost.
   static Result<std::unique_ptr<MapMergeServer>> start(const ServerOptions& options);
 
   /// stop(): no robot is served any more, the running attempt is finished, what was received is written.

@@ -1,5 +1,7 @@
 #include "server/station_view.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <boost/asio/steady_timer.hpp>
 
 #include "common/cloud/cloud_codec.hpp"
@@ -64,8 +66,24 @@ Pending StationView::pending() const {
 
 Workload StationView::workload() const {
   const StoreLoad load = store_.load();
-  return {load.queued_writes, load.queued_bytes, load.durable_writes, load.failed_writes,      load.last_error,
-          worker_.effort(),   load.commits,      load.commit_s,       worker_.waiting_orders()};
+  Workload work;
+  work.queued_writes = load.queued_writes;
+  work.queued_bytes = load.queued_bytes;
+  work.durable_writes = load.durable_writes;
+  work.failed_writes = load.failed_writes;
+  work.disk_error = load.last_error;
+  work.effort = worker_.effort();
+  work.commits = load.commits;
+  work.commit_s = load.commit_s;
+  work.waiting_orders = worker_.waiting_orders();
+  if (const auto piece = worker_.working_on_now()) work.merge_work_s = ms_since(piece->began) / 1000;
+  work.damaged_keyframes = load.damaged_keyframes;
+  {
+    const std::lock_guard lock(mutex_);
+    work.damaged_clouds = damaged_clouds_.size();
+  }
+  work.merge_stuck = worker_.stuck();
+  return work;
 }
 
 LinkHealth StationView::link_health() const {
@@ -140,9 +158,22 @@ Result<std::vector<Keyframe>> StationView::trajectory(SessionId session) const {
 }
 
 Result<KeyframeCloud> StationView::cloud(SessionId session, std::uint64_t sequence) const {
-  const auto encoded = store_.cloud({session, sequence});
-  if (!encoded) return tl::unexpected(encoded.error());
-  return decode_cloud(*encoded);
+  const KeyframeRef keyframe{session, sequence};
+  const auto encoded = store_.cloud(keyframe);
+  if (!encoded && encoded.error().code != ErrorCode::bad_input) return tl::unexpected(encoded.error());
+  if (!encoded) return tl::unexpected(damaged(keyframe, encoded.error()));
+  auto cloud = decode_cloud(*encoded);
+  if (!cloud) return tl::unexpected(damaged(keyframe, cloud.error()));
+  return cloud;
+}
+
+/// Logged once.
+Error StationView::damaged(const KeyframeRef& cloud, const Error& why) const {
+  const std::string what = "the stored cloud of keyframe " + std::to_string(cloud.sequence) + " of session " +
+                           std::to_string(cloud.session) + " is damaged: " + why.message;
+  const std::lock_guard lock(mutex_);
+  if (damaged_clouds_.insert(cloud).second) spdlog::error("{}", what);
+  return {ErrorCode::not_found, what};
 }
 
 }  // namespace headframe

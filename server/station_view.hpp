@@ -1,6 +1,8 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <mutex>
+#include <set>
 
 #include "server/merge_worker/merge_worker.hpp"
 #include "server/net/session_hub.hpp"
@@ -38,12 +40,16 @@ class StationView : public Station {
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
 
  private:
+  Error damaged(const KeyframeRef& cloud, const Error& why) const;
+
   boost::asio::io_context& io_;
   SessionHub& hub_;
   MergeWorker& worker_;
   Store& store_;
   StationNotes& notes_;
   const MergeConfig config_;
+  mutable std::mutex mutex_;
+  mutable std::set<KeyframeRef> damaged_clouds_;
 };
 
 }  // namespace headframe

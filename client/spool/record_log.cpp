@@ -42,6 +42,14 @@ std::size_t whole_record(std::string_view bytes) {
   return header_bytes + length;
 }
 
+/// Whether the bytes may be a record whose writing was cut off: it begins like one, or with what a file system leaves
+/// of a write that it had only made room for.
+bool may_be_torn(std::string_view bytes) {
+  if (bytes.size() < header_bytes) return true;
+  const std::size_t length = get_u32(bytes.data());
+  return (length >= 1 && length <= most_record_bytes) || bytes.find_first_not_of('\0') == std::string_view::npos;
+}
+
 tl::unexpected<Error> disk_fault(const std::string& path, const char* what) {
   return failure(ErrorCode::unavailable, path + ": " + what + ": " + std::strerror(errno));
 }
@@ -104,6 +112,9 @@ Result<RecordLog> RecordLog::open(const std::filesystem::path& path, const std::
       return failure(ErrorCode::bad_input, log.path_ + ": damaged at byte " + std::to_string(log.end_) +
                                                ", whole records follow at byte " + std::to_string(log.end_ + i) +
                                                "; keep the folder for repair and start with another one");
+  if (log.end_ == 0 && !may_be_torn(rest))
+    return failure(ErrorCode::bad_input, log.path_ + ": no spool has written this; keep the folder for repair and start "
+                                                     "with another one");
   log.cut_bytes_ = rest.size();
   if (!rest.empty() && ::ftruncate(log.file_.get(), static_cast<off_t>(log.end_)) != 0)
     return disk_fault(log.path_, "the torn end can not be cut off");

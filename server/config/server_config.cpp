@@ -38,6 +38,8 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "submap_s", &c.schedule.submap_s, 0.1, 3600},
       {"merge", "rest_s", &c.schedule.rest_s, 0.1, 1e6},
       {"merge", "asked_rest_s", &c.schedule.asked_rest_s, 0, 1e6},
+      {"merge", "stuck_s", &c.schedule.stuck_s, 0.1, 1e6},
+      {"merge", "budget_s", &c.schedule.budget_s, 0.1, 1e6},
       {"merge", "threads", &c.merge.threads, 1, 256},
       {"merge", "accept_probability", &c.merge.accept_probability, 0, 1},
       {"merge", "runner_up_share", &c.merge.runner_up_share, 0, 1},

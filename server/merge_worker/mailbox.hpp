@@ -3,14 +3,20 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "server/merge_worker/merge_news.hpp"
 
 namespace headframe {
 
+struct NewSession {
+  std::string robot;
+  FamilyId family;
+};
+
 /// What has happened to one session since the worker last looked.
 struct SessionNews {
-  std::optional<FamilyId> added;
+  std::optional<NewSession> added;
   std::uint64_t durable_keyframes = 0;
   std::set<std::uint64_t> clouds_came, clouds_gone;
   bool ended = false, asks = false;                                // its robot said goodbye, asked for a merge

@@ -1,6 +1,7 @@
 #pragma once
 // Where the merge worker meets the robots: news go in, requests and transforms come out.
 
+#include <string>
 #include <vector>
 
 #include "common/session/keyframe.hpp"
@@ -13,7 +14,7 @@ namespace headframe {
 class MergeNews {
  public:
   virtual ~MergeNews() = default;
-  virtual void session_added(SessionId session, const FamilyId& family) = 0;
+  virtual void session_added(SessionId session, const std::string& robot, const FamilyId& family) = 0;
   virtual void keyframes_durable(SessionId session, std::uint64_t sequence) = 0;
   virtual void cloud_durable(const KeyframeRef& cloud) = 0;
   virtual void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) = 0;

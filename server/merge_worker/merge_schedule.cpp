@@ -13,8 +13,17 @@ std::string_view to_string(Trigger trigger) {
 
 void MergeSchedule::enqueue(const Attempt& attempt) {
   const auto same = [&](const Attempt& a) { return a.session == attempt.session; };
-  if (std::none_of(queue_.begin(), queue_.end(), same)) queue_.push_back(attempt);
+  if (std::any_of(queue_.begin(), queue_.end(), same)) return;
+  used_s(attempt.session) = std::max(used_s(attempt.session), turn_s_);
+  queue_.push_back(attempt);
 }
+
+double& MergeSchedule::used_s(SessionId session) {
+  const auto robot = robots_.find(session);
+  return used_s_[robot == robots_.end() ? std::to_string(session) : robot->second];
+}
+
+void MergeSchedule::spent(SessionId session, double seconds) { used_s(session) += seconds; }
 
 void MergeSchedule::trigger(SessionId session, Trigger trigger, Time now) { enqueue({session, trigger, now}); }
 
@@ -32,8 +41,12 @@ void MergeSchedule::junction(SessionId session, Time now) {
 
 std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
   if (queue_.empty()) return std::nullopt;
-  const Attempt attempt = queue_.front();
-  queue_.pop_front();
+  const auto first = std::min_element(queue_.begin(), queue_.end(), [&](const Attempt& a, const Attempt& b) {
+    return used_s(a.session) < used_s(b.session);
+  });
+  const Attempt attempt = *first;
+  queue_.erase(first);
+  turn_s_ = used_s(attempt.session);
   travelled_m_[attempt.session] = 0;
   at_junction_.erase(attempt.session);
   return attempt;

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,7 +29,8 @@ enum class Trigger {
 std::string_view to_string(Trigger trigger);
 
 /// Which session is tried next, and which attempts wait for clouds. Pure: times come in, no thread, no clock. Each
-/// session is queued once at most, so the queue is bounded by the number of sessions.
+/// session is queued once at most, so the queue is bounded by the number of sessions. Robots share the worker's time:
+/// whose sessions have taken the least of it comes first, so that nobody's sessions keep those of others waiting.
 class MergeSchedule {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -41,6 +43,9 @@ class MergeSchedule {
   };
 
   explicit MergeSchedule(const ScheduleConfig& config) : config_(config) {}
+
+  /// Whose session it is; of a session that nobody told it of, its own.
+  void belongs(SessionId session, const std::string& robot) { robots_[session] = robot; }
 
   /// Joins an attempt that is queued already.
   void trigger(SessionId session, Trigger trigger, Time now);
@@ -57,8 +62,10 @@ class MergeSchedule {
   /// config.asked_rest_s after their robot asked.
   std::vector<SessionId> come_to_rest(Time now);
 
-  /// The attempt that was queued first; it counts as the session's last try.
+  /// Of the robot whose turn it is, the attempt that was queued first; it counts as the session's last try.
   std::optional<Attempt> next();
+  /// The worker's time that the session's attempt took.
+  void spent(SessionId session, double seconds);
   /// Behind what is queued: the attempt has more to try.
   void again(const Attempt& attempt);
 
@@ -88,13 +95,17 @@ class MergeSchedule {
   };
 
   void enqueue(const Attempt& attempt);
+  double& used_s(SessionId session);
   void settle(const KeyframeRef& cloud);
   void give_up(SessionId session);
   static Time after(Time now, double seconds);
 
   ScheduleConfig config_;
   std::deque<Attempt> queue_;
-  std::vector<Waiting> waiting_;  // one for each session at most
+  std::map<SessionId, std::string> robots_;
+  std::map<std::string, double> used_s_;  // by robot
+  double turn_s_ = 0;                     // what the robot had used whose turn was last: who idles saves up nothing
+  std::vector<Waiting> waiting_;          // one for each session at most
   std::set<KeyframeRef> awaited_, in_vain_;
   std::map<SessionId, Time> deadlines_;  // of robots that owe clouds
   std::map<SessionId, Time> rests_at_;   // of sessions that grow

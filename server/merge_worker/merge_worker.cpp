@@ -18,7 +18,12 @@ constexpr int merge_nice = 10;
 
 MergeWorker::MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config,
                          std::optional<WorkMark> mark)
-    : pipeline_(std::move(pipeline)), store_(store), schedule_(config), mark_(std::move(mark)) {}
+    : pipeline_(std::move(pipeline)),
+      store_(store),
+      schedule_(config),
+      mark_(std::move(mark)),
+      stuck_s_(config.stuck_s),
+      watch_(config.budget_s) {}
 
 MergeWorker::~MergeWorker() { stop(); }
 
@@ -49,13 +54,14 @@ Result<void> MergeWorker::restore() {
 /// A stored session, into the pipeline.
 Result<void> MergeWorker::bring_in(const SessionRecord& session) {
   working_on(session.id, session.id);
+  schedule_.belongs(session.id, session.key.robot);
   pipeline_->add_session(session.id, session.family);
   feed(session.id, false);
   if (session.complete) pipeline_->complete_session(session.id);
   auto clouds = store_.cloud_sequences(session.id);
   if (!clouds) return tl::unexpected(clouds.error());
   known_[session.id].stored = {clouds->begin(), clouds->end()};
-  if (mark_) mark_->off();
+  no_work();
   return {};
 }
 
@@ -68,7 +74,7 @@ void MergeWorker::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
-    cancelled_ = true;
+    watch_.stop();
   }
   wake_.notify_all();
   if (thread_.joinable()) thread_.join();
@@ -87,7 +93,7 @@ void MergeWorker::turn_away() {
 void MergeWorker::run() {
   // Robots wait for acks, merges for nobody: its threads, and those it starts, yield. Harmless where it is refused.
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), merge_nice);
-  const Cancellable cancellable(cancelled_);
+  const Cancellable cancellable(watch_.flag());
   Mailbox news;
   std::vector<Order> orders;
   try {
@@ -96,6 +102,7 @@ void MergeWorker::run() {
         working_on(session, session);
         take(session, what);
       }
+      no_work();
       if (!news.empty()) update_view();
       for (const Order& order : orders) order({});
       schedule_.tick(Clock::now());
@@ -103,26 +110,37 @@ void MergeWorker::run() {
       const auto next = schedule_.next();
       if (next) attempt(*next);
       ahead_ = next || prepare_ahead();
-      if (mark_) mark_->off();
+      no_work();
       rest();
     }
   } catch (const Cancelled&) {
     spdlog::info("the server stops in the middle of an attempt; it is made anew after the next start");
   }
-  if (mark_) mark_->off();
+  no_work();
   turn_away();
+}
+
+/// False: the work threw, or used up its budget, and its sessions are blamed.
+template <class Work>
+bool MergeWorker::tried(const char* what, Work work) {
+  try {
+    work();
+    return true;
+  } catch (const Cancelled&) {
+    if (watch_.stopped()) throw;
+    spdlog::error("{} was given up: {}", what, why_stuck(watch_.piece(), Clock::now(), 0));
+  } catch (const std::exception& e) {
+    spdlog::error("{} failed: {}", what, e.what());
+  }
+  work_failed();
+  return false;
 }
 
 /// While nothing waits: one part of what the next attempts will need.
 bool MergeWorker::prepare_ahead() {
-  try {
-    return pipeline_->prepare_ahead(*this);
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const std::exception& e) {
-    spdlog::error("preparing for merges failed: {}", e.what());
-    return false;
-  }
+  bool more = false;
+  (void)tried("preparing for merges", [&] { more = pipeline_->prepare_ahead(*this); });
+  return more;
 }
 
 /// Sleeps until there is something to do; false: stop.
@@ -155,7 +173,10 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
       found->second.answers = news.came.value_or(!news.left && found->second.answers);
     return;
   }
-  if (news.added) pipeline_->add_session(session, *news.added);
+  if (news.added) {
+    schedule_.belongs(session, news.added->robot);
+    pipeline_->add_session(session, news.added->family);
+  }
   Known& known = known_[session];
   if (news.durable_keyframes > known.keyframes) {
     feed(session, true);
@@ -164,7 +185,10 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   for (const std::uint64_t sequence : news.clouds_came) {
     known.stored.insert(sequence);
     schedule_.cloud_came({session, sequence}, now);
-    pipeline_->prepare_cloud({session, sequence}, *this);  // so that a merge pays for alignment alone
+    (void)tried("preparing a cloud", [&] {  // so that a merge pays for alignment alone
+      pipeline_->prepare_cloud({session, sequence}, *this);
+    });
+    if (is_aside(session)) return take(session, news);  // by what came of it
   }
   for (const std::uint64_t sequence : news.clouds_gone) schedule_.cloud_will_not_come({session, sequence});
   if (news.left) {
@@ -221,14 +245,10 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   AttemptReport report;
   const auto start = Clock::now();
   working_on(attempt.session, attempt.session);
-  try {
-    report = pipeline_->attempt(attempt.session, *this);
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const std::exception& e) {
-    spdlog::error("attempt to merge session {} failed: {}", attempt.session, e.what());
-    return attempt_failed(attempt.session);
-  }
+  const bool went_well = tried("an attempt to merge", [&] { report = pipeline_->attempt(attempt.session, *this); });
+  no_work();
+  schedule_.spent(attempt.session, ms_since(start) / 1000);
+  if (!went_well) return;
   attempt_went_well(attempt.session);
   const StageTimes& t = report.times;
   {

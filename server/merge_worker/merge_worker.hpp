@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -9,6 +8,7 @@
 #include "server/merge_worker/mailbox.hpp"
 #include "server/merge_worker/pipeline.hpp"
 #include "server/merge_worker/work_mark.hpp"
+#include "server/merge_worker/work_watch.hpp"
 #include "server/operator/station.hpp"
 #include "server/store/store.hpp"
 
@@ -45,7 +45,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// Waits for the attempt that is running; what is queued is found again by restore().
   void stop();
 
-  void session_added(SessionId session, const FamilyId& family) override;
+  void session_added(SessionId session, const std::string& robot, const FamilyId& family) override;
   void keyframes_durable(SessionId session, std::uint64_t sequence) override;
   void cloud_durable(const KeyframeRef& cloud) override;
   void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) override;
@@ -76,6 +76,10 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// What the operator asked for and the worker has not taken up.
   std::size_t waiting_orders() const;
   std::shared_ptr<const MergeView> view() const;
+  /// What the worker works on at this moment; none: nothing.
+  std::optional<WorkPiece> working_on_now() const { return watch_.piece(); }
+  /// Why merging counts as stuck; empty: it does not.
+  std::string stuck() const;
   /// Attempts since start(), and where their time went.
   MergeEffort effort() const;
 
@@ -117,7 +121,10 @@ class MergeWorker : public MergeNews, private CloudSource {
   Result<void> restore_troubles();
   bool is_aside(SessionId session) const;
   void blame(const WorkMark::Left& left);
-  void attempt_failed(SessionId session);
+  template <class Work>
+  bool tried(const char* what, Work work);
+  void no_work();
+  void work_failed();
   void attempt_went_well(SessionId session);
   void leave_out(SessionId session);
   Result<void> put_aside(SessionId session, const std::string& why, bool deleted);
@@ -136,7 +143,9 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::map<SessionId, Known> known_;
   std::map<SessionId, TroubleRecord> troubles_;
   std::optional<WorkMark> mark_;
-  Atlas atlas_;  // as published last
+  const double stuck_s_;
+  WorkWatch watch_;  // any thread
+  Atlas atlas_;      // as published last
   MergeView draft_;
 
   mutable std::mutex mutex_;
@@ -146,7 +155,6 @@ class MergeWorker : public MergeNews, private CloudSource {
   Pending pending_;  // of the schedule, when the worker looked last
   MergeEffort effort_;
   bool busy_ = false, stopping_ = false;
-  std::atomic<bool> cancelled_ = false;           // as stopping_, for work that runs
   bool ahead_ = false;                            // the worker's thread only: there is more to prepare
   std::string stop_reason_ = "the server stops";  // written before stopping_ by the worker's thread alone
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();

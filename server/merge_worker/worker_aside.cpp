@@ -28,7 +28,15 @@ bool beyond_bearing(const TroubleRecord& trouble) {
 
 void MergeWorker::working_on(SessionId a, SessionId b) {
   if (mark_) mark_->on(a, b);
+  watch_.on(a, b);
 }
+
+void MergeWorker::no_work() {
+  if (mark_) mark_->off();
+  watch_.off();
+}
+
+std::string MergeWorker::stuck() const { return why_stuck(watch_.piece(), std::chrono::steady_clock::now(), stuck_s_); }
 
 bool MergeWorker::is_aside(SessionId session) const {
   const auto found = troubles_.find(session);
@@ -69,11 +77,14 @@ void MergeWorker::blame(const WorkMark::Left& left) {
   for (const SessionId id : std::set<SessionId>{left.a, left.b}) (void)write_durably(PutTrouble{troubles_[id]});
 }
 
-/// An attempt that threw, or that was stopped because it took too long.
-void MergeWorker::attempt_failed(SessionId session) {
-  blame({session, session, WorkMark::End::died});
-  if (!is_aside(session)) return;
-  leave_out(session);
+/// Work that threw, or that used up its budget, counts against the sessions it was on.
+void MergeWorker::work_failed() {
+  const auto piece = watch_.piece();
+  if (!piece) return;
+  no_work();
+  blame({piece->a, piece->b, WorkMark::End::died});
+  for (const SessionId id : std::set<SessionId>{piece->a, piece->b})
+    if (is_aside(id)) leave_out(id);
 }
 
 void MergeWorker::attempt_went_well(SessionId session) {

@@ -77,6 +77,7 @@ void MergeWorker::note_withdrawn(const AttemptReport& report) {
 /// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the
 /// write can not be made at all, and merging stops.
 bool MergeWorker::write_durably(const Write& write) {
+  no_work();  // the disk's time is not the sessions' fault
   while (true) {
     auto result = std::make_shared<std::optional<Result<void>>>();
     store_.write(write, [this, result](const Result<void>& done) {

@@ -14,7 +14,7 @@ struct HelloReceived {
   Hello hello;
 };
 struct KeyframeReceived {
-  Keyframe keyframe;          // never a hole: repeats aside, the sequence goes up by one
+  Keyframe keyframe;          // never a hole: the sequence goes up by one, or repeats what was received before
   std::uint64_t backlog = 0;  // keyframes that the robot still has to send after it
 };
 struct CloudArrived {          // whole; to be answered by RobotProtocol::checked() before the next event is asked for

@@ -103,10 +103,7 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
   const std::string name = "keyframe " + std::to_string(message.sequence()) + ": ";
   if (!keyframe) return bad_message(name + keyframe.error().message);
   if (auto fits = complete(*keyframe, family_); !fits) return bad_message(name + fits.error().message);
-  if (keyframe->sequence <= received_) {  // a repeat; what is not durable yet is acknowledged when it is
-    outbox_.acknowledge_keyframes(durable_);
-    return std::nullopt;
-  }
+  if (keyframe->sequence <= received_) return KeyframeReceived{std::move(*keyframe), backlog};  // the store compares
   if (complete_) return out_of_order(name + "the robot said goodbye to a complete session before");
   if (keyframe->sequence != received_ + 1)
     return out_of_order(name + "a hole in the sequence, " + std::to_string(received_ + 1) + " comes next");

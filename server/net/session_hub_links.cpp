@@ -90,7 +90,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     session.answers = hello.clouds != CloudPolicy::never;
     admitted = {
         record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
-    news_.session_added(record.id, record.family);
+    news_.session_added(record.id, record.key.robot, record.family);
     if (replaced) news_.robot_left(record.id);  // what was asked of the old connection has to be asked again
     news_.robot_came(record.id, session.answers);
     news_.trigger(record.id, Trigger::link);

@@ -143,10 +143,4 @@ void EventFeed::look() {
   look_again();
 }
 
-bool same_origin(std::string_view origin, std::string_view host) {
-  if (origin.empty()) return true;  // no browser
-  const std::size_t scheme = origin.find("://");
-  return scheme != std::string_view::npos && origin.substr(scheme + 3) == host;
-}
-
 }  // namespace headframe

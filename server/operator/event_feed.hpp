@@ -55,7 +55,4 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   std::atomic<bool> stopped_ = false;
 };
 
-/// Whether a request may open a WebSocket: a page of another origin may not.
-bool same_origin(std::string_view origin, std::string_view host);
-
 }  // namespace headframe

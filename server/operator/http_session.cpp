@@ -47,24 +47,42 @@ void HttpSession::read() {
   parser_->header_limit(static_cast<std::uint32_t>(shared_->limits.header_bytes));
   parser_->body_limit(shared_->limits.body_bytes);
   allow(turn_away_ ? linger_s : shared_->limits.idle_s);
-  header_bytes_ = 0;
+  header_.clear();
+  shared_->note(shared_from_this(), true, false);
   read_header();
 }
 
-/// Piece by piece: Beast 1.74 counts its header limit anew after each complete field, so that a header could be
-/// endless.
+/// Piece by piece, and kept as it came: Beast 1.74 counts its header limit anew after each complete field, so that a
+/// header could be endless, and takes what header_fault() does not.
 void HttpSession::read_header() {
   parser_->eager(false);
-  http::async_read_some(stream_, buffer_, *parser_, [self = shared_from_this()](Code code, std::size_t parsed_bytes) {
-    self->header_bytes_ += parsed_bytes;
-    const bool done = self->parser_->is_header_done();
-    if (!code && self->header_bytes_ + (done ? 0 : self->buffer_.size()) > self->shared_->limits.header_bytes)
-      code = http::error::header_limit;
-    if (code) return self->on_read(code);
-    if (!done) return self->read_header();
-    http::async_read(self->stream_, self->buffer_, *self->parser_,
-                     [self](Code body_code, std::size_t) { self->on_read(body_code); });
+  Code code;
+  const std::size_t parsed_bytes = parser_->put(buffer_.data(), code);
+  header_.append(static_cast<const char*>(buffer_.data().data()), parsed_bytes);
+  buffer_.consume(parsed_bytes);
+  if (code == http::error::need_more) code = {};
+  const bool done = parser_->is_header_done();
+  if (!code && header_.size() + (done ? 0 : buffer_.size()) > shared_->limits.header_bytes)
+    code = http::error::header_limit;
+  if (code) return on_read(code);
+  if (done) return read_body();
+  stream_.async_read_some(buffer_.prepare(4096), [self = shared_from_this()](Code read_code, std::size_t bytes) {
+    self->buffer_.commit(bytes);
+    if (!read_code) return self->read_header();
+    const bool begun = !self->header_.empty() || self->buffer_.size() > 0;
+    if (read_code == net::error::eof) read_code = begun ? http::error::partial_message : http::error::end_of_stream;
+    self->on_read(read_code);
   });
+}
+
+void HttpSession::read_body() {
+  if (const auto fault = header_fault(header_)) {
+    stream_.expires_never();
+    keep_alive_ = false;
+    return send(error_reply({ErrorCode::bad_input, "this is not a request as HTTP/1.1 asks for: " + *fault}));
+  }
+  http::async_read(stream_, buffer_, *parser_,
+                   [self = shared_from_this()](Code code, std::size_t) { self->on_read(code); });
 }
 
 void HttpSession::on_read(Code code) {
@@ -76,7 +94,9 @@ void HttpSession::on_read(Code code) {
     keep_alive_ = false;
     return send(error_reply({ErrorCode::unavailable, "too many connections; close some or try again later"}));
   }
-  if (auto refusal = turned_down()) return send(std::move(*refusal));
+  auto refusal = turned_down();
+  shared_->note(shared_from_this(), false, has_token_);
+  if (refusal) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
     perform(route({text(request.method_string()), text(request.target()), request.body()}, shared_->station,
@@ -98,13 +118,27 @@ std::optional<Ready> HttpSession::too_many(AttemptLimiter& requests, AttemptLimi
   return error_reply(429, {ErrorCode::refused, message.str()});
 }
 
+/// Where no token is asked for, the answer to what a stranger's page may have made a browser here send.
+std::optional<Ready> HttpSession::foreign() const {
+  if (shared_->asks_token) return std::nullopt;
+  const auto& request = parser_->get();
+  const std::string_view host = text(request[http::field::host]);
+  if (!own_host(host, shared_->served_under()))
+    return error_reply({ErrorCode::refused, "this server goes by its address, not by the name in Host"});
+  if (!same_origin(text(request[http::field::origin]), host))
+    return error_reply({ErrorCode::refused, "a page of another origin may not ask"});
+  return std::nullopt;
+}
+
 /// The answer to a request that lacks the operator's token, or comes too often.
 std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
   const auto& request = parser_->get();
   const auto now = std::chrono::steady_clock::now();
   if (is_public(text(request.target()))) return too_many(shared_->strangers, now);
+  if (auto refusal = foreign()) return refusal;
   const auto verdict = shared_->guard.check(credentials_of(request), from_, now);
+  has_token_ = verdict == Verdict::welcome && shared_->asks_token;
   if (verdict == Verdict::welcome) return too_many(shared_->operators, now);
   if (verdict == Verdict::limited) {
     keep_alive_ = false;

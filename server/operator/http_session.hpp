@@ -10,13 +10,14 @@
 #include <boost/beast/http/string_body.hpp>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "server/operator/event_feed.hpp"
+#include "server/operator/http_rules.hpp"
 #include "server/operator/operator_api.hpp"
 #include "server/operator/router.hpp"
 #include "server/security/operator_guard.hpp"
@@ -33,6 +34,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
       : station(the_station),
         limits(the_limits),
         guard(access.token),
+        asks_token(!access.token.empty()),
         strangers(the_limits.requests),
         operators(the_limits.requests),
         robots(access.robots),
@@ -42,6 +44,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   Station& station;
   const OperatorLimits limits;
   OperatorGuard guard;
+  const bool asks_token;
   AttemptLimiter strangers, operators;  // requests, by address
   RobotAdmin* const robots;             // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
@@ -49,15 +52,30 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   const std::shared_ptr<EventFeed> events;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
-  /// Starts a connection: told 503 when limits.connections are served, dropped when as many are being told so.
+  /// Starts a connection. Where limits.connections are served already the one makes room that has waited longest for a
+  /// request, of those that have not shown the token; and where there is none the new one is told 503, or dropped when
+  /// as many are being told so.
   void accept(boost::asio::ip::tcp::socket socket);
+  /// It waits for a request, or serves one; it has shown the token.
+  void note(const std::shared_ptr<HttpSession>& session, bool waits, bool has_token);
+  /// The name that the API listens under; before the first connection.
+  void serve_under(const std::string& host) { host_ = host; }
+  const std::string& served_under() const { return host_; }
   void forget(const std::shared_ptr<HttpSession>& session);
   /// Ends all connections and the work on disk, and takes no new ones. Waits for the piece being read.
   void stop();
 
  private:
+  struct Seat {
+    std::uint64_t since = 0;  // when it came, or began to wait: greater is later
+    bool turned_away = false, waits = true, has_token = false;
+  };
+  bool make_room();
+
+  std::string host_;
   std::mutex mutex_;
-  std::set<std::shared_ptr<HttpSession>> sessions_;
+  std::map<std::shared_ptr<HttpSession>, Seat> sessions_;
+  std::uint64_t events_seen_ = 0;
   bool stopped_ = false;
 };
 
@@ -67,7 +85,6 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   HttpSession(boost::asio::ip::tcp::socket socket, std::shared_ptr<HttpShared> shared, bool turn_away);
   void start();
   void close();
-  bool turned_away() const { return turn_away_; }
 
  private:
   static constexpr double linger_s = 2;
@@ -76,8 +93,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void read();
   void read_header();
+  void read_body();
   void on_read(Code code);
   void refuse(Code code);
+  std::optional<Ready> foreign() const;
   std::optional<Ready> turned_down();
   std::optional<Ready> too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const;
   void perform(Reply reply);
@@ -100,8 +119,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   const bool turn_away_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
-  std::size_t header_bytes_ = 0;
-  bool keep_alive_ = false;
+  std::string header_;  // as it came
+  bool has_token_ = false, keep_alive_ = false;
   bool head_sent_ = false;             // of the Stream under way
   std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks
   std::unique_ptr<Stream> body_;

@@ -111,9 +111,16 @@ std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasVie
   page.one("store_queued_bytes", "gauge", "Bytes that wait for the disk.", work.queued_bytes);
   page.one("store_durable_writes_total", "counter", "Writes that are on disk.", work.durable_writes);
   page.one("store_failed_writes_total", "counter", "Writes that failed.", work.failed_writes);
+  page.family("store_damaged", "gauge", "Rows and clouds found so far that are not what was written.");
+  page.sample(work.damaged_keyframes, label("kind", "keyframes"));
+  page.sample(work.damaged_clouds, label("kind", "clouds"));
   page.one("store_commits_total", "counter", "Commits to the disk; each makes all writes of a group durable.",
            work.commits);
   page.one("store_commit_seconds_total", "counter", "Time spent in commits.", work.commit_s);
+  page.one("merge_work_seconds", "gauge", "Since the merge worker began the piece of work that it is on; 0: none.",
+           work.merge_work_s);
+  page.one("merge_stuck", "gauge", "1 while one piece of work takes longer than merge.stuck_s.",
+           work.merge_stuck.empty() ? 0 : 1);
   add_links(page, links);
   add_effort(page, work.effort);
   return page.text();

@@ -19,13 +19,44 @@ void HttpShared::accept(tcp::socket socket) {
   std::shared_ptr<HttpSession> session;
   {
     const std::lock_guard lock(mutex_);
-    const auto served = static_cast<std::size_t>(
-        std::count_if(sessions_.begin(), sessions_.end(), [](const auto& other) { return !other->turned_away(); }));
-    if (stopped_ || sessions_.size() >= served + limits.connections) return;
-    session = std::make_shared<HttpSession>(std::move(socket), shared_from_this(), served >= limits.connections);
-    sessions_.insert(session);
+    if (stopped_) return;
+    const bool full = !make_room();
+    const auto turned_away = static_cast<std::size_t>(
+        std::count_if(sessions_.begin(), sessions_.end(), [](const auto& s) { return s.second.turned_away; }));
+    if (full && turned_away >= limits.connections) return;
+    session = std::make_shared<HttpSession>(std::move(socket), shared_from_this(), full);
+    sessions_[session] = {.since = ++events_seen_, .turned_away = full};
   }
   session->start();
+}
+
+/// For one more. Under the lock.
+bool HttpShared::make_room() {
+  std::size_t served = 0;
+  auto oldest = sessions_.end();
+  for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
+    const Seat& seat = it->second;
+    if (seat.turned_away) continue;
+    ++served;
+    // Who has not shown a token that is asked for is served but the page: that may end in the middle as well.
+    const bool may_go = !seat.has_token && (seat.waits || asks_token);
+    const auto rank = [](const Seat& s) { return std::pair(!s.waits, s.since); };
+    if (may_go && (oldest == sessions_.end() || rank(seat) < rank(oldest->second))) oldest = it;
+  }
+  if (served < limits.connections) return true;
+  if (oldest == sessions_.end()) return false;
+  oldest->first->close();
+  sessions_.erase(oldest);
+  return true;
+}
+
+void HttpShared::note(const std::shared_ptr<HttpSession>& session, bool waits, bool has_token) {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end()) return;
+  found->second.since = ++events_seen_;
+  found->second.waits = waits;
+  found->second.has_token |= has_token;
 }
 
 void HttpShared::forget(const std::shared_ptr<HttpSession>& session) {
@@ -34,13 +65,13 @@ void HttpShared::forget(const std::shared_ptr<HttpSession>& session) {
 }
 
 void HttpShared::stop() {
-  std::set<std::shared_ptr<HttpSession>> sessions;
+  std::map<std::shared_ptr<HttpSession>, Seat> sessions;
   {
     const std::lock_guard lock(mutex_);
     stopped_ = true;
     sessions.swap(sessions_);
   }
-  for (const auto& session : sessions) session->close();
+  for (const auto& [session, seat] : sessions) session->close();
   events->stop();
   disk.stop();
   disk.join();
@@ -113,6 +144,7 @@ OperatorApi::~OperatorApi() { stop(); }
 
 Result<void> OperatorApi::listen(const std::string& host, std::uint16_t port) {
   auto opened = listener_->open(host, port);
+  listener_->shared->serve_under(host);
   if (opened) net::post(listener_->acceptor.get_executor(), [listener = listener_] { listener->accept(); });
   return opened;
 }

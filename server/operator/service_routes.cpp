@@ -11,9 +11,10 @@ Result<Reply> healthz(const Query&, const Context& context) {
 }
 
 Result<Reply> readyz(const Query&, const Context& context) {
-  const std::string error = context.station.workload().disk_error;
-  if (error.empty()) return json("{\"status\":\"ready\"}\n");
-  return failure(ErrorCode::unavailable, "the disk refuses writes: " + error);
+  const Workload work = context.station.workload();
+  if (!work.disk_error.empty()) return failure(ErrorCode::unavailable, "the disk refuses writes: " + work.disk_error);
+  if (!work.merge_stuck.empty()) return failure(ErrorCode::unavailable, work.merge_stuck);
+  return json("{\"status\":\"ready\"}\n");
 }
 
 Result<Reply> metrics(const Query&, const Context& context) {

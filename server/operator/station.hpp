@@ -65,8 +65,11 @@ struct Workload {
   std::string disk_error;  // empty when the last write was well
   MergeEffort effort;
   std::uint64_t commits = 0;
-  double commit_s = 0;             // spent in commits until they were durable
-  std::size_t waiting_orders = 0;  // of the operator, not yet taken up
+  double commit_s = 0;                                    // spent in commits until they were durable
+  std::size_t waiting_orders = 0;                         // of the operator, not yet taken up
+  std::size_t damaged_keyframes = 0, damaged_clouds = 0;  // found so far: not what was written
+  double merge_work_s = 0;       // since the merge worker began the piece of work that it is on; 0: it is on none
+  std::string merge_stuck = {};  // why merging counts as stuck; empty: it does not
 };
 
 /// The robots' connections, all together, since the server started.
@@ -122,7 +125,8 @@ class Station {
   virtual void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
   /// Keyframes in the order of their sequence: stamp and T_local_sensor are filled, the descriptor may be empty.
   virtual Result<std::vector<Keyframe>> trajectory(SessionId session) const = 0;
-  /// The stored cloud, in the keyframe's sensor frame; not_found when there is none.
+  /// The stored cloud, in the keyframe's sensor frame; not_found when there is none, or none that can be read: what is
+  /// damaged on the disk costs itself and not the map around it, and is logged and counted (Workload).
   virtual Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const = 0;
 };
 

@@ -5,10 +5,14 @@
 
 namespace headframe {
 
-Result<ServerIdentity> server_identity(const std::filesystem::path& directory) {
+Result<ServerIdentity> server_identity(const std::filesystem::path& directory, bool may_be_made) {
   const auto path = directory / "identity.pem";
   auto pem = read_private_file(path);
   if (!pem && pem.error().code == ErrorCode::not_found) {
+    if (!may_be_made)
+      return failure(ErrorCode::refused, path.string() +
+                                             " is missing, by which the enrolled robots know this server: restore it "
+                                             "from a copy, or give --new-identity once and enrol all robots anew");
     pem = make_identity();
     if (!pem) return tl::unexpected(pem.error());
     if (auto written = write_private_file(path, *pem); !written) return tl::unexpected(written.error());

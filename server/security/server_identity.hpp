@@ -13,9 +13,9 @@ struct ServerIdentity {
   std::string fingerprint;  // 32 bytes: by this robots know the server
 };
 
-/// The key and certificate of DIRECTORY/identity.pem (mode 0600); made when it is not there. Whoever has this file can
-/// pretend to be this server; without it no robot knows the server again. Errors are those of read_private_file, but
-/// not_found; bad_input: something else is in the file.
-Result<ServerIdentity> server_identity(const std::filesystem::path& directory);
+/// The key and certificate of DIRECTORY/identity.pem (mode 0600); made when it is not there and may be. Whoever has
+/// this file can pretend to be this server; without it no robot knows the server again. Errors are those of
+/// read_private_file, but not_found; refused: it is missing and may not be made; bad_input: something else is in it.
+Result<ServerIdentity> server_identity(const std::filesystem::path& directory, bool may_be_made);
 
 }  // namespace headframe

@@ -104,6 +104,10 @@ class SqliteStore : public Store {
   Result<std::string> cloud(const KeyframeRef& keyframe) override {
     std::optional<std::string> encoded;
     const std::lock_guard lock(mutex_);
+    if (damaged_.contains(keyframe))
+      return failure(ErrorCode::not_found, "the row of keyframe " + std::to_string(keyframe.sequence) + " of session " +
+                                               std::to_string(keyframe.session) +
+                                               " is damaged: where its cloud belongs is not known");
     auto read = reader_.each(
         "SELECT encoded FROM clouds WHERE session=? AND sequence=?", [&](const Row& row) { encoded = row.text(0); },
         keyframe.session, keyframe.sequence);

@@ -154,7 +154,7 @@ class Store {
   /// How many keyframes it has: the last sequence, 0 without any.
   virtual Result<std::uint64_t> last_keyframe(SessionId session) = 0;
   virtual Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) = 0;
-  /// Encoded as the robot sent it; not_found when there is none.
+  /// Encoded as the robot sent it; not_found when there is none, or when its keyframe's row was found damaged.
   virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;
   virtual Result<StoredMerge> merge() = 0;
   virtual Result<StoredNotes> notes() = 0;

@@ -147,6 +147,11 @@ TEST(Jumps, WhatNoRobotDrivesAndWhatOneMay) {
   EXPECT_FALSE(step(10, 3, 1)) << "a fast car on a ramp";
   EXPECT_FALSE(step(3, 0, 0)) << "no clock";
   EXPECT_FALSE(step(1, 2, 10)) << "a steep raise";
+  EXPECT_FALSE(step(1, 6, 2)) << "a drone in a shaft";
+  EXPECT_FALSE(step(0, -9.5, 5)) << "and down again";
+  EXPECT_TRUE(step(1, 6, 0.5)) << "no drone climbs so fast";
+  EXPECT_TRUE(step(1, 8, 60)) << "it was carried up";
+  EXPECT_TRUE(step(0, 6, 0)) << "no clock";
   EXPECT_TRUE(step(26, 0, 60));
   EXPECT_TRUE(step(15, 0, 0.1));
   EXPECT_TRUE(step(1, 12, 600)) << "a shaft";

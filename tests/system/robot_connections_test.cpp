@@ -1,6 +1,7 @@
 // The server's sockets, met by robots that are written byte by byte.
 #include <gtest/gtest.h>
 
+#include "server/cli/http_client.hpp"
 #include "server/map_merge_server.hpp"
 #include "server/store/sqlite.hpp"
 #include "tests/support/file_limit.hpp"
@@ -45,6 +46,24 @@ TEST_F(Connections, WhatIsAcknowledgedOutlivesTheServer) {
   EXPECT_EQ(welcome.durable_clouds(0).first(), 3U);
 }
 
+TEST_F(Connections, ARepeatIsAcknowledgedAndAnotherKeyframeOfItsNumberIsRefused) {
+  serve();
+  RawRobot robot(server->robots());
+  robot.greet(robot_hello());
+  for (int times = 0; times < 2; ++times) {
+    robot.send(keyframe_frame(line_keyframe(1)));
+    EXPECT_TRUE(robot.acknowledged(1));
+  }
+  Keyframe other = line_keyframe(1);
+  other.T_local_sensor.translation().x() += 1;
+  robot.send(keyframe_frame(other));
+  const auto report = robot.error();
+  EXPECT_EQ(report.kind(), v1::ERROR_KIND_REFUSED);
+  EXPECT_NE(report.message().find("another pose"), std::string::npos) << report.message();
+  RawRobot again(server->robots());
+  EXPECT_EQ(again.greet(robot_hello()).durable_keyframes(), 1U);
+}
+
 TEST_F(Connections, ADamagedCloudIsRefusedAndTheRobotGoesOn) {
   serve();
   RawRobot robot(server->robots());
@@ -54,6 +73,28 @@ TEST_F(Connections, ADamagedCloudIsRefusedAndTheRobotGoesOn) {
   EXPECT_TRUE(robot.read_until([](const auto& m) { return m.cloud_refusal().sequence() == 1; }));
   robot.send(keyframe_frame(line_keyframe(2)) + chunk_frame(2, cloud.size(), 0, cloud));
   EXPECT_TRUE(robot.read_until([](const auto& m) { return m.has_cloud_ack() && m.cloud_ack().sequences(0) == 2; }));
+}
+
+TEST_F(Connections, DamageOnTheDiskCostsItselfAndNotTheExport) {
+  serve();
+  const std::string cloud = small_cloud();
+  {
+    RawRobot robot(server->robots());
+    robot.greet(robot_hello());
+    for (std::uint64_t i = 1; i <= 4; ++i)
+      robot.send(keyframe_frame(line_keyframe(i)) + chunk_frame(i, cloud.size(), 0, cloud));
+    int clouds = 0;
+    EXPECT_TRUE(robot.read_until([&](const auto& m) { return (clouds += m.cloud_ack().sequences_size()) == 4; }));
+  }
+  server.reset();
+  auto database = Database::open((dir.path() / "headframe.db").string());
+  ASSERT_TRUE(database && database->execute("UPDATE clouds SET encoded=x'0102' WHERE sequence=2;"
+                                            "UPDATE keyframes SET stamp_s=stamp_s+1 WHERE sequence=3"));
+  serve();
+  const auto map = HttpClient(HttpEndpoint{server->http()}).get("/api/v1/export?component=1&voxel=0");
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->status, 200);
+  EXPECT_NE(map->body.find("element vertex 800\n"), std::string::npos) << map->body.substr(0, 300);
 }
 
 TEST_F(Connections, AnotherSpoolIsRefusedAndTheSameReplaces) {

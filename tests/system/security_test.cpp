@@ -103,6 +103,21 @@ TEST_F(Security, AnotherServerIsNotTalkedTo) {
   EXPECT_NE(log().find("pins another fingerprint"), std::string::npos);
 }
 
+TEST_F(Security, ALostIdentityIsNotSilentlyReplaced) {
+  enrol();
+  (void)log();
+  ASSERT_TRUE(std::filesystem::remove(at("data") / "identity.pem"));
+  const auto again = BaseStation::start(at("data"));
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message.find("identity.pem is missing"), std::string::npos) << again.error().message;
+  EXPECT_FALSE(std::filesystem::exists(at("data") / "identity.pem"));
+  auto anew = Process::start({program("headframe-server"), "--data", at("data").string(), "--listen", "127.0.0.1:0",
+                              "--http", "127.0.0.1:0", "--new-identity"});
+  ASSERT_TRUE(anew);
+  const auto line = anew->read_line(10s);
+  EXPECT_TRUE(line && line->find("fingerprint") != std::string::npos) << (line ? *line : line.error().message);
+}
+
 TEST_F(Security, AWrongTokenIsNoCredential) {
   enrol();
   change_credential("token", std::string(64, '0'));

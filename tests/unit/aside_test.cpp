@@ -6,6 +6,7 @@
 #include <future>
 
 #include "server/merge_worker/merge_worker.hpp"
+#include "server/registration/parallel.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/stores.hpp"
 
@@ -63,7 +64,7 @@ class Aside : public testing::Test {
   void start() {
     worker.reset();
     log = {{}, {}, {}, log.on_attempt};
-    worker = std::make_unique<MergeWorker>(std::make_unique<LoggingPipeline>(log), *store, ScheduleConfig{},
+    worker = std::make_unique<MergeWorker>(std::make_unique<LoggingPipeline>(log), *store, schedule,
                                            std::move(WorkMark::open(mark_file()).value()));
     ASSERT_TRUE(worker->restore());
     worker->start(robots);
@@ -95,6 +96,7 @@ class Aside : public testing::Test {
 
   TempDir dir;
   Log log;
+  ScheduleConfig schedule;
   NoRobots robots;
   std::unique_ptr<Store> store;
   std::unique_ptr<MergeWorker> worker;
@@ -140,6 +142,54 @@ TEST_F(Aside, AttemptsThatThrowAreCountedToo) {
   settle();
   EXPECT_EQ(log.aside, std::vector<SessionId>{2});
   EXPECT_EQ(store->troubles().value().at(0).deaths, 2);
+}
+
+/// As the pipeline's rooms work: block by block, until somebody has had enough.
+void work_for_ever() {
+  for (;;) for_blocks(1, 1, 1, [](std::size_t, std::size_t, std::size_t) {});
+}
+
+TEST_F(Aside, WorkThatUsesUpItsBudgetTwiceIsNotDoneAThirdTime) {
+  schedule.budget_s = 0.01;
+  log.on_attempt = [](SessionId id) {
+    if (id == 2) work_for_ever();
+  };
+  start();
+  for (int i = 0; i < 20 && why(2).empty(); ++i) {
+    worker->trigger(2, Trigger::command);
+    settle();
+  }
+  EXPECT_NE(why(2), "");
+  worker->trigger(1, Trigger::command);
+  settle();
+  settle();
+  EXPECT_TRUE(attempted(1)) << "all else goes on";
+}
+
+TEST_F(Aside, WorkThatTakesTooLongIsSaid) {
+  schedule.stuck_s = 1e-9;
+  std::promise<void> begun, may_end;
+  log.on_attempt = [&](SessionId id) {
+    if (id != 2) return;
+    begun.set_value();
+    may_end.get_future().wait();
+  };
+  start();
+  EXPECT_EQ(worker->stuck(), "");
+  worker->trigger(2, Trigger::command);
+  begun.get_future().wait();
+  EXPECT_NE(worker->stuck().find("session 2"), std::string::npos) << worker->stuck();
+  may_end.set_value();
+  settle();
+  EXPECT_EQ(worker->stuck(), "");
+}
+
+TEST(WorkWatch, SaysWhatIsStuckAndSinceWhen) {
+  const std::chrono::steady_clock::time_point now{};
+  EXPECT_EQ(why_stuck(std::nullopt, now, 10), "");
+  EXPECT_EQ(why_stuck(WorkPiece{3, 4, now}, now + std::chrono::milliseconds(9999), 10), "");
+  EXPECT_EQ(why_stuck(WorkPiece{3, 4, now}, now + std::chrono::seconds(10), 10),
+            "merging is stuck: work on sessions 3 and 4 has taken 10 s");
 }
 
 TEST_F(Aside, WhatTheOperatorSetsAsideHeCanTakeBack) {

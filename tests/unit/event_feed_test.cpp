@@ -11,6 +11,7 @@
 #include "server/cli/http_client.hpp"
 #include "server/operator/event_feed.hpp"
 #include "server/operator/event_queue.hpp"
+#include "server/operator/http_rules.hpp"
 #include "tests/support/operator_server.hpp"
 
 namespace headframe {

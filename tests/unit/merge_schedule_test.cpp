@@ -35,6 +35,38 @@ TEST_F(Schedule, TriggersOfOneSessionJoinAndOrderIsKept) {
   EXPECT_TRUE(idle());
 }
 
+TEST_F(Schedule, RobotsShareTheWorkersTime) {
+  for (const SessionId id : {1, 2, 3, 4}) schedule.belongs(id, id < 4 ? "greedy" : "honest");
+  for (const SessionId id : {1, 2, 3, 4}) schedule.trigger(id, Trigger::command, now);
+  const auto session_that_takes = [&](double seconds) {
+    const auto attempt = schedule.next();
+    schedule.spent(attempt->session, seconds);
+    return attempt->session;
+  };
+  EXPECT_EQ(session_that_takes(60), 1);
+  EXPECT_EQ(session_that_takes(1), 4) << "behind one of the greedy robot's, not behind all";
+  schedule.trigger(4, Trigger::travelled, now);
+  EXPECT_EQ(session_that_takes(1), 4) << "it has used two seconds, the other sixty";
+  EXPECT_EQ(session_that_takes(60), 2);
+  schedule.belongs(5, "late");
+  schedule.trigger(5, Trigger::link, now);
+  EXPECT_EQ(session_that_takes(1), 5);
+  EXPECT_EQ(session_that_takes(1), 3);
+}
+
+TEST_F(Schedule, WhoWasIdleHasSavedUpNothing) {
+  schedule.belongs(1, "busy");
+  for (const SessionId id : {2, 3, 4}) schedule.belongs(id, "idle");
+  for (int i = 0; i < 5; ++i) {
+    schedule.trigger(1, Trigger::command, now);
+    schedule.spent(schedule.next()->session, 10);
+  }
+  schedule.trigger(1, Trigger::command, now);
+  for (const SessionId id : {2, 3, 4}) schedule.trigger(id, Trigger::command, now);
+  schedule.spent(schedule.next()->session, 11);
+  EXPECT_EQ(schedule.next()->session, 1) << "it does not wait until the other has made up for its idle time";
+}
+
 TEST_F(Schedule, DistanceCountsSinceTheLastTry) {
   schedule.travelled(1, 9.9, now);
   EXPECT_TRUE(idle());

@@ -102,6 +102,14 @@ TEST_F(OperatorApiTest, IsReadyUnlessTheDiskRefuses) {
   EXPECT_EQ(get("/readyz").status, 200);
   server.station.change([&] { server.station.work.disk_error = "disk is full"; });
   expect_error(get("/readyz"), 503, "unavailable", "disk is full");
+  server.station.change([&] {
+    server.station.work = {};
+    server.station.work.merge_work_s = 130;
+    server.station.work.merge_stuck = "merging is stuck: say why";
+  });
+  expect_error(get("/readyz"), 503, "unavailable", "merging is stuck");
+  EXPECT_NE(get("/metrics").body.find("headframe_merge_work_seconds 130\n"), std::string::npos);
+  EXPECT_NE(get("/metrics").body.find("headframe_merge_stuck 1\n"), std::string::npos);
   EXPECT_EQ(get("/healthz").status, 200) << "alive all the same";
 }
 

@@ -31,6 +31,11 @@ struct RawClient {
     ended_cleanly = end == net::error::eof;
     return received;
   }
+  /// Of the next response; its body is left where it is.
+  std::string header() {
+    const std::size_t end = net::read_until(socket, net::dynamic_buffer(received), "\r\n\r\n");
+    return received.substr(0, end);
+  }
   /// One response with a Content-Length.
   std::string response() {
     const std::size_t head = net::read_until(socket, net::dynamic_buffer(received), "\r\n\r\n");
@@ -151,27 +156,87 @@ TEST(OperatorLimits, StreamsAreForHttp11) {
 
 TEST(OperatorLimits, TooManyConnectionsAreTold) {
   OperatorLimits limits;
-  limits.connections = 3;
+  limits.connections = 1;
   OperatorServer server(limits);
-  std::vector<std::unique_ptr<RawClient>> clients;
-  for (int i = 0; i < 3; ++i) {
-    clients.push_back(std::make_unique<RawClient>(server.api.port()));
-    clients.back()->send("GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n");
-    EXPECT_EQ(status_of(clients.back()->response()), "HTTP/1.1 200") << i;
-  }
-  RawClient fourth(server.api.port());
-  fourth.send(healthz(100));
-  const std::string refusal = fourth.rest();
+  server.station.set_pending({1, 0, 0});
+  auto served = std::make_unique<RawClient>(server.api.port());
+  served->send("GET /api/v1/atlas?wait=3600 HTTP/1.1\r\nHost: a\r\n\r\n");
+  while (server.station.waits == 0) std::this_thread::yield();
+  RawClient second(server.api.port());
+  second.send(healthz(100));
+  const std::string refusal = second.rest();
   EXPECT_EQ(status_of(refusal), "HTTP/1.1 503");
   EXPECT_NE(refusal.find("too many connections"), std::string::npos);
 
-  clients.pop_back();  // the server sees the end of it in its own time
+  served.reset();  // the server sees the end of it in its own time
   for (int tries = 0; tries < 10000; ++tries) {
     RawClient next(server.api.port());
     next.send(healthz(100));
     if (status_of(next.rest()) == "HTTP/1.1 200") return;
   }
   FAIL() << "a connection that closed still counts";
+}
+
+TEST(OperatorLimits, WhoHoldsConnectionsWithoutTheTokenKeepsNobodyOut) {
+  OperatorLimits limits;
+  limits.connections = 3;
+  OperatorServer server(limits, {"right", nullptr});
+  const std::string with_token = "GET /api/v1/status HTTP/1.1\r\nHost: a\r\nAuthorization: Bearer right\r\n\r\n";
+  RawClient operators(server.api.port());
+  operators.send(with_token);
+  EXPECT_EQ(status_of(operators.response()), "HTTP/1.1 200");
+  std::vector<std::unique_ptr<RawClient>> half_open;
+  for (int i = 0; i < 8; ++i) {
+    half_open.push_back(std::make_unique<RawClient>(server.api.port()));
+    half_open.back()->send("GET / HTTP/1.1\r\n");
+  }
+  EXPECT_EQ(half_open.front()->rest(), "") << "the oldest made room";
+  for (const auto& [header, status] : {std::pair(with_token, "HTTP/1.1 200"), {healthz(100), "HTTP/1.1 200"}}) {
+    RawClient next(server.api.port());
+    next.send(header);
+    EXPECT_EQ(status_of(next.header()), status);
+  }
+  operators.send(with_token);
+  EXPECT_EQ(status_of(operators.response()), "HTTP/1.1 200") << "who has shown the token is never sent away";
+}
+
+TEST(OperatorLimits, WhatTwoProgramsCouldReadDifferentlyIsRefused) {
+  OperatorServer server;
+  for (const char* fields :
+       {"", "Host: a\r\nX: y\r\n z: w\r\n", "Host: a\r\nTransfer-Encoding: gzip\r\n", "Host: a\r\nHost: b\r\n"}) {
+    RawClient client(server.api.port());
+    client.send("POST /api/v1/merge HTTP/1.1\r\n" + std::string(fields) + "\r\n");
+    EXPECT_EQ(status_of(client.rest()), "HTTP/1.1 400") << fields;
+    EXPECT_TRUE(client.ended_cleanly);
+  }
+  EXPECT_EQ(server.station.merges, 0);
+}
+
+TEST(OperatorLimits, WithoutATokenAStrangersPageIsRefused) {
+  OperatorServer open, asks({}, {"right", nullptr});
+  const auto status_for = [](OperatorServer& server, const std::string& fields) {
+    RawClient client(server.api.port());
+    client.send("POST /api/v1/merge HTTP/1.1\r\nContent-Length: 0\r\n" + fields + "\r\n");
+    return status_of(client.header());
+  };
+  EXPECT_EQ(status_for(open, "Host: evil.example:7448\r\n"), "HTTP/1.1 403") << "a name that was bound to this address";
+  EXPECT_EQ(status_for(open, "Host: localhost\r\nOrigin: http://evil.example\r\n"), "HTTP/1.1 403");
+  EXPECT_EQ(status_for(open, "Host: localhost\r\nOrigin: null\r\n"), "HTTP/1.1 403");
+  EXPECT_EQ(open.station.merges, 0);
+  EXPECT_EQ(status_for(open, "Host: localhost\r\nOrigin: http://localhost\r\n"), "HTTP/1.1 202");
+  const std::string token = "Authorization: Bearer right\r\n";
+  EXPECT_EQ(status_for(asks, token + "Host: base.mine.example\r\n"), "HTTP/1.1 202") << "the token says who asks";
+}
+
+TEST(OperatorLimits, AnswersMayNotBeFramedOrGuessedAt) {
+  OperatorServer server;
+  for (const char* target : {"/", "/healthz", "/nothing", "/api/v1/export?component=3"}) {
+    RawClient client(server.api.port());
+    client.send(std::string("GET ") + target + " HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n");
+    const std::string header = client.header();
+    EXPECT_NE(header.find("X-Content-Type-Options: nosniff\r\n"), std::string::npos) << target;
+    EXPECT_NE(header.find("frame-ancestors 'none'\r\n"), std::string::npos) << target;
+  }
 }
 
 TEST(OperatorLimits, AnIdleConnectionIsClosed) {

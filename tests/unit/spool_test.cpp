@@ -66,6 +66,20 @@ class SpoolTest : public testing::Test {
   TempDir folder_;
 };
 
+TEST_F(SpoolTest, ALogThatIsNoneIsLeftAsItIs) {
+  const std::string noise = "\x9c\xe1\x07\xb3 anything at all that no spool has written";
+  write(log(), noise);
+  const auto spool = open();
+  ASSERT_FALSE(spool);
+  EXPECT_EQ(spool.error().code, ErrorCode::bad_input);
+  EXPECT_EQ(bytes_of(log()), noise);
+}
+
+TEST_F(SpoolTest, RoomThatAPowerCutLeftUnwrittenIsATornEnd) {
+  write(log(), std::string(5000, '\0'));
+  EXPECT_TRUE(open());
+}
+
 TEST_F(SpoolTest, ASessionIsTheSameAfterReopening) {
   fill(3);
   SessionKey before;

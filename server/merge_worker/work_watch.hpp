@@ -1,0 +1,52 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "server/atlas/alignment.hpp"
+
+namespace headframe {
+
+/// One piece of the merge worker's work: on two sessions, or on one alone (twice the same).
+struct WorkPiece {
+  SessionId a = 0, b = 0;
+  std::chrono::steady_clock::time_point began;
+};
+
+/// Why merging counts as stuck, for people; empty: it does not. Pure.
+std::string why_stuck(const std::optional<WorkPiece>& piece, std::chrono::steady_clock::time_point now, double stuck_s);
+
+/// Sees to it that no piece of work takes for ever: a thread of its own raises the flag that work looks at
+/// (Cancellable) when a piece has used up its budget. The next piece begins with the flag down. Thread safe.
+class WorkWatch {
+ public:
+  explicit WorkWatch(double budget_s);
+
+  void on(SessionId a, SessionId b);
+  void off();
+  std::optional<WorkPiece> piece() const;
+
+  /// The flag is up for good: whatever is worked on, nobody waits for it any more.
+  void stop();
+  bool stopped() const;
+  const std::atomic<bool>& flag() const { return flag_; }
+
+ private:
+  void watch(const std::stop_token& stop);
+
+  const std::chrono::steady_clock::duration budget_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::optional<WorkPiece> piece_;
+  bool stopped_ = false;
+  std::atomic<bool> flag_ = false;
+  std::jthread thread_;  // last: it uses what is above
+};
+
+}  // namespace headframe
