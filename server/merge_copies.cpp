@@ -52,17 +52,35 @@ bool MergePipeline::State::self_likeness_known(SessionId id, const CloudSource& 
              clouds_growth * static_cast<double>(known.clouds);
 }
 
+double look_alikes(std::vector<Glance> glances, const Pose& T) {
+  constexpr double other_m = 4, other_rad = 0.3;
+  std::stable_sort(glances.begin(), glances.end(),
+                   [](const Glance& g, const Glance& h) { return likeness(g) > likeness(h); });
+  std::vector<Pose> counted{T};
+  double sum = 0;
+  for (const Glance& g : glances) {
+    const double alike = likeness(g);
+    if (alike <= 0) break;
+    const Pose& here = g.place.registration.T_target_source;
+    const auto near = [&](const Pose& U) { return !differ(here, U, g.place.p_b, other_m, other_rad); };
+    if (std::any_of(counted.begin(), counted.end(), near)) continue;
+    counted.push_back(here);
+    sum += alike;
+  }
+  return sum;
+}
+
 double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
   Session& session = sessions[id];
   if (self_likeness_known(id, clouds)) return session.self.aliases;
   const Found* found = finder.find_within({id, session.keyframes});
   std::vector<Case> cases;
-  double itself = 0, elsewhere = 0;
-  for (const Hypothesis& h : found->hypotheses) {
-    const bool there = differ(h.T_a_b, Pose::Identity(), h.place_b, elsewhere_m, elsewhere_rad);
-    (there ? elsewhere : itself) = std::max(there ? elsewhere : itself, h.score);
-    if (there) cases.push_back(make_case(id, id, h, clouds));
-  }
+  double itself = 0;
+  for (const Hypothesis& h : found->hypotheses)
+    if (differ(h.T_a_b, Pose::Identity(), h.place_b, elsewhere_m, elsewhere_rad))
+      cases.push_back(make_case(id, id, h, clouds));
+    else
+      itself = std::max(itself, h.score);
   std::vector<KeyframeRef> wanted;
   for (const Case& c : cases)
     if (c.hypothesis.score >= alike_walls * itself) {
@@ -73,9 +91,12 @@ double MergePipeline::State::self_aliases(SessionId id, CloudSource& clouds) {
         wanted.insert(wanted.end(), more.begin(), more.end());
       }
     }
-  const int alike = copies_within(id, cases, clouds);
-  session.self = {session.path_m(), stored_clouds(session, id, clouds), static_cast<double>(alike),
-                  elsewhere / std::max(1.0, itself), std::move(wanted)};
+  const std::vector<Glance> glances = glance_at(id, id, cases, clouds);
+  session.self = {.path_m = session.path_m(),
+                  .clouds = stored_clouds(session, id, clouds),
+                  .aliases = static_cast<double>(copies_within(id, glances, clouds)),
+                  .look_alikes = look_alikes(glances, Pose::Identity()),
+                  .wanted = std::move(wanted)};
   return session.self.aliases;
 }
 
@@ -92,8 +113,7 @@ std::vector<Case> MergePipeline::State::beside(SessionId id, const Hypothesis& h
   return out;
 }
 
-int MergePipeline::State::copies_within(SessionId id, const std::vector<Case>& cases, CloudSource& clouds) {
-  const std::vector<Glance> glances = glance_at(id, id, cases, clouds);
+int MergePipeline::State::copies_within(SessionId id, const std::vector<Glance>& glances, CloudSource& clouds) {
   std::vector<Case> neighbours;  // of those that fit
   std::vector<std::size_t> of;
   for (std::size_t i = 0; i < glances.size(); ++i) {
@@ -124,18 +144,6 @@ double MergePipeline::State::repetition() const {
     if (session.self.wanted.empty()) path_m += std::max(0.0, session.self.path_m);
   }
   return 100 * copies / std::max(path_m, least_m);
-}
-
-double MergePipeline::State::walls_repeat(SessionId a, SessionId b) const {
-  constexpr double unknown = 0.25, unknown_m = 100;  // as if so much path had shown so much
-  double repeat_m = unknown * unknown_m, path_m = unknown_m;
-  for (const SessionId id : {a, b}) {
-    const SelfLikeness& self = sessions.at(id).self;
-    const double looked_at_m = std::max(0.0, self.path_m);
-    repeat_m += std::min(1.0, self.walls_elsewhere) * looked_at_m;
-    path_m += looked_at_m;
-  }
-  return repeat_m / path_m;
 }
 
 }  // namespace headframe

@@ -108,7 +108,7 @@ bool MergePipeline::State::still_holds(Alignment& published, CloudSource& clouds
       judge_again(scene(pair.a, now.a.stored, clouds), scene(pair.b, now.b.stored, clouds), T_0, judge_config());
   again.evidence.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
   again.evidence.repetition = repetition();
-  again.evidence.walls_repeat = walls_repeat(pair.a, pair.b);
+  again.evidence.look_alikes = published.evidence.look_alikes;
   again.evidence.farther_violation = published.evidence.farther_violation;
   again.evidence.support = published.evidence.support;
   again.evidence.path_m = published.evidence.path_m;

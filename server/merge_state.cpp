@@ -183,7 +183,8 @@ std::vector<Verdict> MergePipeline::State::judge_cases(SessionId a, SessionId b,
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
     e.repetition = repetition();
-    e.walls_repeat = walls_repeat(a, b);
+    e.look_alikes =
+        sessions[a].self.look_alikes + sessions[b].self.look_alikes + look_alikes(glances, verdict.judgement.T_a_b);
     weigh(verdict.judgement);
     verdicts.push_back(verdict);
     judged_cases.push_back(i);
@@ -219,7 +220,7 @@ Judgement MergePipeline::State::judge_placement(const Laid& pair, const Pose& T_
   compare_descriptors({sessions[pair.a].keyframes, sessions[pair.b].keyframes}, out);
   out.evidence.aliases = self_aliases(pair.a, clouds) + self_aliases(pair.b, clouds);
   out.evidence.repetition = repetition();
-  out.evidence.walls_repeat = walls_repeat(pair.a, pair.b);
+  out.evidence.look_alikes = sessions[pair.a].self.look_alikes + sessions[pair.b].self.look_alikes;
   weigh(out);
   return out;
 }

@@ -22,7 +22,7 @@ struct SelfLikeness {
   double path_m = -1;
   std::size_t clouds = 0;
   double aliases = 0;
-  double walls_elsewhere = 0;       // best score of its walls laid on themselves elsewhere, over that where they lie
+  double look_alikes = 0;           // see Evidence::look_alikes
   std::vector<KeyframeRef> wanted;  // clouds of spots whose walls look alike, and that nobody has looked at closely
 };
 
@@ -165,12 +165,10 @@ struct MergePipeline::State {
   std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds);
   /// How many of these placements of a session on itself, other than where it lies, are copies 15 m long and more:
   /// their first place looks right by itself, and so does one of those beside it.
-  int copies_within(SessionId id, const std::vector<Case>& cases, CloudSource& clouds);
+  int copies_within(SessionId id, const std::vector<Glance>& glances, CloudSource& clouds);
   /// Of what is known of that so far; see Evidence::repetition. Of less than 500 m little can be said, and of sessions
   /// that have yet to be looked at nothing.
   double repetition() const;
-  /// Evidence::walls_repeat, of sessions that were looked at.
-  double walls_repeat(SessionId a, SessionId b) const;
   /// Glances at all, in parallel.
   std::vector<Glance> glance_at(SessionId a, SessionId b, const std::vector<Case>& cases, CloudSource& clouds);
   /// The hopeful ones that differ are judged; those that could not cast doubt on a better one only when all are asked
@@ -206,6 +204,9 @@ struct MergePipeline::State {
 /// works both ways.
 Pose by_ids(const Laid& pair, const Pose& T);
 Judgement by_ids(const Laid& pair, Judgement judgement);
+
+/// Sum of the likeness of these, each placement once and those near `T` left out.
+double look_alikes(std::vector<Glance> glances, const Pose& T);
 
 /// Fills in what the descriptors say of the judged placement.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement);

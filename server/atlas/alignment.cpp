@@ -25,7 +25,7 @@ constexpr std::array<EvidenceField, 31> fields{{
     {"awaited_m", &Evidence::awaited_m},
     {"aliases", &Evidence::aliases},
     {"repetition", &Evidence::repetition},
-    {"walls_repeat", &Evidence::walls_repeat},
+    {"look_alikes", &Evidence::look_alikes},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},
@@ -56,7 +56,12 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
 
-double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, e.aliases); }
+double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, std::max(e.aliases, e.look_alikes)); }
+
+double asked_among_look_alikes_m(const Evidence& e) {
+  constexpr double some = 0.6, least_m = 20, each_m = 4, most_m = 90;
+  return std::min(1.0, e.look_alikes / some) * std::min(most_m, least_m + each_m * e.look_alikes * e.look_alikes);
+}
 
 double counted_aliases(const Evidence& e) {
   const double alike = std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0),

@@ -33,11 +33,12 @@ std::string places(const Evidence& e) {
 }
 
 std::string copies(const Evidence& e) {
-  if (asked_overlap_m(e) <= 0) return "the mine is not known to repeat itself";
+  const double asked_m = std::max(asked_overlap_m(e), asked_among_look_alikes_m(e));
+  if (asked_m <= 0) return "the mine is not known to repeat itself";
   return formatted(
-      "the mine repeats itself (%.0f other places look the same, %.1f in 100 m of all that is known): %.0f m "
-      "shared, %.0f m would tell",
-      e.aliases, e.repetition, e.overlap_m, asked_overlap_m(e));
+      "the mine repeats itself (at %.1f other placements a place looks the same and %.0f of them pass every test; %.1f "
+      "copies in 100 m of all that is known): %.0f m shared, %.0f m would tell",
+      e.look_alikes, e.aliases, e.repetition, e.overlap_m, asked_m);
 }
 
 std::string shared(const Evidence& e) { return formatted("%.0f m of path are shared", e.overlap_m); }

@@ -251,6 +251,16 @@ Judgement judge(const Scene& a, const Scene& b, const Glance& first, const Judge
   return out;
 }
 
+double likeness(const Glance& glance) {
+  if (!glance.hopeful) return 0;
+  const auto ramp = [](double value, double none, double all) {
+    return std::clamp((value - none) / (all - none), 0.0, 1.0);
+  };
+  return ramp(glance.place.matched.cautious(), 0.65, 0.9) * ramp(glance.place.residual_m, 0.065, 0.04) *
+         ramp(glance.place.between().violation(), 0.012, 0.002) *
+         ramp(glance.place.registration.direction_hold[0], 0, 0.05);
+}
+
 bool fits_alone(const Glance& glance) {
   const Registration& r = glance.place.registration;
   return glance.hopeful && r.status == RegistrationStatus::converged && r.direction_hold[0] > 0.05 &&
@@ -283,7 +293,7 @@ void weigh(Judgement& judgement) {
   Evidence& e = judgement.evidence;
   e.probability = probability(judgement.status, e);
   Evidence unique = e;
-  unique.aliases = unique.repetition = unique.walls_repeat = 0;
+  unique.aliases = unique.repetition = unique.look_alikes = 0;
   e.probability_if_unique = probability(judgement.status, unique);
 }
 

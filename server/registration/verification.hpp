@@ -80,6 +80,10 @@ Glance glance(const PlacePtr& a, const PlacePtr& b, const Pose& T_a_b_0, const J
 /// Goes on from a hopeful glance. Pure but for what the scenes do; independent of the thread count.
 Judgement judge(const Scene& a, const Scene& b, const Glance& first, const JudgeConfig& config);
 
+/// How far the first place, taken alone, fits as a copy of the rock would, 0 to 1: most points meet, surfaces lie on
+/// each other, next to nothing contradicts, and nothing slides.
+double likeness(const Glance& glance);
+
 /// Whether the first place, taken alone, looks right. Where other placements do too, the mine repeats itself there.
 bool fits_alone(const Glance& glance);
 

@@ -48,7 +48,7 @@ void VerdictRows::write(const char* source, const DrivenSession& a, const Driven
        << to_string(judged.status);
   for (const auto& field : evidence_fields()) csv_ << ',' << judged.evidence.*field.member;
   Evidence unique = judged.evidence;
-  unique.aliases = unique.repetition = unique.walls_repeat = 0;
+  unique.aliases = unique.repetition = unique.look_alikes = 0;
   for (const auto& term : verdict_terms(unique)) csv_ << ',' << term.value;
   csv_ << ',' << log_odds(unique).taken_as_given();
   csv_ << '\n' << std::flush;

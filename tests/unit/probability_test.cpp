@@ -88,6 +88,25 @@ TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
   EXPECT_GT(p(70), 0.95);
 }
 
+TEST(Probability, AmongLookAlikesALongerOverlapIsAskedFor) {
+  Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
+  const auto p = [&](double look_alikes, double overlap_m) {
+    j.evidence.look_alikes = look_alikes;
+    j.evidence.overlap_m = overlap_m;
+    weigh(j);
+    return j.evidence.probability;
+  };
+  const double accepted = MergeConfig{}.accept_probability;
+  EXPECT_GT(p(0, 20), accepted) << "nothing looks alike, as in a cave";
+  EXPECT_GT(p(0.9, 26), accepted) << "rough drifts";
+  EXPECT_LT(p(3.3, 29), p(0, 29)) << "a copy of a tunnel piece that was believed";
+  EXPECT_EQ(j.evidence.probability_if_unique, p(0, 29));
+  EXPECT_LT(p(5.3, 60), p(0, 60)) << "one as long as three pieces";
+  EXPECT_EQ(p(5, 90), p(100, 90)) << "90 m tell, wherever it is";
+  EXPECT_EQ(asked_among_look_alikes_m({}), 0);
+  for (double n = 0; n < 6; n += 0.05) EXPECT_NEAR(p(n, 40), p(n + 0.05, 40), 0.05) << "no cliff";
+}
+
 TEST(Probability, WhatIsContradictedFartherOffIsBelievedLess) {
   Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
   const auto p = [&](double farther) {
