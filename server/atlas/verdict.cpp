@@ -20,9 +20,9 @@ double missing_overlap(const Evidence& e) {
   return 12 * std::max(-most, std::min(0.0, e.overlap_m / asked_m - 1));
 }
 
-/// Each metre less costs 0.1, and no more than 2.8 in all: with more, right placements of 28 m among copies would wait.
+/// Each metre less costs 0.1, and no more than 1.5 in all: with more, right placements of 28 m among copies would wait.
 double short_among_look_alikes(const Evidence& e) {
-  return std::max(-2.8, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
+  return std::max(-1.5, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
 }
 
 double halvings_below(double metres, const Evidence& e) {
@@ -79,7 +79,7 @@ LogOdds log_odds(const Evidence& e) {
   for (std::size_t i = 0; i < terms.size(); ++i)
     out.contributions[i] = {terms[i].name, verdict_weights[i] * terms[i].value};
   out.contributions[verdict_term_count] = {"overlap is short for a mine that repeats itself",
-                                           missing_overlap(e) + short_among_look_alikes(e)};
+                                           std::min(missing_overlap(e), short_among_look_alikes(e))};
   out.contributions[verdict_term_count + 1] = {"path that is shared", shared_path(e)};
   out.contributions[verdict_term_count + 2] = {"long overlap agrees", long_overlap(e)};
   out.contributions[verdict_term_count + 3] = {"free space farther off contradicts", ends_farther_off(e)};
