@@ -1,6 +1,8 @@
 // Every message that a robot may send, to the server's side of the protocol; with a welcome or before it.
 #include <google/protobuf/stubs/logging.h>
 
+#include <algorithm>
+
 #include "server/net/robot_protocol.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/support/next_event.hpp"

@@ -2,6 +2,7 @@
 // another number, for longer runs under the sanitizers.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <random>
 #include <set>
