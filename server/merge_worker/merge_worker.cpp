@@ -136,8 +136,16 @@ bool MergeWorker::tried(const char* what, Work work) {
   return false;
 }
 
-/// While nothing waits: one part of what the next attempts will need.
+/// While nothing waits: one part of what the next attempts will need, so that they pay for alignment alone. False:
+/// there is none left.
 bool MergeWorker::prepare_ahead() {
+  if (!unprepared_.empty()) {
+    const KeyframeRef cloud = unprepared_.front();
+    unprepared_.pop_front();
+    working_on(cloud.session, cloud.session);
+    if (!is_aside(cloud.session)) (void)tried("preparing a cloud", [&] { pipeline_->prepare_cloud(cloud, *this); });
+    return true;
+  }
   bool more = false;
   (void)tried("preparing for merges", [&] { more = pipeline_->prepare_ahead(*this); });
   return more;
@@ -185,10 +193,8 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   for (const std::uint64_t sequence : news.clouds_came) {
     known.stored.insert(sequence);
     schedule_.cloud_came({session, sequence}, now);
-    (void)tried("preparing a cloud", [&] {  // so that a merge pays for alignment alone
-      pipeline_->prepare_cloud({session, sequence}, *this);
-    });
-    if (is_aside(session)) return take(session, news);  // by what came of it
+    unprepared_.push_back({session, sequence});
+    if (unprepared_.size() > most_unprepared) unprepared_.pop_front();
   }
   for (const std::uint64_t sequence : news.clouds_gone) schedule_.cloud_will_not_come({session, sequence});
   if (news.left) {

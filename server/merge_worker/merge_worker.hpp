@@ -1,6 +1,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -94,7 +95,7 @@ class MergeWorker : public MergeNews, private CloudSource {
 
   /// What the operator asks for: run once, on the worker's thread, or with why it can not be carried out.
   using Order = std::function<void(const Result<void>& admitted)>;
-  static constexpr std::size_t most_orders = 64;
+  static constexpr std::size_t most_orders = 64, most_unprepared = 4096;
 
   template <class Change>
   void tell(SessionId session, Change change);
@@ -141,6 +142,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   Robots* robots_ = nullptr;
   MergeSchedule schedule_;
   std::map<SessionId, Known> known_;
+  std::deque<KeyframeRef> unprepared_;  // clouds that came; the newest most_unprepared of them
   std::map<SessionId, TroubleRecord> troubles_;
   std::optional<WorkMark> mark_;
   const double stuck_s_;

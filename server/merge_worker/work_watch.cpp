@@ -55,7 +55,7 @@ bool WorkWatch::stopped() const {
 
 void WorkWatch::watch(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [&] { return piece_.has_value(); })) {
+  while (changed_.wait(lock, stop, [&] { return piece_.has_value(); }) && !stop.stop_requested()) {
     const auto deadline = piece_->began + budget_;
     if (Clock::now() < deadline) {
       changed_.wait_until(lock, stop, deadline, [] { return false; });

@@ -17,7 +17,8 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr auto tick_every = std::chrono::milliseconds(100);
-constexpr auto farewell = std::chrono::seconds(2);  // for the robot to read the last error and close
+constexpr auto farewell = std::chrono::seconds(2);   // for the robot to read the last error and close
+constexpr std::size_t most_drained_bytes = 4 << 20;  // until then: who goes on sending has had its chance
 
 constexpr unsigned char tls_handshake_record = 0x16;
 
@@ -121,7 +122,11 @@ void RobotConnection::read() {
 }
 
 void RobotConnection::on_bytes(std::size_t bytes) {
-  if (protocol_.ended()) return;  // read only so that the robot gets our last word before the socket closes
+  if (protocol_.ended()) {  // read only so that the robot gets our last word before the socket closes
+    drained_bytes_ += bytes;
+    if (drained_bytes_ > most_drained_bytes) drop();
+    return;
+  }
   protocol_.receive({input_.data(), bytes}, Clock::now());
   take_events();
   if (session_ != 0) hub_.received(session_, bytes);

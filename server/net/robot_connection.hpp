@@ -87,6 +87,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   Clock::time_point write_began_, finish_began_;
   std::string output_;
   std::array<char, 16 * 1024> input_;  // a TLS record at a time
+  std::size_t drained_bytes_ = 0;      // since its last word
 };
 
 }  // namespace headframe

@@ -2,17 +2,10 @@
 
 #include <zstd.h>
 
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl/context.hpp>
-#include <boost/asio/ssl/stream.hpp>
-#include <boost/asio/write.hpp>
-#include <chrono>
 #include <memory>
-#include <thread>
 
 #include "common/security/secret.hpp"
-#include "tests/support/robot_bytes.hpp"
+#include "tests/support/tls_peer.hpp"
 
 namespace headframe::test {
 namespace {
@@ -22,59 +15,6 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::size_t flood = 300;
-
-class TlsPeer {
- public:
-  explicit TlsPeer(const HostileTarget& target) {
-    error_code fault;
-    stream_.next_layer().connect({asio::ip::make_address(target.server.host), target.server.port}, fault);
-    if (!fault) stream_.handshake(asio::ssl::stream_base::client, fault);
-  }
-
-  void send(const std::string& bytes) {
-    error_code closed;  // until_closed() tells
-    asio::write(stream_, asio::buffer(bytes), closed);
-  }
-
-  std::optional<v1::ServerMessage> read() {
-    while (true) {
-      const auto payload = frames_.next();
-      v1::ServerMessage message;
-      if (payload && *payload && message.ParseFromString(**payload)) return message;
-      std::array<char, 4096> bytes{};
-      error_code closed;
-      const auto n = stream_.read_some(asio::buffer(bytes), closed);
-      if (closed) return std::nullopt;
-      frames_.feed({bytes.data(), n});
-    }
-  }
-
-  /// What it is told last, in words.
-  std::string until_closed() {
-    std::string words;
-    while (const auto message = read())
-      if (message->has_error()) words = message->error().message();
-    return words;
-  }
-
-  void greet(const Hello& hello) {
-    send(hello_frame(hello));
-    for (auto message = read(); message && !message->has_welcome();) message = read();
-  }
-
- private:
-  asio::io_context io_;
-  asio::ssl::context context_{asio::ssl::context::tls_client};
-  asio::ssl::stream<tcp::socket> stream_{io_, context_};
-  FrameReader frames_;
-};
-
-Hello hello_of(const std::string& robot, const std::string& token, const std::string& code = "") {
-  Hello hello = robot_hello(robot);
-  hello.token = token;
-  hello.enrolment_code = code;
-  return hello;
-}
 
 std::string answer_to(const HostileTarget& target, const std::string& bytes) {
   TlsPeer peer(target);
@@ -106,9 +46,7 @@ std::string four_gigabytes(const HostileTarget& target) { return answer_to(targe
 /// As the accomplice, who is let in.
 std::string from_within(const HostileTarget& target, const std::string& bytes) {
   TlsPeer peer(target);
-  Hello hello = hello_of(target.accomplice, target.token);
-  hello.session.session = to_hex(random_secret(8));  // of its own, each time
-  peer.greet(hello);
+  peer.greet(accomplice_hello(target, to_hex(random_secret(8))));
   peer.send(bytes);
   while (const auto message = peer.read()) {
     if (message->has_error()) return message->error().message();

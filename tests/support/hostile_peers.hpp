@@ -15,6 +15,7 @@ struct HostileTarget {
   std::string accomplice;  // a robot that is enrolled,
   std::string token;       // and its token
   std::string used_code;   // an enrolment code that the accomplice has used
+  Endpoint http = {};      // of the operator
 };
 
 /// Enrols the accomplice with the code of an open enrolment, and connects once.
@@ -28,5 +29,20 @@ struct HostilePeer {
 
 /// All but the flood end within the server's limits.hello_s.
 const std::vector<HostilePeer>& hostile_peers();
+
+/// Something done once, to be done again and again; ends within some seconds, whatever the server does.
+struct HostileAct {
+  const char* name;
+  std::function<void(const HostileTarget&)> act;
+};
+
+/// What a robot that was let in may tell whose odometry or lidar is broken, by malice or not.
+const std::vector<HostileAct>& hostile_drives();
+
+/// What else a robot that was let in may do.
+const std::vector<HostileAct>& hostile_robots();
+
+/// What may be done at the operator's port without the token.
+const std::vector<HostileAct>& hostile_clients();
 
 }  // namespace headframe::test

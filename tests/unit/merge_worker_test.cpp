@@ -30,6 +30,7 @@ struct Script {
   std::mutex mutex;
   std::map<SessionId, std::vector<std::uint64_t>> keyframes;
   std::vector<SessionId> attempts;
+  std::vector<std::pair<KeyframeRef, std::size_t>> prepared;  // clouds, and how many attempts there were before
   std::set<SessionId> completed;
   std::uint64_t restored_revision = 0;
   std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
@@ -56,6 +57,10 @@ class ScriptedPipeline : public Pipeline {
   void add_keyframe(SessionId id, Keyframe keyframe) override {
     const std::lock_guard lock(script_.mutex);
     script_.keyframes[id].push_back(keyframe.sequence);
+  }
+  void prepare_cloud(const KeyframeRef& keyframe, CloudSource&) override {
+    const std::lock_guard lock(script_.mutex);
+    script_.prepared.push_back({keyframe, script_.attempts.size()});
   }
   void complete_session(SessionId id) override {
     const std::lock_guard lock(script_.mutex);
@@ -196,6 +201,27 @@ TEST_F(Worker, AGoodbyeOrARequestAtRestLetsAShortSessionMerge) {
   worker->trigger(2, Trigger::request);
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(script.completed, (std::set<SessionId>{1, 2}));
+}
+
+TEST_F(Worker, CloudsAreMadeReadyWhenNoAttemptWaits) {
+  std::promise<void> entered, leave;
+  script.on_attempt = [&](SessionId id, CloudSource&) {
+    if (id == 1) entered.set_value();
+    if (id == 1) leave.get_future().wait();
+    return AttemptReport();
+  };
+  start();
+  worker->trigger(1, Trigger::goodbye);
+  entered.get_future().wait();
+  for (std::uint64_t i = 1; i <= 5; ++i) worker->cloud_durable({1, i});
+  worker->trigger(2, Trigger::goodbye);
+  leave.set_value();
+  ASSERT_TRUE(eventually([&] {
+    const std::lock_guard lock(script.mutex);
+    return script.prepared.size() == 5;
+  }));
+  for (const auto& [cloud, attempts_before] : script.prepared)
+    EXPECT_EQ(attempts_before, 2U) << "whoever sends clouds keeps no attempt waiting";
 }
 
 TEST_F(Worker, IsNotIdleFromTheTriggerToTheEndOfItsAttempt) {

@@ -1,126 +1,86 @@
-#include <atomic>
-#include <chrono>
+#include <algorithm>
 #include <cstdio>
-#include <thread>
 
-#include "common/security/enrolment.hpp"
-#include "common/security/secret.hpp"
-#include "server/map_merge_server.hpp"
-#include "tests/bench/link/drive.hpp"
-#include "tests/bench/link/enrol.hpp"
 #include "tests/bench/link/faults.hpp"
+#include "tests/bench/link/hostile_trial.hpp"
 #include "tests/bench/link/link.hpp"
 #include "tests/support/base_station.hpp"
-#include "tests/support/hostile_peers.hpp"
 
 namespace headframe::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-constexpr int robots = 10;
-constexpr double every_s = 0.1;  // a keyframe and its cloud, of each robot
+constexpr std::size_t every = 6;  // attacks between two trials without one
 
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-struct Good {
-  std::string name;
-  std::unique_ptr<RobotClient> client;
-  std::uint64_t added = 0;
-  std::vector<double> added_s;
-  std::size_t acknowledged = 0;
-};
-
-/// Keyframe to ack of all, in ms.
-Result<std::vector<double>> drive(std::vector<Good>& good, double seconds) {
-  std::vector<double> ack_ms;
-  const auto start = Clock::now();
-  for (auto& robot : good) {
-    robot.added_s.clear();
-    robot.acknowledged = 0;
-  }
-  for (bool all = false; since(start) < seconds || !all;) {
-    all = true;
-    for (auto& robot : good) {
-      if (since(start) < seconds && since(start) >= static_cast<double>(robot.added_s.size()) * every_s) {
-        robot.added_s.push_back(since(start));
-        if (auto added = add_drive_keyframe(*robot.client, robot.name, ++robot.added); !added)
-          return tl::unexpected(added.error());
-      }
-      const auto before = robot.added - robot.added_s.size();
-      for (; before + robot.acknowledged < robot.client->progress().keyframes_acknowledged; ++robot.acknowledged)
-        ack_ms.push_back((since(start) - robot.added_s[robot.acknowledged]) * 1e3);
-      all = all && robot.acknowledged == robot.added_s.size();
-    }
-    if (since(start) > seconds + 60) return failure(ErrorCode::unavailable, "not all was acknowledged");
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return ack_ms;
+std::vector<Attack> attacks(const std::string& only) {
+  std::vector<Attack> all;
+  for (const auto& peer : test::hostile_peers())
+    all.push_back({peer.name, [&](const test::HostileTarget& target) { (void)peer.attack(target); }});
+  for (const auto* acts : {&test::hostile_drives(), &test::hostile_robots(), &test::hostile_clients()})
+    for (const auto& act : *acts) all.push_back({act.name, act.act});
+  std::erase_if(all, [&](const Attack& attack) { return attack.name.find(only) == std::string::npos; });
+  return all;
 }
 
-struct Measured {
-  double calm_p99_ms = 0, hostile_p99_ms = 0;
-  int attacks = 0;
+struct Row {
+  std::string name;
+  double ack_p99_ms = 0, merge_s = 0;
+  std::string death;
 };
 
-Result<Measured> measure(double seconds, const std::filesystem::path& scratch) {
-  ServerConfig config;
-  config.limits.hello_s = 2;
-  config.merge.least_path_m = 1e5;
-  auto server = MapMergeServer::start({scratch / "data", {"127.0.0.1", 0}, {"127.0.0.1", 0}, config});
-  if (!server) return tl::unexpected(server.error());
-  const std::string http = to_string((*server)->http());
-  std::vector<Good> good(robots);
-  for (std::size_t i = 0; i < good.size(); ++i) {
-    good[i].name = "robot" + std::to_string(i);
-    const auto code = enrolment(http, scratch / "data", good[i].name);
-    if (!code) return tl::unexpected(code.error());
-    auto client = RobotClient::open(
-        drive_config(good[i].name, scratch / good[i].name, "127.0.0.1", (*server)->robots().port, *code));
-    if (!client) return tl::unexpected(client.error());
-    good[i].client = std::move(*client);
-  }
-  const auto code = enrolment(http, scratch / "data", "bad");
-  if (!code) return tl::unexpected(code.error());
-  const test::HostileTarget target{(*server)->robots(), "robot0", "bad", random_secret(token_bytes),
-                                   parse_enrolment(*code)->code};
-  test::enrol_accomplice(target);
-  if (auto warm = drive(good, 2); !warm) return tl::unexpected(warm.error());
-  const auto calm = drive(good, seconds);
-  if (!calm) return tl::unexpected(calm.error());
-  std::atomic<bool> stop{false};
-  std::atomic<int> attacks{0};
-  std::vector<std::thread> peers;
-  peers.reserve(test::hostile_peers().size());
-  for (const auto& peer : test::hostile_peers())
-    peers.emplace_back([&] {
-      while (!stop) {
-        (void)peer.attack(target);
-        ++attacks;
-        std::this_thread::sleep_for(std::chrono::milliseconds(500));
-      }
-    });
-  const auto hostile = drive(good, seconds);
-  stop = true;
-  for (auto& peer : peers) peer.join();
-  if (!hostile) return tl::unexpected(hostile.error());
-  return Measured{quantile(*calm, 0.99), quantile(*hostile, 0.99), attacks};
+Result<Row> measured(const Attack& attack, double seconds) {
+  const test::ScratchFolder scratch;
+  const auto trial = hostile_trial(attack, seconds, scratch.path());
+  if (!trial) return tl::unexpected(trial.error());
+  const Row row{attack.name, quantile(trial->ack_ms, 0.99), trial->merge_s, trial->death};
+  std::printf("  %-30s %5d times  ack p50 %6.1f p99 %7.1f ms  merge %6.2f s  %s\n", row.name.c_str(), trial->acts,
+              quantile(trial->ack_ms, 0.5), row.ack_p99_ms, row.merge_s, row.death.c_str());
+  std::fflush(stdout);
+  return row;
+}
+
+double median_of(const std::vector<Row>& rows, double Row::*figure) {
+  std::vector<double> values;
+  for (const Row& row : rows) values.push_back(row.*figure);
+  return quantile(values, 0.5);
+}
+
+const Row& worst_of(const std::vector<Row>& rows, double Row::*figure) {
+  return *std::max_element(rows.begin(), rows.end(), [&](const Row& a, const Row& b) { return a.*figure < b.*figure; });
 }
 
 }  // namespace
 
-nlohmann::json link_hostile(double seconds) {
-  const test::ScratchFolder scratch;
-  const auto measured = measure(seconds, scratch.path());
-  if (!measured) return std::fprintf(stderr, "link hostile: %s\n", measured.error().message.c_str()), nlohmann::json();
-  const double ratio = measured->hostile_p99_ms / measured->calm_p99_ms;
-  std::printf(
-      "link hostile (%.0f s without and with; 10 robots, 10 keyframes a second each with their clouds)\n"
-      "  keyframe to ack, p99: %.1f ms alone, %.1f ms beside %d attacks of eleven kinds: %.2f times\n",
-      seconds, measured->calm_p99_ms, measured->hostile_p99_ms, measured->attacks, ratio);
-  return {{"calm_p99_ms", measured->calm_p99_ms},
-          {"hostile_p99_ms", measured->hostile_p99_ms},
-          {"hostile_p99_ratio", ratio},
-          {"hostile_attacks", measured->attacks}};
+nlohmann::json link_hostile(double seconds, const std::string& only) {
+  const auto all = attacks(only);
+  std::vector<Row> alone, beside;
+  std::printf("link hostile (%.0f s each; six honest robots, ten keyframes a second each; two more that merge)\n",
+              seconds);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % every == 0) {
+      const auto row = measured({"nobody attacks", {}}, seconds);
+      if (!row) return std::fprintf(stderr, "link hostile: %s\n", row.error().message.c_str()), nlohmann::json();
+      alone.push_back(*row);
+    }
+    const auto row = measured(all[i], seconds);
+    if (!row) return std::fprintf(stderr, "link hostile: %s\n", row.error().message.c_str()), nlohmann::json();
+    beside.push_back(*row);
+  }
+  if (beside.empty()) return std::fprintf(stderr, "link hostile: no attack has that name\n"), nlohmann::json();
+  const double ack_ms = median_of(alone, &Row::ack_p99_ms), merge_s = median_of(alone, &Row::merge_s);
+  const Row &slowest_ack = worst_of(beside, &Row::ack_p99_ms), &latest = worst_of(beside, &Row::merge_s);
+  const auto deaths = std::count_if(beside.begin(), beside.end(), [](const Row& row) { return !row.death.empty(); });
+  std::printf("  %zu kinds of attacks, %td deaths; alone: ack p99 %.1f ms, merge %.2f s (medians)\n", beside.size(),
+              deaths, ack_ms, merge_s);
+  std::printf("  worst ack p99 %.2f times of alone (%s; median %.2f), latest merge %.2f times (%s; median %.2f)\n",
+              slowest_ack.ack_p99_ms / ack_ms, slowest_ack.name.c_str(), median_of(beside, &Row::ack_p99_ms) / ack_ms,
+              latest.merge_s / merge_s, latest.name.c_str(), median_of(beside, &Row::merge_s) / merge_s);
+  return {{"hostile",
+           {{"attacks", beside.size()},
+            {"deaths", deaths},
+            {"ack_ratio", slowest_ack.ack_p99_ms / ack_ms},
+            {"merge_ratio", latest.merge_s / merge_s},
+            {"ack_ratio_median", median_of(beside, &Row::ack_p99_ms) / ack_ms},
+            {"merge_ratio_median", median_of(beside, &Row::merge_s) / merge_s}}}};
 }
 
 }  // namespace headframe::bench

@@ -8,8 +8,8 @@ namespace headframe::bench {
 /// Bytes of a keyframe as they cross the link under TLS, of a point at 1 cm, and how fast clouds are coded.
 nlohmann::json link_bytes();
 
-/// What robots notice of hostile peers.
-nlohmann::json link_hostile(double seconds);
+/// What honest robots notice of attacks, of each kind by itself; only: those whose names have these words.
+nlohmann::json link_hostile(double seconds, const std::string& only);
 
 /// Two robots of the demo's mine, clouds on request: what their merge costs.
 nlohmann::json link_merge();

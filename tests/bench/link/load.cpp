@@ -7,13 +7,13 @@
 #include <atomic>
 #include <chrono>
 #include <fstream>
-#include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/enrol.hpp"
 #include "tests/bench/link/faults.hpp"
-#include "tests/support/process.hpp"
+#include "tests/bench/link/served.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -24,35 +24,13 @@ using namespace std::chrono_literals;
 
 double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-struct Server {
-  test::Process process;
-  std::uint16_t port = 0;
-  std::string http;
-  fs::path data;
-};
-
-Result<Server> serve(const fs::path& scratch, const LoadPlan& plan) {
-  fs::create_directories(scratch);
-  std::ofstream config(scratch / "config.toml");
+Result<Served> serve_for(const LoadPlan& plan, const fs::path& scratch) {
+  std::ostringstream config;
   config << "[limits]\nrobots = " << plan.robots + 8 << "\n";
   if (plan.caches_mb > 0)
     for (const char* cache : {"[merge]\nclouds_mb", "places_mb", "walls_mb"})
       config << cache << " = " << plan.caches_mb << "\n";
-  config.close();
-  const std::string log = (scratch / "server.log").string();
-  auto process =
-      test::Process::start({test::program("headframe-server"), "--data", (scratch / "data").string(), "--listen",
-                            "127.0.0.1:0", "--http", "127.0.0.1:0", "--config", (scratch / "config.toml").string()},
-                           log);
-  if (!process) return tl::unexpected(process.error());
-  static const std::regex ready("ready: robots on 127.0.0.1:([0-9]+), http on ([^,]+)");
-  for (int i = 0; i < 500; ++i, std::this_thread::sleep_for(20ms)) {
-    std::ifstream in(log);
-    const std::string text(std::istreambuf_iterator<char>(in), {});
-    if (std::smatch match; std::regex_search(text, match, ready))
-      return Server{std::move(*process), static_cast<std::uint16_t>(std::stoi(match[1])), match[2], scratch / "data"};
-  }
-  return failure(ErrorCode::unavailable, "the server did not get ready, see " + log);
+  return serve(scratch, config.str());
 }
 
 double rss_mb(int pid) {
@@ -82,7 +60,7 @@ struct Robot {
 
 class Load {
  public:
-  Load(const LoadPlan& plan, Server server)
+  Load(const LoadPlan& plan, Served server)
       : plan_(plan), server_(std::move(server)), robots_(static_cast<std::size_t>(plan.robots)) {}
 
   Result<void> connect(const fs::path& spools) {
@@ -170,7 +148,7 @@ class Load {
   }
 
   const LoadPlan plan_;
-  Server server_;
+  Served server_;
   std::vector<Robot> robots_;
   Clock::time_point start_;
   LoadOutcome outcome_;
@@ -183,7 +161,7 @@ class Load {
 Result<LoadOutcome> load(const LoadPlan& plan, const fs::path& scratch, const fs::path& spools) {
   const rlimit files{65536, 65536};
   (void)::setrlimit(RLIMIT_NOFILE, &files);
-  auto server = serve(scratch, plan);
+  auto server = serve_for(plan, scratch);
   if (!server) return tl::unexpected(server.error());
   Load load(plan, std::move(*server));
   if (auto done = load.connect(spools); !done) return tl::unexpected(done.error());

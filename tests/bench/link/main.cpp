@@ -29,6 +29,7 @@ bool clean(const nlohmann::json& figures) {
   if (figures.is_null()) return false;
   for (const char* bad : {"lost", "duplicated", "corrupted", "clouds_corrupted", "radio_faults", "overflows"})
     if (figures.value(bad, 0) != 0) return false;
+  if (figures.contains("hostile") && figures["hostile"].value("deaths", 0) != 0) return false;
   return true;
 }
 
@@ -39,9 +40,11 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   KillPlan kill_plan;
   auto* bytes_part = app.add_subcommand("bytes", "bytes of a keyframe and of a point");
   auto* merge_part = app.add_subcommand("merge", "bytes that a merge of two robots of the demo costs");
-  double hostile_seconds = 30;
-  auto* hostile_part = app.add_subcommand("hostile", "what robots notice of hostile peers");
-  hostile_part->add_option("--seconds", hostile_seconds, "without them, and again with them")->capture_default_str();
+  double hostile_seconds = 5;
+  std::string hostile_only;
+  auto* hostile_part = app.add_subcommand("hostile", "what honest robots notice of attacks, each kind by itself");
+  hostile_part->add_option("--seconds", hostile_seconds, "of each attack")->capture_default_str();
+  hostile_part->add_option("--only", hostile_only, "attacks whose names have these words");
   auto* kills_part = app.add_subcommand(
       "kills", "kill -9 of server and robots under load, all compared; goes on where it was interrupted");
   kills_part->add_option("--count", kill_plan.count, "kills")->capture_default_str();
@@ -77,7 +80,7 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   };
   part(bytes_part, link_bytes);
   part(merge_part, link_merge);
-  part(hostile_part, [&] { return link_hostile(hostile_seconds); });
+  part(hostile_part, [&] { return link_hostile(hostile_seconds, hostile_only); });
   part(kills_part, [&] {
     return link_kills(kill_plan, saved(out / "link.json")["link"],
                       [&](const nlohmann::json& so_far) { save(out / "link.json", so_far); });
