@@ -87,7 +87,7 @@ inline constexpr double asked_each_m = 33;
 double asked_overlap_m(const Evidence& evidence);
 
 /// Overlap that is asked for among look-alikes (Evidence::look_alikes). Of drives through two mines of equal pieces,
-/// every two laid on each other, 16 copies of 8 to 84 m were believed without it, and 7 of 21 to 60 m are with it.
+/// every two laid on each other, 17 copies of 8 to 84 m were believed without it, and 8 of 21 to 53 m are with it.
 double asked_among_look_alikes_m(const Evidence& evidence);
 
 /// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told
