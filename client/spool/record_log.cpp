@@ -113,8 +113,9 @@ Result<RecordLog> RecordLog::open(const std::filesystem::path& path, const std::
                                                ", whole records follow at byte " + std::to_string(log.end_ + i) +
                                                "; keep the folder for repair and start with another one");
   if (log.end_ == 0 && !may_be_torn(rest))
-    return failure(ErrorCode::bad_input, log.path_ + ": no spool has written this; keep the folder for repair and start "
-                                                     "with another one");
+    return failure(ErrorCode::bad_input, log.path_ +
+                                             ": no spool has written this; keep the folder for repair and start "
+                                             "with another one");
   log.cut_bytes_ = rest.size();
   if (!rest.empty() && ::ftruncate(log.file_.get(), static_cast<off_t>(log.end_)) != 0)
     return disk_fault(log.path_, "the torn end can not be cut off");
