@@ -1,5 +1,6 @@
 // Robots that were let in and mean harm.
 
+#include <array>
 #include <memory>
 
 #include "tests/support/tls_peer.hpp"
@@ -99,8 +100,8 @@ void many_sessions(const HostileTarget& target) {
 }
 
 void many_connections(const HostileTarget& target) {
-  std::vector<std::unique_ptr<Accomplice>> all;
-  for (int i = 0; i < 64; ++i) all.push_back(std::make_unique<Accomplice>(target));
+  std::array<std::unique_ptr<Accomplice>, 64> all;
+  for (auto& one : all) one = std::make_unique<Accomplice>(target);
 }
 
 /// Connects to one session over and over: each time counts as a reason to try it.

@@ -40,6 +40,7 @@ Result<Row> measured(const Attack& attack, double seconds) {
 
 double median_of(const std::vector<Row>& rows, double Row::*figure) {
   std::vector<double> values;
+  values.reserve(rows.size());
   for (const Row& row : rows) values.push_back(row.*figure);
   return quantile(values, 0.5);
 }
