@@ -44,7 +44,7 @@ test('without robots the page says what to do next', async () => {
 });
 
 test('keyframes and points appear while a robot drives, and a merge brings two maps together', async () => {
-  const a = station.replay('a', join(drives, 'a'), ['--rate', '8']);
+  const a = station.replay('a', join(drives, 'a'), ['--rate', '5']);
   await until('keyframes on the screen before the robot has finished', async () => (await shown(page)).keyframes.some((count) => count > 3));
   assert.equal(a.exitCode, null, 'the robot still drives');
   const early = (await shown(page)).keyframes[0];
