@@ -37,7 +37,7 @@ struct Evidence {
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
   double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
   /// Other placements at which a place fits, taken alone, as a copy of the rock would (likeness()): of the two on each
-  /// other, and of each on itself. At right placements 0 in a cave, about 1 in rough drifts, .3 to 13 among equal tunnels.
+  /// other, and of each on itself. At right placements 0 in a cave, 1 in rough drifts, .3 to 13 among equal tunnels.
   double look_alikes = 0;
   double overlap_a = 0;  // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
