@@ -7,7 +7,7 @@
 
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/overlay.hpp"
 #include "server/operator/plan_png.hpp"

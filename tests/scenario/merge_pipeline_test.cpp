@@ -1,6 +1,6 @@
 // Drawn mines through the whole pipeline, without sockets or disk: what must merge does, what must not does not.
 
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <future>
 
 #include "server/merge_worker/merge_worker.hpp"
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/stores.hpp"
 
