@@ -133,6 +133,8 @@ class Worker : public testing::Test {
     worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, schedule);
     ASSERT_TRUE(worker->restore());
     worker->start(robots);
+    if (!attempted) return;
+    ASSERT_TRUE(eventually([&] { return idle(); })) << "all is back";
   }
 
   bool idle() const { return worker->pending().idle(); }

@@ -83,6 +83,7 @@ TEST_F(Worker, AnAnchorIsDurableToldAndFoundAgain) {
   EXPECT_EQ(anchored(9).error().code, ErrorCode::not_found);
   worker.reset();
   start();
+  ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(script.anchors, std::vector<SessionId>{2});
 }
 
