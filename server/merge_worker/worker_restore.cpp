@@ -46,8 +46,9 @@ void MergeWorker::bring_back() {
   atlas_ = pipeline_->atlas();
   update_view();
   rest();
-  if (sessions > 0)
-    spdlog::info("{} sessions with {} keyframes are back, {:.1f} s", sessions, keyframes, ms_since(start) / 1000);
+  constexpr double worth_a_line_s = 1;
+  if (const double s = ms_since(start) / 1000; s > worth_a_line_s)
+    spdlog::info("{} sessions with {} keyframes are back, {:.1f} s after the start", sessions, keyframes, s);
 }
 
 /// A stored session, into the pipeline. One that can not be read, or that is too much, costs itself.
