@@ -12,6 +12,7 @@
 
 #include "client/keyframe/keyframe_selector.hpp"
 #include "client/keyframe/sweeps.hpp"
+#include "client/progress.hpp"
 #include "client/transforms.hpp"
 #include "common/cloud/point_cloud.hpp"
 #include "common/descriptor/family.hpp"
@@ -49,23 +50,6 @@ struct RobotConfig {
   float min_range_m = 0.1F;                       // nearer points are no returns
   KeyframeConfig keyframes;
   SweepConfig sweeps;
-};
-
-struct Progress {
-  std::uint64_t keyframes = 0;  // of the session, in the spool
-  std::uint64_t keyframes_acknowledged = 0;
-  std::uint64_t clouds_waiting = 0;  // in the spool, not acknowledged
-  std::uint64_t clouds_acknowledged = 0;
-  std::uint64_t clouds_dropped = 0;  // by the quota, damaged, or refused
-  std::uint64_t clouds_refused = 0;  // by the server, since open()
-  std::uint64_t bytes_sent = 0;      // since open()
-  bool connected = false;
-  bool refused = false;                          // the server said no for good: nothing more is tried
-  double server_bytes_per_s = 0;                 // what the server lets it send; 0: no limit
-  std::vector<std::string> server_capabilities;  // as its last welcome listed them; empty: it is older than the list
-  std::string hold;                              // why the server takes nothing for now (a full disk); empty: it does
-  std::string link_error;                        // why the last connection ended; empty: none did
-  std::string cloud_error;  // why the last cloud was dropped that was damaged or refused; empty: none was
 };
 
 /// add_scan and add_keyframe: from one thread at a time, and one of the two only. All else is thread safe.

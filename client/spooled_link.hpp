@@ -6,7 +6,7 @@
 #include <mutex>
 #include <optional>
 
-#include "client/robot_client.hpp"
+#include "client/progress.hpp"
 #include "client/spool/spool.hpp"
 #include "client/uplink/uplink_protocol.hpp"
 

@@ -9,8 +9,8 @@
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
 #include "server/merge_worker/work_mark.hpp"
-#include "server/printable_log.hpp"
 #include "server/stop_deadline.hpp"
+#include "server/support/printable_log.hpp"
 
 namespace {
 

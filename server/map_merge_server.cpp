@@ -10,11 +10,11 @@
 
 #include "server/net/robot_listener.hpp"
 #include "server/operator/operator_api.hpp"
-#include "server/robot_desk.hpp"
 #include "server/security/operator_guard.hpp"
 #include "server/security/robot_gate.hpp"
 #include "server/security/server_identity.hpp"
-#include "server/station_view.hpp"
+#include "server/station/robot_desk.hpp"
+#include "server/station/station_view.hpp"
 #include "server/store/sqlite_store.hpp"
 
 namespace headframe {

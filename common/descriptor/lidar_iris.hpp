@@ -10,7 +10,7 @@ namespace headframe {
 /// w is the share of bits set in the thresholded responses, the paper's binary image, over every 5 deg of azimuth
 /// (shifts with yaw). Deviations: the binary image itself does not travel, so places are told apart by the energies and
 /// not by a Hamming distance; rings grow by 6 % each from 0.5 to 60 m and layers are 0.75 m around the sensor, since
-/// drifts are 3 to 10 m wide and have a roof.
+/// tunnels are 3 to 10 m wide and have a roof.
 class LidarIris : public DescriptorFamily {
  public:
   FamilyId id() const override { return {"lidar_iris", 1}; }

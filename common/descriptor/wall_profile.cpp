@@ -23,8 +23,13 @@ std::uint8_t encode_wall_range(float range_m) {
 }
 
 float decode_wall_range_m(std::uint8_t code) {
-  if (code == 0) return 0;
-  return nearest_m * std::pow(farthest_m / nearest_m, static_cast<float>(code - 1) / steps);
+  static const std::array<float, 256> ranges_m = [] {
+    std::array<float, 256> out{};  // code 0: no return
+    for (std::size_t i = 1; i < out.size(); ++i)
+      out[i] = nearest_m * std::pow(farthest_m / nearest_m, static_cast<float>(i - 1) / steps);
+    return out;
+  }();
+  return ranges_m[code];
 }
 
 WallProfile wall_profile(const Points& points_level) {

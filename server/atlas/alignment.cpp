@@ -1,6 +1,5 @@
 #include "server/atlas/alignment.hpp"
 
-#include <algorithm>
 #include <array>
 
 namespace headframe {
@@ -9,40 +8,6 @@ namespace {
 constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
-
-constexpr std::array<EvidenceField, 31> fields{{
-    {"probability", &Evidence::probability},
-    {"pairs", &Evidence::pairs},
-    {"places", &Evidence::places},
-    {"places_agreeing", &Evidence::places_agreeing},
-    {"inlier_fraction", &Evidence::inlier_fraction},
-    {"matched_share", &Evidence::matched_share},
-    {"rmse_m", &Evidence::rmse_m},
-    {"residual_m", &Evidence::residual_m},
-    {"spread_m", &Evidence::spread_m},
-    {"overlap_m", &Evidence::overlap_m},
-    {"path_m", &Evidence::path_m},
-    {"awaited_m", &Evidence::awaited_m},
-    {"aliases", &Evidence::aliases},
-    {"repetition", &Evidence::repetition},
-    {"look_alikes", &Evidence::look_alikes},
-    {"overlap_a", &Evidence::overlap_a},
-    {"overlap_b", &Evidence::overlap_b},
-    {"seen_points", &Evidence::seen_points},
-    {"freespace_violation", &Evidence::freespace_violation},
-    {"worst_place_violation", &Evidence::worst_place_violation},
-    {"farther_violation", &Evidence::farther_violation},
-    {"own_violation", &Evidence::own_violation},
-    {"weakest_hold", &Evidence::weakest_hold},
-    {"slide_ratio", &Evidence::slide_ratio},
-    {"end_on_match", &Evidence::end_on_match},
-    {"descriptors_compared", &Evidence::descriptors_compared},
-    {"descriptors_alike", &Evidence::descriptors_alike},
-    {"tilt_deg", &Evidence::tilt_deg},
-    {"support", &Evidence::support},
-    {"runner_up", &Evidence::runner_up},
-    {"probability_if_unique", &Evidence::probability_if_unique},
-}};
 
 }  // namespace
 
@@ -55,40 +20,5 @@ std::optional<AlignmentState> alignment_state_from(std::string_view name) {
 }
 
 std::string_view to_string(Ruling ruling) { return ruling_names.at(static_cast<std::size_t>(ruling)); }
-
-double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, std::max(e.aliases, e.look_alikes)); }
-
-double asked_among_look_alikes_m(const Evidence& e) {
-  constexpr double some = 0.6, least_m = 20, each_m = 4, most_m = 90;
-  return std::min(1.0, e.look_alikes / some) * std::min(most_m, least_m + each_m * e.look_alikes * e.look_alikes);
-}
-
-double counted_aliases(const Evidence& e) {
-  const double alike = std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0),
-               unlike = std::clamp((0.76 - e.descriptors_alike) / 0.04, 0.0, 1.0);
-  return e.aliases * (1 + (unlike - 0.5 * alike) * std::min(1.0, e.descriptors_compared / 6));
-}
-
-double asked_overlap_m(const Evidence& e) {
-  // In drawn mines of copies .58 to 1.6 a 100 m, in the recordings .05 to .24. The longest wrong placement that passed
-  // all else there shared 57 m.
-  constexpr double few = 0.3, metres_each = 200, most_m = 70, told_m = 100;
-  const double of_all_m = std::clamp(metres_each * (e.repetition - few), 0.0, most_m);
-  return std::clamp(asked_each_m * counted_aliases(e), of_all_m, told_m);
-}
-
-double runner_up_share(const Evidence& e) {
-  constexpr double certain = 1 - 1e-9;
-  const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
-  // Right placements with violations had no rival above 0.01 in drawn mines; look-alikes with a crossing less had.
-  const double doubt = e.worst_place_violation > 1e-3 ? 100 : 1;
-  return e.probability > 0 ? doubt * odds(e.runner_up) / odds(e.probability) : 1;
-}
-
-bool convinces(const Evidence& e, const MergeConfig& config) {
-  return e.probability >= config.accept_probability && runner_up_share(e) < config.runner_up_share;
-}
-
-std::span<const EvidenceField> evidence_fields() { return fields; }
 
 }  // namespace headframe

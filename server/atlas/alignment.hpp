@@ -1,107 +1,19 @@
 #pragma once
 // An alignment between two sessions, with the evidence for and against it.
 
-#include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
 
 #include "common/geometry/se3.hpp"
-#include "server/merge_config.hpp"
+#include "server/session/ids.hpp"
+#include "server/verification/evidence.hpp"
 
 namespace headframe {
-
-using SessionId = std::int64_t;
-using AlignmentId = std::int64_t;
 
 enum class AlignmentState { candidate, verified, published, retracted, rejected };
 
 std::string_view to_string(AlignmentState state);
 std::optional<AlignmentState> alignment_state_from(std::string_view name);
-
-/// Everything the verdict was made from. NaN: not measured. evidence_fields() lists the members by name, so that store,
-/// API and reports never repeat them.
-struct Evidence {
-  double probability = 0;      // calibrated, that T_a_b is right
-  double pairs = 0;            // keyframes that lie within 10 m of one of the other's, mean of both sessions
-  double places = 0;           // spread over the overlap, where both saw some rock; each registered by itself
-  double places_agreeing = 0;  // ... that stayed within the drift of T_a_b
-  double inlier_fraction = 0;  // of the longer session's points where they meet, with a partner in the other
-  double matched_share = 0;    // of those of them that the other's map can speak of, that lie on its surface
-  double rmse_m = 0;           // of the inliers, along the normals
-  double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
-  double spread_m = 0;         // how far the places would have moved by themselves, root mean square
-  double overlap_m = 0;        // path along those, mean of both sessions
-  double path_m = 0;           // of both sessions when the pair was last judged as a whole
-  double awaited_m = 0;        // path that a session which still grows has to come along before the placement is told
-  double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
-  double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
-  /// Other placements at which a place fits, taken alone, as a copy of the rock would (likeness()): of the two on each
-  /// other, and of each on itself. At right placements 0 in a cave, 1 in rough drifts, .3 to 13 among equal tunnels.
-  double look_alikes = 0;
-  double overlap_a = 0;  // share of a's points near the overlap that b's rays met, and the other way round
-  double overlap_b = 0;
-  double seen_points = 0;            // that speak for it, both ways
-  double freespace_violation = 0;    // points of one map that the other's rays pass through / points that say anything
-  double worst_place_violation = 0;  // the same at the place that contradicts most
-  double farther_violation = 0;      // the same up to 25 m from a place instead of 15; 0 unless the mine repeats itself
-  double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
-  double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
-  double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
-  double end_on_match = 0;  // share of surfaces that face along the weakest axis and meet one of the other's that does
-  double descriptors_compared = 0;   // keyframes of the longer session within 3 m of one of the other's
-  double descriptors_alike = 0;      // ... how alike they are, 0 to 1 (Agreement::mean)
-  double tilt_deg = 0;               // gravity disagreement after registration
-  double support = 0;                // wall map score of the hypothesis it came from
-  double runner_up = 0;              // probability of the best different hypothesis
-  double probability_if_unique = 0;  // what it would be with no aliases and no repetition
-};
-
-/// Weakest hold from which on nothing slides along a drift, and the end-on match from which on a place of a drift that
-/// holds less is told from its neighbours: in the recordings right placements match 0.22 and more, wrong ones 0.07.
-inline constexpr double held_well = 0.03, ends_meet = 0.12;
-
-/// Repetition from which on the database is known to hold copies: over all recordings at once it is 0.05.
-inline constexpr double copies_known = 0.15;
-
-/// Farther violation that speaks against a placement.
-inline constexpr double contradicted_farther = 0.003;
-
-/// How alike the descriptors have to be: .72; .85 where the mine repeats itself, or places look alike. At right
-/// placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of copies
-/// that were merged wrongly .62 to .69.
-double asked_alike(const Evidence& evidence);
-
-/// The aliases as they count: half of each when the descriptors are as alike as they can be over six keyframes, and
-/// twice when they are .72 alike or less (at .74, and counted once, a copy of a crosscut was merged over 37 m of smooth
-/// drift). Counted in full, a true pair of the recordings that shares 14 m would wait; at half, copies of 19 and 36 m
-/// were merged, until the repetition counted too.
-double counted_aliases(const Evidence& evidence);
-
-/// For each alias that counts. With 30 m two mines of the same 20 m tiles were merged over 24 m.
-inline constexpr double asked_each_m = 33;
-
-/// Overlap that is asked for where the mine repeats itself. Where all sessions together show copies,
-/// up to 70 m without any alias: the copy that would be merged wrongly need not have been driven through twice. At most
-/// 100 m.
-double asked_overlap_m(const Evidence& evidence);
-
-/// Overlap that is asked for among look-alikes (Evidence::look_alikes). Of some 340 pairs of drives, most through
-/// two mines of equal pieces, 17 copies of 8 to 84 m were believed without it, and 8 of 21 to 53 m are with it.
-double asked_among_look_alikes_m(const Evidence& evidence);
-
-/// Odds of the runner-up over this one's, a hundred times that where free space contradicts this one. Near 1: not told
-/// apart.
-double runner_up_share(const Evidence& evidence);
-
-/// Probable enough, and told from its runner-up.
-bool convinces(const Evidence& evidence, const MergeConfig& config);
-
-struct EvidenceField {
-  std::string_view name;
-  double Evidence::*member;
-};
-std::span<const EvidenceField> evidence_fields();
 
 /// What the operator's latest standing decision says of the placement T_a_b (server/atlas/decisions.hpp).
 enum class Ruling { none, confirmed, refused, retracted };

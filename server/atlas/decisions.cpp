@@ -24,7 +24,7 @@ std::optional<Decision> decision_from(std::string_view name) {
 
 bool DecisionBook::same(const Pose& T, const Pose& U) const {
   const Pose error = T.inverse() * U;
-  return error.translation().norm() <= rules_.same_m && rotation_angle_rad(error) <= rules_.same_rad;
+  return error.translation().norm() <= rules_.same.metres && rotation_angle_rad(error) <= rules_.same.radians;
 }
 
 /// A confirmation holds the alignment, wherever later evidence has moved it, until something newer is decided;

@@ -5,6 +5,7 @@
 
 #include "common/result.hpp"
 #include "server/atlas/alignment.hpp"
+#include "server/session/same_placement.hpp"
 
 namespace headframe {
 
@@ -32,8 +33,7 @@ enum class Proposal {
 
 /// When two placements of a pair count as the same one, and how much more evidence reopens a refused one.
 struct DecisionRules {
-  double same_m = 2.0;
-  double same_rad = 10 * 3.14159265358979 / 180;
+  PlacementTolerance same = same_as_ruled;
   double reopen_ratio = 2;     // of seen_points now to those at the refusal ...
   double reopen_least = 2000;  // ... and at least so many more: twice of nothing is nothing
 };

@@ -26,7 +26,7 @@ std::string decision_of(Ruling ruling) {
   return {};
 }
 
-std::string outcome_of(const std::string& both, const Alignment& k, bool together, const MergeConfig& config) {
+std::string outcome_of(const std::string& both, const Alignment& k, bool together, const VerdictThresholds& config) {
   if (k.state == AlignmentState::published) return both + " are merged: " + placement_of(k);
   const std::string apart =
       together ? both + " are merged through other sessions; of the pair itself: " : both + " are not merged: ";
@@ -58,7 +58,7 @@ void add_troubles(const ExplainedSession& s, std::vector<std::string>& missing) 
                       "; what comes after is not merged with the rest: begin a new session there");
 }
 
-void add_lacks(const ExplainedSession& s, const MergeConfig& config, std::vector<std::string>& missing) {
+void add_lacks(const ExplainedSession& s, const VerdictThresholds& config, std::vector<std::string>& missing) {
   if (!s.complete && s.path_m < config.least_path_m)
     missing.push_back(s.name +
                       formatted(" is too short: %.0f of %.0f m; it merges when it has come so far, ends, or asks",
@@ -80,7 +80,7 @@ void add_costliest(const Evidence& e, std::vector<std::string>& missing) {
 }
 
 std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSession& b, const Alignment& k,
-                                    const MergeConfig& config, const SessionNames& names) {
+                                    const VerdictThresholds& config, const SessionNames& names) {
   std::vector<std::string> missing;
   const Evidence& e = k.evidence;
   if (const auto& by = k.objection)
@@ -104,7 +104,7 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
           "a robot still drives: what lies ahead of it may contradict a look-alike; %.0f m farther, or its end, tells",
           e.awaited_m));
     if (e.weakest_hold < held_well)
-      missing.push_back("the position along the drift is held by nothing: drive on to a junction or a bend");
+      missing.push_back("the position along the tunnel is held by nothing: drive on to a junction or a bend");
     if (e.overlap_m < asked_overlap_m(e)) missing.push_back("drive further together than the copies are long");
   } else {
     missing.push_back("they do not meet as far as they have come, or the place looks too different: drive on");
@@ -117,7 +117,7 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
 }  // namespace
 
 Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
-                    const MergeConfig& config, const SessionNames& names) {
+                    const VerdictThresholds& config, const SessionNames& names) {
   Explanation out;
   add_troubles(a, out.missing);
   add_troubles(b, out.missing);

@@ -7,7 +7,6 @@
 
 #include "common/session/keyframe.hpp"
 #include "server/atlas/findings.hpp"
-#include "server/merge_config.hpp"
 
 namespace headframe {
 
@@ -35,6 +34,6 @@ using SessionNames = std::function<std::string(SessionId)>;
 
 /// alignment: of the pair a, b; null when nothing has been tried. together: both are in one component.
 Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
-                    const MergeConfig& config, const SessionNames& names);
+                    const VerdictThresholds& config, const SessionNames& names);
 
 }  // namespace headframe

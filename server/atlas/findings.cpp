@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "server/atlas/formatted.hpp"
-#include "server/atlas/verdict.hpp"
+#include "server/verification/verdict.hpp"
 
 namespace headframe {
 namespace {
@@ -23,7 +23,7 @@ std::string descriptors(const Evidence& e) {
 std::string hold(const Evidence& e) {
   if (e.weakest_hold >= held_well) return "the walls hold the position in every direction";
   return formatted(
-      "the walls hardly hold the position along the drift, and of the surfaces that face along it %.0f %% meet",
+      "the walls hardly hold the position along the tunnel, and of the surfaces that face along it %.0f %% meet",
       100 * e.end_on_match);
 }
 

@@ -13,8 +13,8 @@ namespace {
 /// A key of the file and the member that it sets, between low and high.
 struct Key {
   std::string_view section, name;
-  std::variant<int*, double*> value;
-  double low, high;
+  std::variant<int*, double*, RegistrationEngine*> value;
+  double low = 0, high = 0;
 };
 
 std::vector<Key> keys_of(ServerConfig& c) {
@@ -25,6 +25,8 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"limits", "robots", &c.limits.robots, 1, 4096},
       {"limits", "sessions", &c.limits.sessions, 1, 4096},
       {"limits", "sessions_a_day", &c.limits.sessions_a_day, 1, 1e6},
+      {"limits", "keyframes_a_day", &c.limits.keyframes_a_day, 1, 1e9},
+      {"limits", "stored_mib_a_day", &c.limits.stored_mib_a_day, 1, 1e9},
       {"limits", "strangers", &c.limits.strangers, 1, 4096},
       {"limits", "spares", &c.limits.spares, 0, 64},
       {"limits", "undurable_mib", &c.limits.undurable_mib, 1, 1024},
@@ -40,6 +42,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "asked_rest_s", &c.schedule.asked_rest_s, 0, 1e6},
       {"merge", "stuck_s", &c.schedule.stuck_s, 0.1, 1e6},
       {"merge", "budget_s", &c.schedule.budget_s, 0.1, 1e6},
+      {"merge", "registration", &c.merge.registration},
       {"merge", "threads", &c.merge.threads, 1, 256},
       {"merge", "accept_probability", &c.merge.accept_probability, 0, 1},
       {"merge", "runner_up_share", &c.merge.runner_up_share, 0, 1},
@@ -66,7 +69,16 @@ std::string known_names(const std::vector<Key>& keys, std::string_view section) 
   return names;
 }
 
+Result<void> set_engine(RegistrationEngine& engine, const toml::node& node, const std::string& where) {
+  const auto name = node.value<std::string>().value_or("");
+  if (name != "vgicp" && name != "pcl_gicp")
+    return failure(ErrorCode::bad_input, where + ": registration must be \"vgicp\" or \"pcl_gicp\"");
+  engine = name == "vgicp" ? RegistrationEngine::vgicp : RegistrationEngine::pcl_gicp;
+  return {};
+}
+
 Result<void> set(const Key& key, const toml::node& node, const std::string& where) {
+  if (auto* const* engine = std::get_if<RegistrationEngine*>(&key.value)) return set_engine(**engine, node, where);
   const bool whole = std::holds_alternative<int*>(key.value);
   const auto value = node.value<double>();
   if (!value || (whole && !node.is_integer()) || !(*value >= key.low && *value <= key.high)) {

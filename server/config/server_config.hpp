@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "common/result.hpp"
-#include "server/merge_config.hpp"
+#include "server/merge/merge_config.hpp"
 #include "server/merge_worker/schedule_config.hpp"
 #include "server/net/robot_limits.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/merge_worker/schedule_config.hpp"
-#include "server/place/descriptor_index.hpp"
+#include "server/session/ids.hpp"
 
 namespace headframe {
 
@@ -50,7 +50,7 @@ class MergeSchedule {
   /// Joins an attempt that is queued already.
   void trigger(SessionId session, Trigger trigger, Time now);
   void travelled(SessionId session, double metres, Time now);
-  /// Its robot is at a junction, where drifts that look alike can be told apart. A try follows when the session has
+  /// Its robot is at a junction, where tunnels that look alike can be told apart. A try follows when the session has
   /// come config.junction_m since its last one, now or later: of the keyframes at one junction one asks.
   void junction(SessionId session, Time now);
 

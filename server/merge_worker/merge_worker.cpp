@@ -6,12 +6,12 @@
 
 #include <algorithm>
 
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
+#include "server/support/stopwatch.hpp"
 
 namespace headframe {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr int merge_nice = 10;
 
 }  // namespace
@@ -26,44 +26,6 @@ MergeWorker::MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const
       watch_(config.budget_s) {}
 
 MergeWorker::~MergeWorker() { stop(); }
-
-Result<void> MergeWorker::restore() {
-  auto sessions = store_.sessions();
-  if (!sessions) return tl::unexpected(sessions.error());
-  if (auto known = restore_troubles(); !known) return known;
-  for (const SessionRecord& session : *sessions) {
-    if (is_aside(session.id)) {
-      if (!troubles_[session.id].deleted) known_[session.id] = {};
-      continue;
-    }
-    if (auto done = bring_in(session); !done) return done;
-    if (!session.complete) schedule_.grows(session.id, Clock::now());
-    if (known_[session.id].keyframes > session.attempted_keyframes)
-      schedule_.trigger(session.id, Trigger::restart, Clock::now());
-  }
-  auto merge = store_.merge();
-  if (!merge) return tl::unexpected(merge.error());
-  pipeline_->restore(std::move(merge->alignments), merge->atlas.revision, std::move(merge->decisions),
-                     std::move(merge->anchors));
-  atlas_ = pipeline_->atlas();
-  update_view();
-  rest();
-  return {};
-}
-
-/// A stored session, into the pipeline.
-Result<void> MergeWorker::bring_in(const SessionRecord& session) {
-  working_on(session.id, session.id);
-  schedule_.belongs(session.id, session.key.robot);
-  pipeline_->add_session(session.id, session.family);
-  feed(session.id, false);
-  if (session.complete) pipeline_->complete_session(session.id);
-  auto clouds = store_.cloud_sequences(session.id);
-  if (!clouds) return tl::unexpected(clouds.error());
-  known_[session.id].stored = {clouds->begin(), clouds->end()};
-  no_work();
-  return {};
-}
 
 void MergeWorker::start(Robots& robots) {
   robots_ = &robots;
@@ -97,6 +59,7 @@ void MergeWorker::run() {
   Mailbox news;
   std::vector<Order> orders;
   try {
+    bring_back();
     while (wait_for_news(news, orders)) {
       for (const auto& [session, what] : news) {
         working_on(session, session);
@@ -279,8 +242,8 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
 }
 
 void MergeWorker::update_view() {
-  draft_.atlas = pipeline_->atlas();
-  draft_.alignments = pipeline_->alignments();
+  draft_.atlas = stored_ ? stored_->merge.atlas : pipeline_->atlas();
+  draft_.alignments = stored_ ? stored_->merge.alignments : pipeline_->alignments();
   std::set<SessionId> placed;
   for (const Component& component : draft_.atlas.components)
     for (const Placement& placement : component.placements) placed.insert(placement.session);

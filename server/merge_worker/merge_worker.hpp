@@ -10,7 +10,7 @@
 #include "server/merge_worker/pipeline.hpp"
 #include "server/merge_worker/work_mark.hpp"
 #include "server/merge_worker/work_watch.hpp"
-#include "server/operator/station.hpp"
+#include "server/session/session_row.hpp"
 #include "server/store/store.hpp"
 
 namespace headframe {
@@ -19,8 +19,8 @@ namespace headframe {
 struct MergeView {
   struct Session {
     double distance_m = 0;
-    double trigger_to_transform_ms = -1;
-    std::string why_aside = {};  // it is not merged, and why; empty: it is
+    double trigger_to_transform_ms = -1;  // from the trigger of the attempt that placed it; -1: none has
+    std::string why_aside = {};           // it is not merged, and why; empty: it is
     bool deleted = false;
     std::string why_cut = {};  // keyframes from here on are left out of merging, and why; empty: none are
   };
@@ -39,7 +39,8 @@ class MergeWorker : public MergeNews, private CloudSource {
               std::optional<WorkMark> mark = std::nullopt);
   ~MergeWorker() override;  // stop()
 
-  /// Brings back what the store holds; once, before start(). Sessions with keyframes that no attempt has seen are
+  /// Reads what the store holds; once, before start(). The atlas is there at once, as it was published last; the
+  /// keyframes are read by the worker, and pending() says so. Sessions with keyframes that no attempt has seen are then
   /// tried.
   Result<void> restore();
   void start(Robots& robots);
@@ -85,6 +86,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   MergeEffort effort() const;
 
  private:
+  using Clock = std::chrono::steady_clock;
   using Time = MergeSchedule::Time;
   struct Known {
     std::uint64_t keyframes = 0;
@@ -117,7 +119,9 @@ class MergeWorker : public MergeNews, private CloudSource {
   void published(const MergeSchedule::Attempt* attempt);
   void note_withdrawn(const AttemptReport& report);
   bool write_durably(const Write& write);
-  Result<void> bring_in(const SessionRecord& session);
+  // worker_restore.cpp
+  void bring_back();
+  void bring_in(const SessionRecord& session);
   // worker_aside.cpp
   Result<void> restore_troubles();
   bool is_aside(SessionId session) const;
@@ -148,6 +152,11 @@ class MergeWorker : public MergeNews, private CloudSource {
   const double stuck_s_;
   WorkWatch watch_;  // any thread
   Atlas atlas_;      // as published last
+  struct Stored {
+    std::vector<SessionRecord> sessions;
+    StoredMerge merge;
+  };
+  std::optional<Stored> stored_;  // not yet brought back
   MergeView draft_;
 
   mutable std::mutex mutex_;

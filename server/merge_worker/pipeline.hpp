@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 
 namespace headframe {
 

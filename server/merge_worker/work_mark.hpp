@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/result.hpp"
-#include "server/atlas/alignment.hpp"
+#include "server/session/ids.hpp"
 
 namespace headframe {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "server/atlas/alignment.hpp"
+#include "server/session/ids.hpp"
 
 namespace headframe {
 

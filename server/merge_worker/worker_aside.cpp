@@ -126,8 +126,7 @@ Result<void> MergeWorker::take_back(SessionId session) {
   if (!write_durably(PutTrouble{{session, 0, 0, {}, false}})) return failure(ErrorCode::unavailable, stop_reason_);
   troubles_.erase(session);
   for (const SessionRecord& record : *sessions)
-    if (record.id == session)
-      if (auto done = bring_in(record); !done) return done;
+    if (record.id == session) bring_in(record);
   schedule_.trigger(session, Trigger::command, std::chrono::steady_clock::now());
   spdlog::info("session {} is merged again", session);
   update_view();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/merge_worker/merge_worker.hpp"
+#include "server/support/stopwatch.hpp"
 
 namespace headframe {
 namespace {
@@ -54,7 +55,11 @@ void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
   robots_->publish(atlas_, changed);
   if (!attempt) return;
   const double ms = ms_since(attempt->triggered);
-  draft_.sessions[attempt->session].trigger_to_transform_ms = ms;
+  for (const Component& component : changed)
+    for (const Placement& placement : component.placements) {
+      double& known_ms = draft_.sessions[placement.session].trigger_to_transform_ms;
+      if (placement.session == attempt->session || known_ms < 0) known_ms = ms;
+    }
   spdlog::info("revision {}: session {}, {:.0f} ms from its trigger ({}) to the transform; {} components changed",
                atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
 }

@@ -1,6 +1,14 @@
 #include "server/net/fair_pool.hpp"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 namespace headframe {
+namespace {
+
+constexpr int pool_nice = 5;  // acks come first; merging (10) waits for both
+
+}  // namespace
 
 FairPool::FairPool(int threads) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
@@ -26,6 +34,7 @@ void FairPool::submit(const std::string& owner, Work work) {
 }
 
 void FairPool::run() {
+  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), pool_nice);  // harmless where it is refused
   std::unique_lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [&] { return stopping_ || !turns_.empty(); });

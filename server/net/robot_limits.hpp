@@ -4,9 +4,11 @@ namespace headframe {
 
 /// What one robot's connection may take ([limits] in the configuration file); defaults live only here.
 struct RobotLimits {
-  int robots = 64;           // connected at a time
-  int sessions = 8;          // of one robot, connected at a time
-  int sessions_a_day = 200;  // that one robot may begin
+  int robots = 64;               // connected at a time
+  int sessions = 8;              // of one robot, connected at a time
+  int sessions_a_day = 200;      // that one robot may begin
+  int keyframes_a_day = 100000;  // that one robot may send, and ...
+  int stored_mib_a_day = 16384;  // ... with its clouds; both are kept in memory or on the disk for good
   int strangers = 256;    // connections that were not let in yet, of a robot that seeks the link up to four; one more,
                           // and the oldest of them is closed
   int spares = 8;         // connections of one robot beside the one that carries its session; one more, and the oldest

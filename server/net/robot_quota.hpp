@@ -23,8 +23,21 @@ class RobotQuota {
 
   void began_session(const std::string& robot, Time now);
 
+  /// One keyframe, or cloud, of so many bytes that is to be stored; what speaks against it, empty: nothing. What a
+  /// robot may send in a day it may send at once, and then as it comes back over the day.
+  std::string stores(const std::string& robot, int keyframes, std::size_t bytes, Time now);
+
  private:
+  /// What is left of a day's allowance.
+  struct Allowance {
+    double keyframes = 0, bytes = 0;
+    Time at;
+  };
+  Allowance left(const std::string& robot, Time now) const;
+  std::string used_up(const std::string& robot, const Allowance& left) const;
+
   RobotLimits limits_;
+  std::map<std::string, Allowance> allowances_;
   std::map<std::string, std::deque<Time>> begun_;  // of each robot the latest, as many as it may begin in a day
 };
 

@@ -79,6 +79,7 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
     const std::lock_guard lock(mutex_);
     sessions_.at(session).backlog = event.backlog;
   }
+  if (over_quota(session, 1, link, bytes)) return;
   write(PutKeyframe{session, std::move(event.keyframe)}, link, bytes,
         [this, session, sequence, to = std::weak_ptr(link)] {
           {
@@ -94,6 +95,7 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
 void SessionHub::handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
   const KeyframeRef cloud{session, event.sequence};
+  if (over_quota(session, 0, link, bytes)) return;
   {
     const std::lock_guard lock(mutex_);
     sessions_.at(session).cloud_bytes += event.encoded.size();
@@ -111,6 +113,18 @@ void SessionHub::handle(SessionId session, CloudReceived event, const std::share
     if (const auto robot = to.lock()) robot->cloud_refused(cloud.sequence, why.message);
   };
   write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, durable, rejected);
+}
+
+/// True: its robot has sent too much, and is told so. What it had acknowledged stays; it goes on when it may.
+bool SessionHub::over_quota(SessionId session, int keyframes, const std::shared_ptr<RobotLink>& link,
+                            std::size_t bytes) {
+  std::string why;
+  {
+    const std::lock_guard lock(mutex_);
+    why = quota_.stores(sessions_.at(session).record.key.robot, keyframes, bytes, Clock::now());
+  }
+  if (!why.empty()) link->settled(bytes, failure(ErrorCode::unavailable, why));
+  return !why.empty();
 }
 
 /// Counted; the log gets the first of a session, and then ever fewer.

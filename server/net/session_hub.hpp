@@ -9,10 +9,11 @@
 #include "server/merge_worker/merge_news.hpp"
 #include "server/net/data_rate.hpp"
 #include "server/net/fair_pool.hpp"
+#include "server/net/link_health.hpp"
 #include "server/net/robot_events.hpp"
 #include "server/net/robot_limits.hpp"
 #include "server/net/robot_quota.hpp"
-#include "server/operator/station.hpp"
+#include "server/session/session_row.hpp"
 #include "server/store/store.hpp"
 
 namespace headframe {
@@ -124,6 +125,7 @@ class SessionHub : public Robots {
   std::string want_of_room(const Hello& hello) const;
   void write(Write write, const std::shared_ptr<RobotLink>& link, std::size_t bytes, Applied applied,
              Rejected rejected = {});
+  bool over_quota(SessionId session, int keyframes, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void note_refusal(SessionId session, const CloudRefused& cloud);
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/atlas/explain.hpp"
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

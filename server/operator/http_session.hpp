@@ -18,7 +18,8 @@
 
 #include "server/operator/event_feed.hpp"
 #include "server/operator/http_rules.hpp"
-#include "server/operator/operator_api.hpp"
+#include "server/operator/operator_access.hpp"
+#include "server/operator/operator_limits.hpp"
 #include "server/operator/router.hpp"
 #include "server/security/operator_guard.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -6,15 +6,11 @@
 #include <string>
 
 #include "common/result.hpp"
-#include "server/operator/router.hpp"
-#include "server/operator/station.hpp"
+#include "server/operator/operator_access.hpp"
+#include "server/operator/operator_limits.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
-
-struct OperatorAccess {
-  std::string token = {};        // what every request but the public ones has to show; empty: none
-  RobotAdmin* robots = nullptr;  // must outlive the API; null: robots come in without enrolling
-};
 
 /// The operator's API over HTTP/1.1 (README of this room). Connections live on `io`, each on its own strand, so any
 /// number of threads may run it; what reads from disk runs on two threads of its own. Nothing a client sends ends the

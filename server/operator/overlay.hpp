@@ -2,7 +2,7 @@
 // An alignment's evidence as a picture: both sessions' points around the overlap, laid on each other.
 
 #include "server/operator/body_source.hpp"
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -1,7 +1,7 @@
 #pragma once
 // A component laid out in the frame that somebody wants it in.
 
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -10,7 +10,7 @@
 #include <unordered_set>
 
 #include "server/operator/body_source.hpp"
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

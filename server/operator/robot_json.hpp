@@ -1,7 +1,7 @@
 #pragma once
 // The JSON of robots and enrolments. Pure.
 
-#include "server/operator/robot_admin.hpp"
+#include "server/station/robot_admin.hpp"
 
 namespace headframe {
 

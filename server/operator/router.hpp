@@ -11,8 +11,8 @@
 #include "server/operator/body_source.hpp"
 #include "server/operator/operator_limits.hpp"
 #include "server/operator/point_tiles.hpp"
-#include "server/operator/robot_admin.hpp"
-#include "server/operator/station.hpp"
+#include "server/station/robot_admin.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -5,15 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "server/atlas/alignment.hpp"
+#include "server/session/ids.hpp"
 
 namespace headframe {
-
-struct KeyframeRef {
-  SessionId session = 0;
-  std::uint64_t sequence = 0;
-  auto operator<=>(const KeyframeRef&) const = default;
-};
 
 struct PlaceNeighbour {
   KeyframeRef keyframe;

@@ -4,8 +4,8 @@
 
 #include "server/place/descriptor_index.hpp"
 #include "server/place/squared_distances.hpp"
-#include "server/registration/parallel.hpp"
-#include "server/registration/simd.hpp"
+#include "server/support/parallel.hpp"
+#include "server/support/simd.hpp"
 
 namespace headframe {
 namespace {

@@ -9,6 +9,8 @@
 #include "server/place/descriptor_agreement.hpp"
 #include "server/place/leads.hpp"
 
+#include "server/session/same_placement.hpp"
+
 namespace headframe {
 namespace {
 
@@ -75,7 +77,8 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
                  itself ? place(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
     h.source = lead.source;
     h.T_a_b.translation().z() = height_m(part_a, part_b, h.T_a_b);
-    if (std::any_of(out.begin(), out.end(), [&](const auto& g) { return same_placement(g.T_a_b, h.T_a_b, h.place_b); }))
+    if (std::any_of(out.begin(), out.end(),
+                    [&](const auto& g) { return same_placement(g.T_a_b, h.T_a_b, h.place_b, same_hypothesis); }))
       continue;
     h.descriptors = agreement.at(h.T_a_b);
     h.promise = lead.promise;

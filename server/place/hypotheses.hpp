@@ -15,7 +15,7 @@
 #include "server/place/descriptor_matches.hpp"
 #include "server/place/leads.hpp"
 #include "server/place/session_walls.hpp"
-#include "server/recent.hpp"
+#include "server/support/lru_map.hpp"
 
 namespace headframe {
 
@@ -71,7 +71,7 @@ class HypothesisFinder {
 
   Config config_;
   std::size_t allowed_ = std::numeric_limits<std::size_t>::max();
-  Recent<SessionId, std::shared_ptr<const SessionWalls>> walls_;
+  LruMap<SessionId, std::shared_ptr<const SessionWalls>> walls_;
   std::size_t walls_bytes_ = 0;
   std::map<std::pair<SessionId, SessionId>, Found> found_;
 };

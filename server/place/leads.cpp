@@ -6,7 +6,9 @@
 
 #include "common/descriptor/circular.hpp"
 #include "common/geometry/se3.hpp"
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
+
+#include "server/session/same_placement.hpp"
 
 namespace headframe {
 namespace {
@@ -17,7 +19,6 @@ constexpr std::size_t laid_whole = 5;     // pieces: 360 m of path
 constexpr std::size_t pairs_tried = 128;  // matched pairs of keyframes, the rarest and nearest first
 constexpr std::size_t spare = 2;          // times the seats are refined to half a cell
 constexpr double place_radius_m = 25;
-constexpr double same_m = 4, same_rad = 0.26;  // 15 deg
 
 Eigen::Vector3d place(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
 
@@ -67,7 +68,7 @@ Leads best_of(const Leads& leads, std::size_t most, Rank&& rank) {
     const Lead& lead = leads[i];
     const Pose T = flat_placement(lead.match);
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const Lead& k) {
-      return k.a == lead.a && same_placement(flat_placement(k.match), T, middle_of(lead));
+      return k.a == lead.a && same_placement(flat_placement(k.match), T, middle_of(lead), same_hypothesis);
     });
     if (!known) kept.push_back(lead);
   }
@@ -121,10 +122,6 @@ const SessionWalls::Part* part_with(const SessionWalls& walls, std::size_t keyfr
 }  // namespace
 
 Pose flat_placement(const WallMatch& m) { return pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), 0}); }
-
-bool same_placement(const Pose& T, const Pose& U, const Eigen::Vector3d& at) {
-  return (T * at - U * at).norm() < same_m && std::abs(wrap_rad(yaw_rad(T) - yaw_rad(U))) < same_rad;
-}
 
 std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws) {
   std::vector<Pose> out;
@@ -189,8 +186,9 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
                    [](const Candidate& c, const Candidate& d) { return c.support > d.support; });
   std::vector<Pose> chosen;
   for (const Candidate& c : candidates)
-    if (chosen.size() < seats.votes &&
-        std::none_of(chosen.begin(), chosen.end(), [&](const Pose& T) { return same_placement(T, c.T, c.at); }))
+    if (chosen.size() < seats.votes && std::none_of(chosen.begin(), chosen.end(), [&](const Pose& T) {
+          return same_placement(T, c.T, c.at, same_hypothesis);
+        }))
       chosen.push_back(c.T);
   Leads out;
   for (const Pose& T : chosen)

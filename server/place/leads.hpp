@@ -54,9 +54,6 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
 /// The placement as a transform without height.
 Pose flat_placement(const WallMatch& match);
 
-/// Whether both put `at` within 4 m and turn it within 15 deg of each other.
-bool same_placement(const Pose& T, const Pose& U, const Eigen::Vector3d& at);
-
 /// FRAME's T_0, for each of the best yaw differences: the levelled frames of the two keyframes on each other. Empty
 /// without w.
 std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double farthest_m = 25, fastest_m_s = 30, least_fast_m = 8;
 constexpr double least_climb_m = 4, most_climb_m = 10, slowest_climb_m_s = 0.3, fastest_climb_m_s = 5;  // of a drone
-// The selection makes no keyframe within 10 m of another, or less in narrow drifts, and a scan later there is one.
+// The selection makes no keyframe within 10 m of another, or less in narrow tunnels, and a scan later there is one.
 constexpr double beside_m = 12;
 constexpr double sees_the_same = 0.65;  // of the walls: less is a scan from elsewhere (sanity.cpp)
 

@@ -1,6 +1,7 @@
 #include "server/place/sanity.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -19,8 +20,17 @@ constexpr int least_asked = 15;
 // four.
 constexpr double agree_well = 0.7, least_share_underground = 0.65, least_share_open = 0.35;
 
-double sector_rad(std::size_t i) {
-  return (static_cast<double>(i) + 0.5) * 2 * std::numbers::pi / WallProfile::sectors;
+/// Directions of the middles of the sectors.
+const std::array<Eigen::Vector2d, WallProfile::sectors>& sector_directions() {
+  static const auto directions = [] {
+    std::array<Eigen::Vector2d, WallProfile::sectors> out;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const double azimuth_rad = (static_cast<double>(i) + 0.5) * 2 * std::numbers::pi / WallProfile::sectors;
+      out[i] = {std::cos(azimuth_rad), std::sin(azimuth_rad)};
+    }
+    return out;
+  }();
+  return directions;
 }
 
 double range_towards(const Keyframe& k, double azimuth_rad) {
@@ -37,7 +47,8 @@ std::optional<double> agreement(const Keyframe& a, const Keyframe& b) {
   for (std::size_t i = 0; i < WallProfile::sectors; ++i) {
     const double r = static_cast<double>(decode_wall_range_m(b.walls.code[i]));
     if (r == 0 || r > reach_m) continue;
-    const Eigen::Vector3d p = T_a_b * Eigen::Vector3d(r * std::cos(sector_rad(i)), r * std::sin(sector_rad(i)), 0);
+    const Eigen::Vector2d direction = sector_directions()[i];
+    const Eigen::Vector3d p = T_a_b * Eigen::Vector3d(r * direction.x(), r * direction.y(), 0);
     const double wall_m = range_towards(a, std::atan2(p.y(), p.x())), here_m = p.head<2>().norm();
     const double slack = slack_m + slack_share * here_m;
     if (wall_m == 0 || here_m > wall_m + slack) continue;  // hidden
@@ -68,18 +79,22 @@ double second_best(std::vector<double> values) {
 }  // namespace
 
 bool fits_neighbours(std::span<const Keyframe> keyframes, std::size_t i) {
-  std::vector<double> with_it, without;
   const std::size_t first = i < 2 ? 0 : i - 2, last = std::min(keyframes.size(), i + 3);
-  for (std::size_t k = first; k < last; ++k) {
-    if (k == i) continue;
-    if (const auto said = mutual(keyframes[k], keyframes[i])) with_it.push_back(*said);
+  std::vector<double> with_it;
+  for (std::size_t k = first; k < last; ++k)
+    if (k != i)
+      if (const auto said = mutual(keyframes[k], keyframes[i])) with_it.push_back(*said);
+  if (with_it.size() < 2) return true;
+  const double own = second_best(with_it);
+  if (own >= least_share_underground) return true;  // whatever the others say of each other
+  std::vector<double> without;
+  for (std::size_t k = first; k < last; ++k)
     for (std::size_t l = k + 1; l < last; ++l)
-      if (l != i)
+      if (k != i && l != i)
         if (const auto said = mutual(keyframes[k], keyframes[l])) without.push_back(*said);
-  }
-  if (with_it.size() < 2 || without.empty()) return true;
+  if (without.empty()) return true;
   const double beside = second_best(without);
-  return second_best(with_it) >= beside * (beside >= agree_well ? least_share_underground : least_share_open);
+  return own >= beside * (beside >= agree_well ? least_share_underground : least_share_open);
 }
 
 }  // namespace headframe

@@ -7,7 +7,8 @@
 
 #include "common/geometry/se3.hpp"
 #include "server/place/fft2.hpp"
-#include "server/registration/parallel.hpp"
+#include "server/session/same_placement.hpp"
+#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {
@@ -17,7 +18,6 @@ constexpr float clear_m = 1;                 // free ground nearer to a wall say
 constexpr std::size_t quarter_turns = 45;    // 180 turns of 2 deg: each grid serves four, a right angle apart
 constexpr std::size_t peaks_per_turn = 200;  // a mine of parallel galleries fits at scores of shifts
 constexpr float side_share = 0.6F;           // of the grid, against both maps side by side
-constexpr double same_place_m = 4, same_yaw_rad = 12 * std::numbers::pi / 180;
 
 float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
   float r2 = 0;
@@ -54,7 +54,7 @@ WallMap every_fourth(const WallMap& map) {
   return out;
 }
 
-/// Keeps the best first of those that put b's middle within same_place_m and same_yaw_rad of each other.
+/// Keeps the best first of those that are different placements (same_wall_peak).
 void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
   std::stable_sort(matches.begin(), matches.end(), [](const auto& m, const auto& n) { return m.score > n.score; });
   if (matches.size() > 4 * most) matches.resize(4 * most);
@@ -65,8 +65,8 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
     const Eigen::Vector2d at = middle_at(m, middle);
     bool known = false;
     for (std::size_t i = 0; i < kept.size() && !known; ++i)
-      known = (middles[i] - at).squaredNorm() < same_place_m * same_place_m &&
-              std::abs(wrap_rad(kept[i].yaw_rad - m.yaw_rad)) < same_yaw_rad;
+      known = (middles[i] - at).squaredNorm() < same_wall_peak.metres * same_wall_peak.metres &&
+              std::abs(wrap_rad(kept[i].yaw_rad - m.yaw_rad)) < same_wall_peak.radians;
     if (known) continue;
     kept.push_back(m);
     middles.push_back(at);

@@ -1,6 +1,5 @@
 #include "server/registration/fit_report.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -15,17 +14,6 @@ double quantile(std::vector<float>& values, double share) {
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return static_cast<double>(values[static_cast<std::size_t>(at)]);
-}
-
-Spectrum spectrum_of(const NormalEquations& sums) {
-  Spectrum out;
-  out.lever_m = std::max(1e-3, std::sqrt(sums.levers.trace() / std::max(1.0, sums.inliers)));
-  Vector6d per_m = Vector6d::Ones();
-  per_m.head<3>().setConstant(1 / out.lever_m);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(per_m.asDiagonal() * sums.H * per_m.asDiagonal());
-  out.values = eigen.eigenvalues();
-  out.directions = eigen.eigenvectors();
-  return out;
 }
 
 /// How rotations about axes through the centre are held: their stiffness, over what it were if every normal stood along
@@ -51,7 +39,6 @@ void report_fit(Registration& r, const NormalEquations& sums, double source_poin
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sums.normals / std::max(1.0, sums.inliers));
   r.direction_hold = eigen.eigenvalues();
   r.weakest_direction = eigen.eigenvectors().col(0);
-  r.spectrum = spectrum_of(sums);
   for (Eigen::Index i = 0; i < 3; ++i)
     if (r.direction_hold[i] < degenerate_below)
       r.free_directions.push_back({FreeDirection::Kind::translation, eigen.eigenvectors().col(i), r.direction_hold[i]});

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {

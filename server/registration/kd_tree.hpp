@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
-#include "server/registration/simd.hpp"
+#include "server/support/simd.hpp"
 
 namespace headframe {
 

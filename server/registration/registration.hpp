@@ -27,14 +27,6 @@ struct FreeDirection {
   double hold = 0;                                  // 0: free; 1: every normal holds it fully
 };
 
-/// Eigenvalues of the information, weakest first, with rotations taken as the way of a point `lever_m` from the centre,
-/// so that all six are in 1/m^2 and can be compared.
-struct Spectrum {
-  double lever_m = 0;  // root mean square distance of the inliers from the centre
-  Vector6d values = Vector6d::Zero();
-  Matrix6d directions = Matrix6d::Identity();  // columns; unit; the rotation's part is in metres at the lever
-};
-
 /// Distances of the inliers from their partners' planes, m.
 struct Residuals {
   double median_m = 0, p90_m = 0, p99_m = 0;
@@ -49,12 +41,11 @@ struct Registration {
   Residuals residuals;
   /// J^T W J of the last step about the source's centre, rotation first (1/rad^2, 1/m^2, mixed).
   Matrix6d information = Matrix6d::Zero();
-  /// Eigenvalues of the mean outer product of the partners' normals, ascending; they sum to 1. A long smooth drift has
+  /// Eigenvalues of the mean outer product of the partners' normals, ascending; they sum to 1. A long smooth tunnel has
   /// a first value near 0: nothing holds the translation along its axis.
   Eigen::Vector3d direction_hold = Eigen::Vector3d::Zero();
   Eigen::Vector3d weakest_direction = Eigen::Vector3d::UnitX();  // unit, in the target frame
-  Spectrum spectrum;
-  std::vector<FreeDirection> free_directions;  // weakest first; empty unless the fit is degenerate
+  std::vector<FreeDirection> free_directions;                    // weakest first; empty unless the fit is degenerate
 };
 
 /// "translation along (1.00, 0.00, 0.02), hold 0.003": for logs and explanations.

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "server/registration/neighbourhood.hpp"
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {

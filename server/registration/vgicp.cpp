@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "server/registration/gauss_newton.hpp"
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {

@@ -15,7 +15,7 @@
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
 #include "server/atlas/survey.hpp"
-#include "server/place/descriptor_index.hpp"
+#include "server/session/ids.hpp"
 
 namespace headframe {
 

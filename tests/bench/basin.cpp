@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "server/picture/canvas.hpp"
-#include "server/registration/gicp.hpp"
-#include "server/registration/parallel.hpp"
 #include "server/registration/vgicp.hpp"
+#include "server/support/parallel.hpp"
 #include "tests/bench/measure.hpp"
+#include "tests/bench/registration/gicp.hpp"
 #include "tests/mine/scenario.hpp"
 
 namespace headframe::bench {

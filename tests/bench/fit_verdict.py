@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Fits the weights of the verdict's terms (server/atlas/verdict.cpp) on labelled placements.
+"""Fits the weights of the verdict's terms (server/verification/verdict.cpp) on labelled placements.
 
 usage: fit_verdict.py OUT.hpp ROWS.csv [ROWS.csv ...]     rows: as ./run bench stages and ./run bench merges write them
 Logistic regression with weights that are never negative and a weak pull towards 0, on placements that converged. Wrong

@@ -3,7 +3,7 @@
 #include <set>
 #include <vector>
 
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 #include "tests/bench/driven_session.hpp"
 
 namespace headframe::bench {

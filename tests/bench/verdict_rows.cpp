@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "server/atlas/verdict.hpp"
+#include "server/verification/verdict.hpp"
 
 namespace headframe::bench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/overlay.hpp"
 #include "server/operator/plan_png.hpp"
@@ -156,6 +156,17 @@ class Base {
   }
 
  private:
+  /// Little work for each pair, and nothing that waits for path.
+  static MergeConfig small() {
+    MergeConfig config;
+    config.threads = 1;
+    config.least_path_m = 0;
+    config.shown_m = 0;
+    config.hypotheses = 4;
+    config.searches = 2;
+    return config;
+  }
+
   SessionId some_session(std::string_view& bytes) {
     return 1 + take_byte(bytes) % static_cast<SessionId>(most_sessions);
   }
@@ -253,7 +264,7 @@ class Base {
 
   const FamilySpec family_{ScanContext().id(), drives()[0].keyframes[0].descriptor.q.size(),
                            drives()[0].keyframes[0].descriptor.w.size()};
-  const MergeConfig config_{.threads = 1, .least_path_m = 0, .shown_m = 0, .hypotheses = 4, .searches = 2};
+  const MergeConfig config_ = small();
   MergePipeline pipeline_{config_};
   test::Shelf shelf_;
   std::map<SessionId, Told> told_;

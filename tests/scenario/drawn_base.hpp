@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/descriptor/scan_context.hpp"
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 #include "tests/support/drawn_session.hpp"
 
 namespace headframe::test {

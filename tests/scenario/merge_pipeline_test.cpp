@@ -1,6 +1,6 @@
 // Drawn mines through the whole pipeline, without sockets or disk: what must merge does, what must not does not.
 
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -98,7 +98,7 @@ TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
   const SessionId growing = base.grow(shortened);
   base.pipeline.attempt(growing, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 2U);
-  EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::candidate);
+  EXPECT_TRUE(base.pipeline.alignments().empty()) << "nothing that were found would be told: it is not looked for";
   base.pipeline.complete_session(growing);
   base.pipeline.attempt(growing, base.shelf);
   EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);

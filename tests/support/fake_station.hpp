@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-#include "server/operator/station.hpp"
+#include "server/station/station.hpp"
 
 namespace headframe {
 

@@ -6,7 +6,7 @@
 #include <future>
 
 #include "server/merge_worker/merge_worker.hpp"
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/stores.hpp"
 
@@ -78,6 +78,7 @@ class Aside : public testing::Test {
       if (of_itself) WorkMark::died();
     }
     start();
+    settle();
   }
   Result<void> wait_for(const std::function<void(std::function<void(const Result<void>&)>)>& order) {
     std::promise<Result<void>> done;
@@ -168,14 +169,15 @@ TEST_F(Aside, WorkThatUsesUpItsBudgetTwiceIsNotDoneAThirdTime) {
 
 TEST_F(Aside, WorkThatTakesTooLongIsSaid) {
   schedule.stuck_s = 1e-9;
+  start();
+  while (!worker->pending().idle()) std::this_thread::yield();
+  EXPECT_EQ(worker->stuck(), "");
   std::promise<void> begun, may_end;
   log.on_attempt = [&](SessionId id) {
     if (id != 2) return;
     begun.set_value();
     may_end.get_future().wait();
   };
-  start();
-  EXPECT_EQ(worker->stuck(), "");
   worker->trigger(2, Trigger::command);
   begun.get_future().wait();
   EXPECT_NE(worker->stuck().find("session 2"), std::string::npos) << worker->stuck();

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "server/registration/kd_tree.hpp"
-#include "server/registration/submap.hpp"
+#include "server/verification/prepared_cloud.hpp"
 
 namespace headframe {
 namespace {

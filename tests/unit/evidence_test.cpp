@@ -4,8 +4,8 @@
 #include <limits>
 #include <set>
 
-#include "server/registration/verification.hpp"
-#include "server/registration/visibility.hpp"
+#include "server/verification/free_space.hpp"
+#include "server/verification/verification.hpp"
 #include "tests/support/box_mine.hpp"
 
 namespace headframe {
@@ -35,15 +35,7 @@ TEST(SightImage, HitThroughAndHidden) {
   EXPECT_EQ(SightImage(Points{}).look({1, 0, 0}, 30), Sight::unknown);
 }
 
-TEST(Submap, RadiusFollowsThePaper) {
-  EXPECT_DOUBLE_EQ(sphere_radius_m(12), 25);
-  EXPECT_DOUBLE_EQ(sphere_radius_m(10), 25);
-  EXPECT_DOUBLE_EQ(sphere_radius_m(6), 15);
-  EXPECT_DOUBLE_EQ(sphere_radius_m(3), 10);
-  EXPECT_DOUBLE_EQ(sphere_radius_m(2), 4);
-}
-
-TEST(Submap, StrayReturnsAreLeftOut) {
+TEST(SurfelCloud, StrayReturnsAreLeftOut) {
   const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
   std::mt19937 rng(1);
   Sweep sweep{Eigen::Vector3f::Zero(), drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0.01, 32, 512)};
@@ -57,11 +49,11 @@ TEST(Submap, StrayReturnsAreLeftOut) {
   EXPECT_TRUE(prepare({{sweep}}).points.empty());
 }
 
-TEST(Submap, SpheresHoldTheirPointsOnceEach) {
+TEST(SurfelCloud, SpheresHoldTheirPointsOnceEach) {
   const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
   const auto d = drive(drift, {{-6, 0}, {6, 0}}, 0, 1, 2);
   const Eigen::Vector3d centre = d.keyframes[2].T_local_sensor.translation();
-  const Submap submap = sphere(placed(d), centre, 5, 0.5F);
+  const SurfelCloud submap = sphere(placed(d), centre, 5, 0.5F);
   ASSERT_GT(submap.points.size(), 100U);
   std::set<std::array<int, 3>> cubes;
   for (const auto& p : submap.points) {
@@ -81,12 +73,12 @@ TEST(Visibility, AVehicleThatDroveOnIsTransient) {
                                                 -0.5F + 0.05F * static_cast<float>(z));
   const auto clouds = placed(d);
   const Eigen::Vector3d vehicle = d.keyframes[1].T_local_sensor * Eigen::Vector3d(4, 0, 0);
-  const auto nearest = [&](const Submap& submap) {
+  const auto nearest = [&](const SurfelCloud& submap) {
     double distance = 1e9;
     for (const auto& p : submap.points) distance = std::min(distance, (p.cast<double>() - vehicle).norm());
     return distance;
   };
-  const Submap all = sphere(clouds, vehicle, 6, 0.3F);
+  const SurfelCloud all = sphere(clouds, vehicle, 6, 0.3F);
   EXPECT_LT(nearest(all), 0.6);
   EXPECT_GT(nearest(without_transients(all, views_near(clouds, vehicle, 20), 20)), 0.6);
 }
@@ -96,7 +88,7 @@ TEST(Visibility, TheRightPlaceHasNoViolationsAndAWrongOneHas) {
   const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   const Eigen::Vector3d crossing = b.T_mine_local.inverse() * Eigen::Vector3d(30, 0, 1);
-  const Submap rock = sphere(placed(b), crossing, 15, 0.5F);
+  const SurfelCloud rock = sphere(placed(b), crossing, 15, 0.5F);
   const auto clouds_a = placed(a);
   const auto views = views_near(clouds_a, truth * crossing, 25);
   EXPECT_LT(look_from(views, rock, truth, 25, 0.5F).violation(), 0.002);
@@ -109,7 +101,7 @@ TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
   const SightImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 64, 720));
   const PlacedView view{pose_from_yaw(0, {0, 0, 1}), std::make_shared<const SightImage>(image)};
   const auto patch = [](const Eigen::Vector3f& normal) {  // 10 m ahead, in the free middle of the drift
-    Submap out;
+    SurfelCloud out;
     for (int y = 0; y < 4; ++y)
       for (int z = 0; z < 4; ++z) {
         out.points.emplace_back(10, 0.4F * static_cast<float>(y) - 0.6F, 0.6F + 0.2F * static_cast<float>(z));
@@ -126,13 +118,13 @@ TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
 }
 
 Scene scene(const std::vector<PlacedCloud>& clouds) {
-  std::vector<Stand> stands;
+  std::vector<KeyframePosition> stands;
   for (std::size_t i = 0; i < clouds.size(); ++i) stands.push_back({i, clouds[i].T_local_sensor.translation()});
   return {stands, [&clouds](std::span<const std::size_t> keyframes) {
-            std::vector<PlacePtr> places;
+            std::vector<SubmapPtr> places;
             for (const std::size_t k : keyframes)
-              places.push_back(std::make_shared<const Place>(
-                  make_place(clouds, clouds[k].T_local_sensor.translation(), PlaceConfig{})));
+              places.push_back(std::make_shared<const Submap>(
+                  make_submap(clouds, clouds[k].T_local_sensor.translation(), SubmapConfig{})));
             return places;
           }};
 }
@@ -143,10 +135,10 @@ Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<Pla
   JudgeConfig config;
   config.threads = threads;
   const Scene a = scene(clouds_a), b = scene(clouds_b);
-  const auto meeting = first_meeting(a.stands, b.stands, T_0, p_b, config);
+  const auto meeting = first_meeting(a.positions, b.positions, T_0, p_b, config);
   if (!meeting) return {};
-  const Glance first =
-      glance(a.places({&meeting->keyframe_a, 1}).front(), b.places({&meeting->keyframe_b, 1}).front(), T_0, config);
+  const ScreeningResult first = screen_submaps(a.places({&meeting->keyframe_a, 1}).front(),
+                                               b.places({&meeting->keyframe_b, 1}).front(), T_0, config);
   Judgement out = judge(a, b, first, config);
   EXPECT_LE(out.evidence.probability, best_probability(first));
   return out;

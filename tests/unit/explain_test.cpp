@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "server/atlas/verdict.hpp"
+#include "server/verification/verdict.hpp"
 
 namespace headframe {
 namespace {

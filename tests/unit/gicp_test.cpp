@@ -1,4 +1,4 @@
-#include "server/registration/gicp.hpp"
+#include "tests/bench/registration/gicp.hpp"
 
 #include <gtest/gtest.h>
 

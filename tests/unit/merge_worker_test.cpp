@@ -1,149 +1,9 @@
-#include "server/merge_worker/merge_worker.hpp"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <future>
-
-#include "server/store/sqlite.hpp"
-#include "server/store/sqlite_store.hpp"
-#include "tests/support/keyframes.hpp"
+// When the worker tries a session, and which clouds it waits for.
 #include "tests/support/robot_bytes.hpp"
-#include "tests/support/temp_dir.hpp"
+#include "tests/support/scripted_worker.hpp"
 
 namespace headframe {
 namespace {
-
-/// Spins until it is so; false after ten seconds.
-template <class Condition>
-bool eventually(Condition condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::yield();
-  }
-  return true;
-}
-
-/// Does what the test's script says at each attempt, and keeps what it was told.
-struct Script {
-  std::mutex mutex;
-  std::map<SessionId, std::vector<std::uint64_t>> keyframes;
-  std::vector<SessionId> attempts;
-  std::vector<std::pair<KeyframeRef, std::size_t>> prepared;  // clouds, and how many attempts there were before
-  std::set<SessionId> completed;
-  std::uint64_t restored_revision = 0;
-  std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
-    return AttemptReport();
-  };
-  std::function<Result<AttemptReport>(AlignmentId, Decision)> on_decision = [](AlignmentId, Decision) {
-    return AttemptReport();
-  };
-  std::function<Result<AttemptReport>(SessionId)> on_anchor = [](SessionId) { return AttemptReport(); };
-  Atlas atlas;
-  std::vector<Alignment> alignments;
-  std::vector<SessionId> anchors;
-
-  std::size_t attempted() {
-    const std::lock_guard lock(mutex);
-    return attempts.size();
-  }
-};
-
-class ScriptedPipeline : public Pipeline {
- public:
-  explicit ScriptedPipeline(Script& script) : script_(script) {}
-  void add_session(SessionId, const FamilyId&) override {}
-  void add_keyframe(SessionId id, Keyframe keyframe) override {
-    const std::lock_guard lock(script_.mutex);
-    script_.keyframes[id].push_back(keyframe.sequence);
-  }
-  void prepare_cloud(const KeyframeRef& keyframe, CloudSource&) override {
-    const std::lock_guard lock(script_.mutex);
-    script_.prepared.push_back({keyframe, script_.attempts.size()});
-  }
-  void complete_session(SessionId id) override {
-    const std::lock_guard lock(script_.mutex);
-    script_.completed.insert(id);
-  }
-  Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return script_.on_decision(id, decision); }
-  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord>,
-               std::vector<SessionId> anchors) override {
-    script_.anchors = std::move(anchors);
-    script_.alignments = std::move(alignments);
-    script_.restored_revision = revision;
-  }
-  Result<AttemptReport> anchor(SessionId id) override { return script_.on_anchor(id); }
-  AttemptReport attempt(SessionId id, CloudSource& clouds) override {
-    auto report = script_.on_attempt(id, clouds);
-    const std::lock_guard lock(script_.mutex);
-    script_.attempts.push_back(id);
-    return report;
-  }
-  const Atlas& atlas() const override { return script_.atlas; }
-  const std::vector<Alignment>& alignments() const override { return script_.alignments; }
-
- private:
-  Script& script_;
-};
-
-struct FakeRobots : Robots {
-  std::mutex mutex;
-  std::vector<KeyframeRef> requested;
-  std::vector<Component> changed;
-  std::function<void()> on_publish = [] {};
-
-  void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override {
-    const std::lock_guard lock(mutex);
-    for (const std::uint64_t sequence : sequences) requested.push_back({session, sequence});
-  }
-  void publish(const Atlas&, const std::vector<Component>& components) override {
-    on_publish();
-    const std::lock_guard lock(mutex);
-    changed = components;
-  }
-  std::vector<KeyframeRef> asked() {
-    const std::lock_guard lock(mutex);
-    return requested;
-  }
-};
-
-class Worker : public testing::Test {
- protected:
-  void SetUp() override {
-    store = std::move(open_sqlite_store(dir.path(), {.group_ms = 0}).value());
-    for (const SessionId id : {1, 2}) {
-      keep(PutSession{session_record(id, "robot" + std::to_string(id))});
-      for (std::uint64_t i = 1; i <= 5; ++i) keep(PutKeyframe{id, line_keyframe(i)});
-    }
-  }
-
-  void keep(Write write) {
-    std::promise<void> durable;
-    store->write(std::move(write), [&](const Result<void>& result) {
-      EXPECT_TRUE(result) << result.error().message;
-      durable.set_value();
-    });
-    durable.get_future().wait();
-  }
-
-  /// As after a restart, with every session attempted already or not.
-  void start(bool attempted = true, const ScheduleConfig& schedule = {}) {
-    if (attempted)
-      for (const SessionId id : {1, 2}) keep(PutMerge{id, 5, {}, std::nullopt, {}});
-    worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, schedule);
-    ASSERT_TRUE(worker->restore());
-    worker->start(robots);
-  }
-
-  bool idle() const { return worker->pending().idle(); }
-
-  TempDir dir;
-  Script script;
-  FakeRobots robots;
-  std::unique_ptr<Store> store;
-  std::unique_ptr<MergeWorker> worker;  // gone before the others
-};
 
 TEST_F(Worker, ARestartFeedsAllAndTriesOnlyWhatNoAttemptHasSeen) {
   keep(PutMerge{2, 5, {}, Atlas{7, {}}, {}});
@@ -154,6 +14,24 @@ TEST_F(Worker, ARestartFeedsAllAndTriesOnlyWhatNoAttemptHasSeen) {
   EXPECT_EQ(script.restored_revision, 7U);
   EXPECT_EQ(store->sessions()->at(0).attempted_keyframes, 5U);
   EXPECT_EQ(worker->view()->atlas.components.size(), 2U) << "sessions that merged with none are components of one";
+}
+
+TEST_F(Worker, TheAtlasIsThereBeforeTheKeyframesAreBackAndWhatComesMeanwhileIsFedOnce) {
+  const Alignment merged{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
+  keep(PutMerge{2, 5, {merged}, Atlas{7, {{1, {{1, Pose::Identity()}, {2, merged.T_a_b}}}}}, {}});
+  {
+    const std::lock_guard held(script.mutex);  // the pipeline takes no keyframe
+    start(false);
+    EXPECT_EQ(worker->view()->atlas.revision, 7U);
+    ASSERT_EQ(worker->view()->atlas.components.size(), 1U);
+    EXPECT_EQ(worker->view()->alignments.size(), 1U);
+    EXPECT_FALSE(idle()) << "there is work";
+    keep(PutKeyframe{1, line_keyframe(6)});
+    worker->keyframes_durable(1, 6);
+  }
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.keyframes[1], (std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(script.restored_revision, 7U);
 }
 
 TEST_F(Worker, DistanceTriggersAndKeyframesComeInOrderOnce) {
@@ -321,179 +199,6 @@ TEST_F(Worker, RobotsThatNeverSendCloudsAreNotAsked) {
   worker->trigger(1, Trigger::request);
   ASSERT_TRUE(eventually([&] { return script.attempted() == 1; }));
   EXPECT_EQ(seen, CloudState::unobtainable);
-}
-
-TEST_F(Worker, ATransformIsPublishedAfterItIsDurable) {
-  script.on_attempt = [&](SessionId, CloudSource&) {
-    const Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
-    script.alignments = {alignment};
-    script.atlas = {3, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
-    return AttemptReport{{}, false, {alignment}, true, {}, {}};
-  };
-  std::uint64_t on_disk = 0;
-  robots.on_publish = [&] { on_disk = store->merge()->atlas.revision; };
-  start();
-  worker->trigger(2, Trigger::goodbye);
-  ASSERT_TRUE(eventually([&] { return idle(); }));
-  EXPECT_EQ(on_disk, 3U);
-  ASSERT_EQ(robots.changed.size(), 1U);
-  EXPECT_EQ(robots.changed[0].placements.size(), 2U);
-  EXPECT_EQ(worker->view()->atlas.revision, 3U);
-  EXPECT_GE(worker->view()->sessions.at(2).trigger_to_transform_ms, 0);
-}
-
-/// Waits for the outcome of a decision.
-Result<void> decided(MergeWorker& worker, AlignmentId alignment, Decision decision) {
-  std::promise<Result<void>> outcome;
-  worker.decide(alignment, decision, [&](const Result<void>& result) { outcome.set_value(result); });
-  return outcome.get_future().get();
-}
-
-TEST_F(Worker, ADecisionIsDurableAndToldBeforeItIsAnswered) {
-  script.on_decision = [&](AlignmentId id, Decision decision) {
-    AttemptReport report;
-    const Pose T = pose_from_yaw(0.5, {1, 2, 3});
-    report.changed = {{id, 1, 2, AlignmentState::published, T, {}}};
-    report.decided = {{1, id, decision, T, 10, false}};
-    report.atlas_changed = true;
-    script.alignments = report.changed;
-    script.atlas = {script.atlas.revision + 3, {{1, {{1, Pose::Identity()}, {2, T}}}}};
-    return report;
-  };
-  start();
-  ASSERT_TRUE(decided(*worker, 7, Decision::confirm));
-  EXPECT_EQ(robots.changed.size(), 1U);
-  EXPECT_EQ(worker->view()->atlas.revision, 3U);
-  const auto stored = store->merge();
-  EXPECT_EQ(stored->atlas.revision, 3U);
-  ASSERT_EQ(stored->decisions.size(), 1U);
-  EXPECT_EQ(stored->decisions[0].alignment, 7);
-  EXPECT_TRUE(eventually([&] { return idle(); }));
-  EXPECT_EQ(script.attempted(), 0U);
-  ASSERT_TRUE(decided(*worker, 7, Decision::undo));
-  ASSERT_TRUE(eventually([&] { return idle(); }));
-  EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "an undo looks again";
-}
-
-TEST_F(Worker, AnAnchorIsDurableToldAndFoundAgain) {
-  const Pose T = pose_from_yaw(0.5, {1, 2, 3});
-  script.atlas = {3, {{1, {{1, Pose::Identity()}, {2, T}}}}};
-  script.on_anchor = [&](SessionId id) -> Result<AttemptReport> {
-    if (id != 2) return failure(ErrorCode::not_found, "there is no session 9");
-    AttemptReport report;
-    report.anchored = id;
-    report.atlas_changed = true;
-    script.atlas = {4, {{2, {{1, T.inverse()}, {2, Pose::Identity()}}}}};
-    return report;
-  };
-  start();
-  const auto anchored = [&](SessionId id) {
-    std::promise<Result<void>> outcome;
-    worker->anchor(id, [&](const Result<void>& result) { outcome.set_value(result); });
-    return outcome.get_future().get();
-  };
-  ASSERT_TRUE(anchored(2));
-  ASSERT_EQ(robots.changed.size(), 1U);
-  EXPECT_EQ(robots.changed[0].id, 2);
-  EXPECT_EQ(worker->view()->atlas.revision, 4U);
-  EXPECT_EQ(anchored(9).error().code, ErrorCode::not_found);
-  worker.reset();
-  start();
-  EXPECT_EQ(script.anchors, std::vector<SessionId>{2});
-}
-
-TEST_F(Worker, AsksForTheCloudsThatAreMissingWhenTheRobotIsThere) {
-  keep(PutCloud{{1, 2}, "cloud"});
-  start();
-  const auto asked = [&](SessionId id) {
-    std::promise<Result<std::size_t>> outcome;
-    worker->request_clouds(id, [&](const Result<std::size_t>& result) { outcome.set_value(result); });
-    return outcome.get_future().get();
-  };
-  EXPECT_EQ(asked(1).error().code, ErrorCode::refused) << "the robot is away";
-  EXPECT_EQ(asked(9).error().code, ErrorCode::not_found);
-  worker->robot_came(1, false);
-  EXPECT_EQ(asked(1).error().code, ErrorCode::refused) << "it sends no clouds";
-  worker->robot_came(1, true);
-  EXPECT_EQ(asked(1), 4U);
-  EXPECT_EQ(robots.asked(), (std::vector<KeyframeRef>{{1, 1}, {1, 3}, {1, 4}, {1, 5}}));
-  worker->robot_left(1);
-  EXPECT_EQ(asked(1).error().code, ErrorCode::refused);
-}
-
-TEST_F(Worker, ADatabaseThatCanNotBeWrittenEndsMergingWithAWord) {
-  script.on_attempt = [](SessionId, CloudSource&) {
-    AttemptReport report;
-    report.changed = {{1, 1, 2, AlignmentState::candidate, Pose::Identity(), {}}};
-    return report;
-  };
-  start();
-  auto database = Database::open((dir.path() / "headframe.db").string());
-  ASSERT_TRUE(database && database->execute("DROP TABLE alignments"));
-  worker->trigger(1, Trigger::command);
-  ASSERT_TRUE(eventually([&] { return !store->load().broken.empty(); }));
-  const auto refused = decided(*worker, 7, Decision::confirm);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("until the server is started anew"), std::string::npos)
-      << refused.error().message;
-  EXPECT_TRUE(eventually([&] { return idle(); })) << "nobody waits for what will not come";
-  EXPECT_EQ(script.attempted(), 1U);
-}
-
-TEST_F(Worker, DecisionsThatFailSaySoAndTooManyAreTurnedAway) {
-  std::promise<void> entered, leave;
-  script.on_attempt = [&](SessionId, CloudSource&) {
-    entered.set_value();
-    leave.get_future().wait();
-    return AttemptReport();
-  };
-  script.on_decision = [](AlignmentId, Decision) -> Result<AttemptReport> {
-    return failure(ErrorCode::not_found, "there is no alignment 7");
-  };
-  start();
-  worker->trigger(1, Trigger::command);
-  entered.get_future().wait();
-  std::atomic<int> not_found = 0, turned_away = 0;
-  for (int i = 0; i < 70; ++i)
-    worker->decide(7, Decision::confirm, [&](const Result<void>& result) {
-      ASSERT_FALSE(result);
-      (result.error().code == ErrorCode::not_found ? not_found : turned_away) += 1;
-    });
-  EXPECT_EQ(turned_away, 6) << "while the worker is busy, 64 wait";
-  leave.set_value();
-  ASSERT_TRUE(eventually([&] { return not_found == 64; }));
-  worker->stop();
-  EXPECT_EQ(decided(*worker, 7, Decision::confirm).error().code, ErrorCode::unavailable);
-}
-
-TEST_F(Worker, UnfinishedAttemptsGoOnAndExceptionsEndOne) {
-  int left = 3;
-  script.on_attempt = [&](SessionId id, CloudSource&) {
-    if (id == 2) throw std::runtime_error("out of memory, say");
-    return AttemptReport{{}, --left > 0, {}, false, {}, {}};
-  };
-  start();
-  worker->trigger(1, Trigger::command);
-  worker->trigger(2, Trigger::command);
-  ASSERT_TRUE(eventually([&] { return idle(); }));
-  EXPECT_EQ(left, 0);
-}
-
-TEST(ChangedComponents, AreThoseWithOtherPlacementsAndThoseThatFellApart) {
-  const Pose I = Pose::Identity(), T = pose_from_yaw(0.5, {1, 2, 3});
-  const Atlas singles{0, {{1, {{1, I}}}, {2, {{2, I}}}, {3, {{3, I}}}}};
-  const Atlas pair{1, {{1, {{1, I}, {2, T}}}, {3, {{3, I}}}}};
-  const Atlas moved{2, {{1, {{1, I}, {2, I}}}, {3, {{3, I}}}}};
-  const auto ids = [](const std::vector<Component>& components) {
-    std::vector<SessionId> all(components.size());
-    std::transform(components.begin(), components.end(), all.begin(), [](const Component& c) { return c.id; });
-    return all;
-  };
-  EXPECT_TRUE(changed_components({}, singles).empty());
-  EXPECT_TRUE(changed_components(pair, pair).empty());
-  EXPECT_EQ(ids(changed_components(singles, pair)), std::vector<SessionId>{1});
-  EXPECT_EQ(ids(changed_components(pair, moved)), std::vector<SessionId>{1});
-  EXPECT_EQ(ids(changed_components(pair, singles)), (std::vector<SessionId>{1, 2}));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "server/registration/parallel.hpp"
+#include "server/support/parallel.hpp"
 
 #include <gtest/gtest.h>
 

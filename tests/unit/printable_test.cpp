@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "common/wire/convert.hpp"
-#include "server/printable_log.hpp"
+#include "server/support/printable_log.hpp"
 #include "tests/support/robot_bytes.hpp"
 
 namespace headframe {

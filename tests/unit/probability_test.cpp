@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "server/merge_config.hpp"
-#include "server/registration/verification.hpp"
+#include "server/merge/merge_config.hpp"
+#include "server/verification/verification.hpp"
 
 namespace headframe {
 namespace {
@@ -116,6 +116,7 @@ TEST(Probability, WhatIsContradictedFartherOffIsBelievedLess) {
   };
   const double believed = p(0);
   EXPECT_EQ(p(0.002), believed);
+  const double contradicted_farther = 0.003;
   EXPECT_LT(p(contradicted_farther), believed);
   EXPECT_NEAR(p(0.99 * contradicted_farther), p(1.01 * contradicted_farther), 0.05) << "no cliff";
   EXPECT_LT(p(0.03), MergeConfig{}.accept_probability);

@@ -23,28 +23,28 @@ void fill_with_noise(Keyframe& k, unsigned seed) {
   for (auto& code : k.walls.code) code = static_cast<std::uint8_t>(rng() % 255);
 }
 
-std::vector<std::size_t> odd_ones(const std::vector<Keyframe>& keyframes) {
+std::vector<std::size_t> outliers(const std::vector<Keyframe>& keyframes) {
   std::vector<std::size_t> odd;
   for (std::size_t i = 0; i < keyframes.size(); ++i)
     if (!fits_neighbours(keyframes, i)) odd.push_back(i);
   return odd;
 }
 
-TEST(Sanity, ASoundDriveHasNoOddKeyframe) { EXPECT_EQ(odd_ones(driven()), std::vector<std::size_t>{}); }
+TEST(Sanity, ASoundDriveHasNoOddKeyframe) { EXPECT_EQ(outliers(driven()), std::vector<std::size_t>{}); }
 
 TEST(Sanity, NoiseIsOddAndCondemnsNoNeighbour) {
   const auto sound = driven();
   for (const std::size_t at : {std::size_t{0}, std::size_t{1}, std::size_t{7}, sound.size() - 1}) {
     auto spoiled = sound;
     fill_with_noise(spoiled[at], static_cast<unsigned>(at));
-    EXPECT_EQ(odd_ones(spoiled), std::vector<std::size_t>{at});
+    EXPECT_EQ(outliers(spoiled), std::vector<std::size_t>{at});
   }
 }
 
 TEST(Sanity, AScanFiledUnderAWrongHeadingIsOdd) {
   auto keyframes = driven();
   keyframes[5].T_local_sensor = keyframes[5].T_local_sensor * pose_from_yaw(1.5, Eigen::Vector3d::Zero());
-  EXPECT_EQ(odd_ones(keyframes), std::vector<std::size_t>{5});
+  EXPECT_EQ(outliers(keyframes), std::vector<std::size_t>{5});
 }
 
 TEST(Sanity, WhoHasNobodyToAskIsNotOdd) {
@@ -58,7 +58,7 @@ TEST(Sanity, WhoHasNobodyToAskIsNotOdd) {
 TEST(Sanity, WithoutProfilesNobodyIsOdd) {
   auto keyframes = driven();
   for (auto& k : keyframes) k.walls = {};
-  EXPECT_EQ(odd_ones(keyframes), std::vector<std::size_t>{});
+  EXPECT_EQ(outliers(keyframes), std::vector<std::size_t>{});
 }
 
 TEST(Sanity, AgreementIsFullWithItselfAndSaysNothingOfTheHidden) {

@@ -38,6 +38,14 @@ TEST(ServerConfig, ValuesAreCheckedAtTheirBounds) {
   EXPECT_NE(error_of("[merge]\ntravelled_m = nan\n"), "accepted");
 }
 
+TEST(ServerConfig, TheRegistrationEngineIsChosenByName) {
+  EXPECT_EQ(parse_config("[merge]\nregistration = 'pcl_gicp'\n", "hf.toml")->merge.registration,
+            RegistrationEngine::pcl_gicp);
+  EXPECT_EQ(parse_config("", "hf.toml")->merge.registration, RegistrationEngine::vgicp);
+  for (const std::string bad : {"'icp'", "1", "''"})
+    EXPECT_EQ(error_of("[merge]\nregistration = " + bad), "hf.toml:2: registration must be \"vgicp\" or \"pcl_gicp\"");
+}
+
 TEST(ServerConfig, BrokenTomlSaysWhere) {
   EXPECT_EQ(error_of("[merge]\nthreads = = 2\n").rfind("hf.toml:2: ", 0), 0U);
   const auto missing = load_config("/nowhere/hf.toml");

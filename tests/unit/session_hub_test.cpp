@@ -1,6 +1,7 @@
 // Which of a robot's connections the hub speaks to.
 #include "server/net/session_hub.hpp"
 
+#include "tests/support/keyframes.hpp"
 #include "tests/support/nobodys_news.hpp"
 #include "tests/support/robot_bytes.hpp"
 #include "tests/support/stores.hpp"
@@ -12,7 +13,9 @@ namespace {
 class HeardLink : public RobotLink {
  public:
   std::vector<std::string> heard;
-  void settled(std::size_t, const Result<void>&) override {}
+  void settled(std::size_t, const Result<void>& result) override {
+    if (!result) heard.push_back("not stored");
+  }
   void keyframes_durable(std::uint64_t) override {}
   void cloud_durable(std::uint64_t) override {}
   void cloud_refused(std::uint64_t, const std::string&) override {}
@@ -148,6 +151,47 @@ TEST(Quota, OneRobotLocksOutItselfAndNobodyElse) {
   EXPECT_TRUE(admit("greedy", 4)) << "one that it began";
   EXPECT_TRUE(admit("honest", 1));
   store.reset();
+}
+
+TEST(Quota, WhatARobotMaySendInADayComesBackOverTheDay) {
+  RobotLimits limits;
+  limits.keyframes_a_day = 24;
+  limits.stored_mib_a_day = 1;
+  RobotQuota quota(limits);
+  const RobotQuota::Time start{};
+  const auto hours = [&](int n) { return start + std::chrono::hours(n); };
+  for (int i = 0; i < 24; ++i) EXPECT_EQ(quota.stores("ant", 1, 1000, start), "");
+  EXPECT_NE(quota.stores("ant", 1, 1000, start).find("limits.keyframes_a_day"), std::string::npos);
+  EXPECT_NE(quota.objection("ant", 0, false, start).find("limits.keyframes_a_day"), std::string::npos);
+  EXPECT_EQ(quota.objection("bee", 0, false, start), "") << "another robot's";
+  EXPECT_EQ(quota.stores("ant", 1, 1000, hours(1)), "") << "an hour gives one";
+  EXPECT_NE(quota.stores("ant", 1, 1000, hours(1)), "");
+  EXPECT_EQ(quota.objection("ant", 0, false, hours(100)), "");
+  for (int i = 0; i < 24; ++i) EXPECT_EQ(quota.stores("ant", 1, 0, hours(100)), "");
+  EXPECT_NE(quota.stores("ant", 1, 0, hours(100)), "") << "idle days save up nothing";
+
+  EXPECT_EQ(quota.stores("bee", 0, 1 << 20, start), "") << "as much as a day allows";
+  EXPECT_NE(quota.stores("bee", 0, 1, start).find("limits.stored_mib_a_day"), std::string::npos);
+}
+
+TEST(Quota, ARobotOverItsQuotaIsToldSoAndNothingOfItIsStored) {
+  RobotLimits limits;
+  limits.keyframes_a_day = 1;
+  const TempDir dir;
+  auto store = open(dir);
+  News news;
+  SessionHub hub{*store, news, limits};
+  const auto link = std::make_shared<HeardLink>();
+  const auto admitted = hub.admit(robot_hello("ant"), link);
+  ASSERT_TRUE(admitted);
+  const auto send = [&](std::uint64_t sequence) {
+    hub.take(admitted->session, KeyframeReceived{line_keyframe(sequence), 0}, link);
+  };
+  send(1);
+  send(2);
+  store.reset();  // writes what was taken
+  EXPECT_EQ(hub.durable_keyframes(admitted->session), 1U);
+  ASSERT_EQ(std::count(link->heard.begin(), link->heard.end(), "not stored"), 1) << "the second";
 }
 
 }  // namespace

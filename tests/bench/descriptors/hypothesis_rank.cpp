@@ -1,6 +1,7 @@
 #include "tests/bench/descriptors/hypothesis_rank.hpp"
 
-#include "server/merge_state.hpp"
+#include "server/merge/session_map.hpp"
+#include "server/place/hypotheses.hpp"
 #include "tests/support/truth.hpp"
 
 namespace headframe::bench {
@@ -13,7 +14,7 @@ std::vector<Keyframe> kept(const DrivenSession& driven) {
   Session session;
   session.keyframes = driven.keyframes;
   session.complete = true;
-  session.set_aside_odd();
+  session.set_aside_outliers();
   return std::move(session.keyframes);
 }
 

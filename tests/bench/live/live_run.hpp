@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "server/merge_pipeline.hpp"
+#include "server/merge/merge_pipeline.hpp"
 #include "server/merge_worker/merge_schedule.hpp"
 #include "tests/bench/pipeline_run.hpp"
 #include "tests/mine/random.hpp"

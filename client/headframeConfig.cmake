@@ -1,0 +1,12 @@
+# What the robot library is linked with, then the library itself.
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 NO_MODULE)
+find_dependency(tl-expected)
+find_dependency(Threads)
+find_dependency(Protobuf)
+find_dependency(Boost)
+find_dependency(OpenSSL)
+find_dependency(nlohmann_json)
+find_dependency(PkgConfig)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+include(${CMAKE_CURRENT_LIST_DIR}/headframeTargets.cmake)

@@ -1,0 +1,191 @@
+#include "server/merge/alignment_book.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/session/same_placement.hpp"
+#include "server/support/stopwatch.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr double awaited_news_m = 5;
+
+}  // namespace
+
+void AlignmentBook::restore(std::vector<Alignment> alignments, std::vector<DecisionRecord> decisions,
+                            std::vector<SessionId> anchors) {
+  const SessionFrames& frames = sessions_.frames();
+  alignments_ = std::move(alignments);
+  anchors_ = std::move(anchors);
+  for (Alignment& alignment : alignments_) alignment = frames.local(alignment);
+  for (DecisionRecord& record : decisions)
+    if (const Alignment* of = find(record.alignment)) record.T_a_b = frames.local(of->a, of->b, record.T_a_b);
+  decisions_.restore(std::move(decisions));
+  for (Alignment& alignment : alignments_) alignment.ruling = decisions_.ruling(alignment);
+}
+
+Alignment* AlignmentBook::find(SessionId one, SessionId other) {
+  const auto [a, b] = std::minmax(one, other);
+  for (Alignment& alignment : alignments_)
+    if (alignment.a == a && alignment.b == b) return &alignment;
+  return nullptr;
+}
+
+const Alignment* AlignmentBook::find(AlignmentId id) const {
+  const auto found = std::find_if(alignments_.begin(), alignments_.end(), [&](const auto& k) { return k.id == id; });
+  return found == alignments_.end() ? nullptr : &*found;
+}
+
+AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known,
+                                       bool waits) const {
+  const Evidence& e = best.evidence;
+  const bool stands = known && known->state == AlignmentState::published &&
+                      same_placement(best.T_a_b, known->T_a_b, sessions_.at(known->b).middle(), same_as_rival);
+  const bool told = stands || (sessions_.may_merge(pair) && !waits && e.awaited_m <= 0);
+  if (convinces(e, config_)) return told ? AlignmentState::verified : AlignmentState::candidate;
+  return e.probability >= config_.candidate_probability ? AlignmentState::candidate : AlignmentState::rejected;
+}
+
+void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up,
+                           bool waits, AttemptReport& report) {
+  const auto [a, b] = std::minmax(pair.a, pair.b);
+  Judgement best = by_ids(pair, judged);
+  best.evidence.path_m = sessions_.at(a).path_m() + sessions_.at(b).path_m();
+  best.evidence.awaited_m = sessions_.path_awaited_m(pair, judged.T_a_b, judged.evidence.overlap_m);
+  const auto T_runner_up = T_a_b_runner_up ? std::optional(by_ids(pair, *T_a_b_runner_up)) : std::nullopt;
+  Alignment* known = find(a, b);
+  AlignmentState now = state_of(pair, best, known, waits);
+  if (!known) {
+    const auto id = static_cast<AlignmentId>(alignments_.size()) + 1;
+    alignments_.push_back({id, a, b, now, best.T_a_b, best.evidence, now, Ruling::none, T_runner_up});
+    report.changed.push_back(alignments_.back());
+    return;
+  }
+  // What the operator ruled on stays in sight until something turns up that could be published.
+  if (known->ruling != Ruling::none && now != AlignmentState::verified) return;
+  const bool refused_once =
+      decisions_.proposal(known->id, best.T_a_b, best.evidence.seen_points) == Proposal::as_candidate;
+  if (refused_once && now == AlignmentState::verified) now = AlignmentState::candidate;
+  known->verdict = now;
+  if (known->state == AlignmentState::published && now != AlignmentState::verified) now = AlignmentState::retracted;
+  if (known->state == AlignmentState::retracted && now == AlignmentState::rejected) now = AlignmentState::retracted;
+  const bool news = known->state != now ||
+                    !same_placement(known->T_a_b, best.T_a_b, Eigen::Vector3d::Zero(), same_numbers) ||
+                    std::abs(known->evidence.awaited_m - best.evidence.awaited_m) > awaited_news_m;
+  known->state = now;
+  known->T_a_b = best.T_a_b;
+  known->T_a_b_runner_up = T_runner_up;
+  known->evidence = best.evidence;
+  known->ruling = decisions_.ruling(*known);
+  if (news) report.changed.push_back(*known);
+}
+
+void AlignmentBook::move(Alignment& published, const Judgement& judged, AttemptReport& report) const {
+  published.T_a_b = judged.T_a_b;
+  published.evidence = judged.evidence;
+  report.changed.push_back(published);
+}
+
+Result<void> AlignmentBook::decide(AlignmentId id, Decision decision, AttemptReport& report) {
+  const auto found = std::find_if(alignments_.begin(), alignments_.end(), [&](const auto& k) { return k.id == id; });
+  if (found == alignments_.end())
+    return failure(ErrorCode::not_found,
+                   "there is no alignment " + std::to_string(id) + "; the atlas lists those there are");
+  const auto record = decisions_.decide(*found, decision);
+  if (!record) return tl::unexpected(record.error());
+  if (!*record) return {};
+  report.decided.push_back(**record);
+  if (const auto T_confirmed = decisions_.confirmed_at(id); T_confirmed && decision == Decision::undo)
+    found->T_a_b = *T_confirmed;
+  found->ruling = decisions_.ruling(*found);
+  found->state = decided_state(*found);
+  report.changed.push_back(*found);
+  return {};
+}
+
+bool AlignmentBook::anchor(SessionId id) {
+  if (!anchors_.empty() && anchors_.back() == id) return false;
+  std::erase(anchors_, id);
+  anchors_.push_back(id);
+  return true;
+}
+
+void AlignmentBook::wake(SessionId id) {
+  for (Alignment& alignment : alignments_)
+    if (alignment.a == id || alignment.b == id) alignment.state = decided_state(alignment);
+}
+
+MergeResult AlignmentBook::merge(const Contacts& contacts) const {
+  std::vector<SessionId> ids;
+  for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
+  std::vector<Alignment> spoken = alignments_;
+  for (Alignment& alignment : spoken)  // one whose session is set aside says nothing
+    if (!sessions_.contains(alignment.a) || !sessions_.contains(alignment.b))
+      alignment.state = AlignmentState::candidate;
+  return merge_sessions(ids, spoken, {}, anchors_, contacts);
+}
+
+void AlignmentBook::update_atlas(const Contacts& contacts,
+                                 const std::function<Objection(const std::pair<SessionId, SessionId>&)>& objection,
+                                 AttemptReport& report) {
+  const Stopwatch watch(report.times.atlas_ms);
+  const MergeResult merged = merge(contacts);
+  for (std::size_t i = 0; i < alignments_.size(); ++i) {
+    Alignment& alignment = alignments_[i];
+    const auto& by = merged.contradicted_by[i];
+    const bool news = alignment.state != merged.states[i] || alignment.objection.has_value() != by.has_value();
+    alignment.state = merged.states[i];
+    alignment.objection = by ? std::optional(objection(*by)) : std::nullopt;
+    if (news) report.changed.push_back(alignment);
+  }
+  // The last word on an alignment is the one to be stored.
+  std::map<AlignmentId, Alignment> last;
+  for (const Alignment& alignment : report.changed) last[alignment.id] = alignment;
+  report.changed.clear();
+  for (auto& [id, alignment] : last) report.changed.push_back(*find(alignment.a, alignment.b));
+  note_moved_sessions(merged.components, report);
+  atlas_.components = merged.components;
+  if (report.atlas_changed) ++atlas_.revision;
+}
+
+void AlignmentBook::note_moved_sessions(const std::vector<Component>& now, AttemptReport& report) const {
+  std::map<SessionId, std::pair<SessionId, Pose>> before;
+  for (const Component& component : atlas_.components)
+    for (const Placement& p : component.placements) before[p.session] = {component.id, p.T_component_session};
+  for (const Component& component : now)
+    for (const Placement& p : component.placements) {
+      const auto was = before.find(p.session);
+      const bool alone = was == before.end() && component.placements.size() == 1;  // a new session moves no transform
+      if (alone) continue;
+      report.atlas_changed |=
+          was == before.end() || was->second.first != component.id ||
+          !same_placement(was->second.second, p.T_component_session, Eigen::Vector3d::Zero(), same_numbers);
+    }
+}
+
+void AlignmentBook::next_revision(AttemptReport& report) {
+  ++atlas_.revision;
+  report.atlas_changed = true;
+}
+
+AttemptReport AlignmentBook::given_out(AttemptReport report) {
+  const SessionFrames& frames = sessions_.frames();
+  for (Alignment& alignment : report.changed) alignment = frames.given_out(alignment);
+  for (PairTrace& trace : report.traces) {
+    const auto give_out = [&](Pose& T_a_b) { T_a_b = frames.given_out(trace.a, trace.b, T_a_b); };
+    for (PairTrace::Proposal& proposal : trace.proposed) give_out(proposal.T_a_b);
+    for (Pose& T_a_b : trace.screened) give_out(T_a_b);
+    for (Judgement& judged : trace.judged) give_out(judged.T_a_b);
+  }
+  for (DecisionRecord& record : report.decided) {
+    const Alignment* of = find(record.alignment);
+    record.T_a_b = frames.given_out(of->a, of->b, record.T_a_b);
+  }
+  atlas_given_out_ = frames.given_out(atlas_);
+  alignments_given_out_.clear();
+  for (const Alignment& alignment : alignments_) alignments_given_out_.push_back(frames.given_out(alignment));
+  return report;
+}
+
+}  // namespace headframe

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <functional>
+
+#include "server/atlas/merge_graph.hpp"
+#include "server/merge/attempt.hpp"
+#include "server/merge/session_map.hpp"
+
+namespace headframe {
+
+/// What is known of all pairs of sessions: alignments, the operator's decisions, the anchors, and the atlas that
+/// follows from them. It lies in local frames; what is given out lies in those of the robots. Not thread safe.
+class AlignmentBook {
+ public:
+  AlignmentBook(const MergeConfig& config, const SessionMap& sessions) : config_(config), sessions_(sessions) {}
+
+  /// As they were given out once, ordered by id. The atlas is made anew by update_atlas().
+  void restore(std::vector<Alignment> alignments, std::vector<DecisionRecord> decisions,
+               std::vector<SessionId> anchors);
+
+  /// Of the two, whichever comes first; null: none.
+  Alignment* find(SessionId one, SessionId other);
+  const Alignment* find(AlignmentId id) const;
+  const DecisionBook& decisions() const { return decisions_; }
+
+  /// The verdict on the best placement of a pair becomes its alignment. waits: however probable, a candidate for now.
+  void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,
+              AttemptReport& report);
+  /// A published alignment, judged again, as it lies now.
+  void move(Alignment& published, const Judgement& judged, AttemptReport& report) const;
+
+  Result<void> decide(AlignmentId id, Decision decision, AttemptReport& report);
+  /// False: it was chosen last already.
+  bool anchor(SessionId id);
+  /// A session that was set aside comes back: its alignments stand again as their verdict and the operator's word say.
+  void wake(SessionId id);
+
+  /// What merging would come to, with these answers on where sessions would meet.
+  MergeResult merge(const Contacts& contacts) const;
+  /// FRAME, step 9: maps merge one after another. `objection`: what the pair that holds an alignment back says.
+  void update_atlas(const Contacts& contacts,
+                    const std::function<Objection(const std::pair<SessionId, SessionId>&)>& objection,
+                    AttemptReport& report);
+  /// The atlas is another one, whether transforms changed or not.
+  void next_revision(AttemptReport& report);
+  void set_revision(std::uint64_t revision) { atlas_.revision = revision; }
+
+  /// The report, the atlas and the alignments in the robots' frames.
+  AttemptReport given_out(AttemptReport report);
+  const Atlas& atlas_given_out() const { return atlas_given_out_; }
+  const std::vector<Alignment>& alignments_given_out() const { return alignments_given_out_; }
+
+ private:
+  AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
+  void note_moved_sessions(const std::vector<Component>& now, AttemptReport& report) const;
+
+  const MergeConfig config_;
+  const SessionMap& sessions_;
+  std::vector<Alignment> alignments_;
+  DecisionBook decisions_;
+  std::vector<SessionId> anchors_;  // in the order they were chosen
+  Atlas atlas_, atlas_given_out_;
+  std::vector<Alignment> alignments_given_out_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,181 @@
+#include "server/merge/candidate_verifier.hpp"
+
+#include <algorithm>
+
+#include "server/session/same_placement.hpp"
+#include "server/support/stopwatch.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr std::size_t judged_closely = 4;  // hopeful placements of a pair that are judged with all evidence
+
+/// Fills in what the descriptors say of the judged placement.
+void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
+  const Agreement found = agreement.at(judgement.T_a_b);
+  judgement.evidence.descriptors_compared = found.count;
+  judgement.evidence.descriptors_alike = found.mean();
+}
+
+/// The probability of a placement with all else in its favour.
+double most_probable(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
+  Judgement judgement{RegistrationStatus::converged, screened.place.registration.T_target_source, {}};
+  compare_descriptors(agreement, judgement);
+  return best_probability(screened, judgement.evidence);
+}
+
+/// Whether a rival that is at most so probable could neither beat nor cast doubt on what was judged.
+bool hopeless_rival(double most_probable, const Verdict& judged) {
+  constexpr double doubt = 0.1;  // of the odds that would leave two placements untold apart
+  Evidence e = judged.judgement.evidence;
+  e.runner_up = most_probable;
+  return runner_up_share(e) < doubt;
+}
+
+/// All speaks for it but that the mine repeats itself: where it is wrong, a copy of the rock lies there.
+bool is_copy(const Judgement& judged) { return judged.evidence.probability_if_unique >= 0.5; }
+
+/// Better results first: fewer contradictions, more points that fit, and descriptors that agree along the path. One
+/// place of a mine that repeats itself fits at many others.
+double promise(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
+  const Registration& r = screened.place.registration;
+  const double alike = agreement.at(r.T_target_source).cautious();
+  return std::max(0.0, r.inlier_fraction - 20 * screened.place.between().violation()) * alike * alike;
+}
+
+/// The hopeful ones, the most promising first.
+std::vector<std::size_t> by_promise(const std::vector<ScreeningResult>& screened,
+                                    const DescriptorAgreement& agreement) {
+  std::vector<std::size_t> order;
+  std::vector<double> promises(screened.size(), 0);
+  for (std::size_t i = 0; i < screened.size(); ++i) {
+    if (!screened[i].hopeful) continue;
+    order.push_back(i);
+    promises[i] = promise(screened[i], agreement);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return promises[i] > promises[j]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
+                                                    const Attempt& attempt) {
+  for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, attempt.clouds);
+  std::vector<ScreeningResult> screened;
+  {
+    const Stopwatch watch(attempt.report.times.registration_ms);
+    screened = screen(pair, cases, submaps_, attempt.clouds, judge_);
+  }
+  const Stopwatch watch(attempt.report.times.verification_ms);
+  for (const ScreeningResult& result : screened)
+    if (result.hopeful && !attempt.report.traces.empty())
+      attempt.report.traces.back().screened.push_back(by_ids(pair, result.place.registration.T_target_source));
+  const std::vector<Judged> judged = judge_hopeful(pair, cases, screened, all, attempt.clouds);
+  std::vector<Verdict> verdicts;
+  for (const Judged& one : judged) {
+    verdicts.push_back(one.verdict);
+    weigh_among(judged, pair, cases[one.of], verdicts.back(), attempt.clouds);
+  }
+  std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {
+    return v.judgement.evidence.probability > w.judgement.evidence.probability;
+  });
+  return verdicts;
+}
+
+/// Each by itself, as if the mine held no copies of what it lies on.
+std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const OrderedPair& pair,
+                                                                        const std::vector<Case>& cases,
+                                                                        const std::vector<ScreeningResult>& screened,
+                                                                        bool all, CloudSource& clouds) {
+  const DescriptorAgreement agreement(sessions_.at(pair.a).keyframes, sessions_.at(pair.b).keyframes);
+  std::vector<Judged> out;
+  for (const std::size_t i : by_promise(screened, agreement)) {
+    if (out.size() == judged_closely) break;
+    const SubmapCheck& place = screened[i].place;
+    const double most = all ? 1 : most_probable(screened[i], agreement);
+    const bool spared = std::any_of(out.begin(), out.end(), [&](const Judged& known) {
+      return same_placement(known.verdict.judgement.T_a_b, place.registration.T_target_source, place.p_b,
+                            same_registration) ||
+             (!all && hopeless_rival(most, known.verdict));
+    });
+    if (spared) continue;
+    const Case& c = cases[i];
+    Verdict verdict{judge(submaps_.scene(pair.a, c.a.stored, clouds), submaps_.scene(pair.b, c.b.stored, clouds),
+                          screened[i], judge_),
+                    place.p_b};
+    Evidence& e = verdict.judgement.evidence;
+    e.support = c.hypothesis.score;
+    compare_descriptors(agreement, verdict.judgement);
+    e.repetition = self_.repetition();
+    e.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes +
+                    look_alikes(screened, verdict.judgement.T_a_b);
+    weigh(verdict.judgement);
+    out.push_back({std::move(verdict), i});
+  }
+  return out;
+}
+
+/// With the copies that the others are; what would still be believed is looked at farther off.
+void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
+                                    Verdict& verdict, CloudSource& clouds) {
+  Evidence& e = verdict.judgement.evidence;
+  const auto is_other_copy = [&](const Judged& other) {
+    const Judgement& judged = other.verdict.judgement;
+    return is_copy(judged) && !same_placement(judged.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration);
+  };
+  e.aliases = self_.last(pair.a).aliases + self_.last(pair.b).aliases +
+              static_cast<double>(std::count_if(all.begin(), all.end(), is_other_copy));
+  weigh(verdict.judgement);
+  if (e.probability < config_.accept_probability) {
+    verdict.wanted = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
+    return;
+  }
+  const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
+  e.farther_violation = far.violation;
+  // Unless the mine repeats itself, it is worth looking at what is here, and not worth asking for more.
+  if (e.repetition >= copies_known) verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
+  weigh(verdict.judgement);
+}
+
+Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at, CloudSource& clouds) {
+  if (at.a.stored.empty() || at.b.stored.empty()) return {};
+  Judgement out = headframe::judge_again(submaps_.scene(pair.a, at.a.stored, clouds),
+                                         submaps_.scene(pair.b, at.b.stored, clouds), at.hypothesis.T_a_b, judge_);
+  compare_descriptors({sessions_.at(pair.a).keyframes, sessions_.at(pair.b).keyframes}, out);
+  weigh(out);
+  return out;
+}
+
+Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds) {
+  const Case at = requests_.make_case(pair.a, pair.b, {T_a_b, 0, {}}, clouds);
+  if (at.a.stored.empty() || at.b.stored.empty()) return {};
+  Judgement out = judge_again(pair, at, clouds);
+  for (const SessionId id : {pair.a, pair.b}) {
+    const SelfLikeness& self = self_.of(id, clouds);
+    out.evidence.aliases += self.aliases;
+    out.evidence.look_alikes += self.look_alikes;
+  }
+  out.evidence.repetition = self_.repetition();
+  weigh(out);
+  return out;
+}
+
+bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
+                                     const Attempt& attempt) const {
+  if (!convinces(verdicts.front().judgement.evidence, config_)) {
+    const auto asks =
+        std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
+    if (asks != verdicts.end()) attempt.want(asks->wanted);
+    return false;
+  }
+  if (awaited > 0) return false;  // it waits for its rivals anyway
+  std::vector<KeyframeRef> wanted = verdicts.front().wanted;
+  for (const SessionId id : {pair.a, pair.b})
+    for (const KeyframeRef& k : self_.last(id).wanted)
+      if (attempt.clouds.state(k) == CloudState::obtainable) wanted.push_back(k);
+  attempt.want(wanted);
+  return !wanted.empty();
+}
+
+}  // namespace headframe

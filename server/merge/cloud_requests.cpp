@@ -1,0 +1,118 @@
+#include "server/merge/cloud_requests.hpp"
+
+#include <algorithm>
+
+namespace headframe {
+namespace {
+
+const double spot_m = SubmapConfig{}.radius_m;
+constexpr std::size_t more = 2;           // times as many as for a first look
+constexpr std::size_t cases_awaited = 1;  // that may wait for a first look at a time
+constexpr std::size_t cases_asking = 10;  // the most promising: others are looked at with the clouds that are here
+constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
+
+std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {
+  std::vector<KeyframePosition> out;
+  std::merge(n.stored.begin(), n.stored.end(), n.obtainable.begin(), n.obtainable.end(), std::back_inserter(out),
+             [](const KeyframePosition& s, const KeyframePosition& t) { return s.keyframe < t.keyframe; });
+  return out;
+}
+
+bool none_to_come(const Case& c) { return c.a.obtainable.empty() && c.b.obtainable.empty(); }
+
+}  // namespace
+
+Eigen::Vector3d middle_of_overlap(const Case& c) {
+  const auto near = near_other(all_of(c.a), all_of(c.b), c.hypothesis.T_a_b, JudgeConfig{}.meet_m);
+  return near.empty() ? Eigen::Vector3d::Zero() : near[near.size() / 2].p;
+}
+
+Candidates CloudRequests::cases_with_clouds(const OrderedPair& pair, const std::vector<Hypothesis>& hypotheses,
+                                            const Alignment* known, const Attempt& attempt) const {
+  Candidates out;
+  const bool accepted = known && known->evidence.probability >= config_.accept_probability;
+  for (const Hypothesis& h : hypotheses) {
+    Case made = make_case(pair.a, pair.b, h, attempt.clouds);
+    const bool weak_rival = accepted && h.score < rival_share * known->evidence.support;
+    std::vector<KeyframeRef> wanted;
+    const bool may_ask = static_cast<std::size_t>(&h - hypotheses.data()) < cases_asking;
+    if (may_ask && out.awaited < cases_awaited && !weak_rival) wanted = clouds_for_screening(pair, made);
+    if (wanted.empty()) {
+      out.cases.push_back(std::move(made));
+      continue;
+    }
+    ++out.awaited;
+    attempt.want(wanted);
+  }
+  return out;
+}
+
+Case CloudRequests::make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, const CloudSource& clouds) const {
+  return {hypothesis, nearby(a, b, hypothesis.T_a_b, clouds), nearby(b, a, hypothesis.T_a_b.inverse(), clouds)};
+}
+
+/// Keyframes of `id` that lie within reach of the other session.
+NearbyKeyframes CloudRequests::nearby(SessionId id, SessionId other, const Pose& T_id_other,
+                                      const CloudSource& clouds) const {
+  const double reach_m = JudgeConfig{}.look_m;
+  const Session &session = sessions_.at(id), &theirs = sessions_.at(other);
+  const Pose T_other_id = T_id_other.inverse();
+  NearbyKeyframes out;
+  for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
+    const Keyframe& k = session.keyframes[i];
+    const Eigen::Vector3d p = k.T_local_sensor.translation();
+    if (k.point_count == 0 || !theirs.passes_near(T_other_id * p, reach_m)) continue;
+    const CloudState state = clouds.state({id, k.sequence});
+    if (state == CloudState::stored) out.stored.push_back({i, p});
+    if (state == CloudState::obtainable) out.obtainable.push_back({i, p});
+  }
+  return out;
+}
+
+/// The nearest to p first.
+void CloudRequests::ask(SessionId id, std::vector<KeyframePosition> obtainable, const Eigen::Vector3d& p,
+                        std::size_t most, std::vector<KeyframeRef>& wanted) const {
+  std::stable_sort(obtainable.begin(), obtainable.end(), [&](const KeyframePosition& s, const KeyframePosition& t) {
+    return (s.p - p).squaredNorm() < (t.p - p).squaredNorm();
+  });
+  if (obtainable.size() > most) obtainable.resize(most);
+  for (const KeyframePosition& s : obtainable) wanted.push_back({id, sessions_.at(id).keyframes[s.keyframe].sequence});
+}
+
+std::vector<KeyframeRef> CloudRequests::clouds_for_screening(const OrderedPair& pair, const Case& c) const {
+  std::vector<KeyframeRef> wanted;
+  if (none_to_come(c)) return wanted;
+  const auto meeting = first_meeting(all_of(c.a), all_of(c.b), c.hypothesis.T_a_b, c.hypothesis.place_b, JudgeConfig{});
+  if (!meeting) return wanted;
+  const auto ask_around = [&](SessionId id, const NearbyKeyframes& nearby, std::size_t keyframe) {
+    const Eigen::Vector3d p = sessions_.at(id).keyframes[keyframe].T_local_sensor.translation();
+    const auto here = [&](const KeyframePosition& s) { return (s.p - p).norm() < spot_m; };
+    const auto enough = static_cast<std::size_t>(config_.clouds_requested),
+               stored = static_cast<std::size_t>(std::count_if(nearby.stored.begin(), nearby.stored.end(), here));
+    std::vector<KeyframePosition> around;
+    std::copy_if(nearby.obtainable.begin(), nearby.obtainable.end(), std::back_inserter(around), here);
+    if (stored < enough) ask(id, std::move(around), p, enough - stored, wanted);
+  };
+  ask_around(pair.a, c.a, meeting->keyframe_a);
+  ask_around(pair.b, c.b, meeting->keyframe_b);
+  return wanted;
+}
+
+std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pair, const Case& c,
+                                                           const Judgement& judged, const Eigen::Vector3d& p_b) const {
+  std::vector<KeyframeRef> wanted;
+  if (none_to_come(c)) return wanted;
+  const JudgeConfig judge;
+  const Pose& T = judged.T_a_b;
+  const auto a = all_of(c.a), b = all_of(c.b);
+  Judgement whole = judged;  // as it would be if all of its overlap were as good
+  measure_overlap(whole.evidence, a, b, T, judge);
+  weigh(whole);
+  if (whole.evidence.probability < config_.candidate_probability) return wanted;
+  const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
+  ask(pair.a, near_other(b, c.a.obtainable, T.inverse(), judge.meet_m), T * p_b, most, wanted);
+  ask(pair.b, near_other(a, c.b.obtainable, T, judge.meet_m), p_b, most, wanted);
+  return wanted;
+}
+
+}  // namespace headframe

@@ -1,0 +1,89 @@
+#include "server/merge/long_range_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/session/same_placement.hpp"
+#include "server/support/parallel.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr double close_m = 5, step_m = 4;       // of b's path, where it passes so near to a's
+constexpr std::size_t spots_unless_copies = 4;  // the ends of the overlap, and between
+
+/// The keyframe of a's nearest to p, if it is close.
+const KeyframePosition* close_to(const std::vector<KeyframePosition>& a, const Eigen::Vector3d& p) {
+  const auto distance = [&](const KeyframePosition& s) { return (s.p - p).norm(); };
+  const auto nearest = std::min_element(a.begin(), a.end(), [&](const KeyframePosition& s, const KeyframePosition& t) {
+    return distance(s) < distance(t);
+  });
+  return nearest == a.end() || distance(*nearest) > close_m ? nullptr : &*nearest;
+}
+
+/// Whether all clouds of the path within look_m of a keyframe are stored. Those that can be had are wanted.
+bool known_around(const Session& session, SessionId id, std::size_t keyframe, const CloudSource& clouds,
+                  std::set<KeyframeRef>& wanted) {
+  const double reach_m = SessionSubmaps::far_config().look_m, here_m = session.path_to_m[keyframe];
+  bool known = true;
+  for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
+    const Keyframe& k = session.keyframes[i];
+    if (k.point_count == 0 || std::abs(session.path_to_m[i] - here_m) >= reach_m) continue;
+    const CloudState state = clouds.state({id, k.sequence});
+    known &= state == CloudState::stored;
+    if (state == CloudState::obtainable) wanted.insert({id, k.sequence});
+  }
+  return known;
+}
+
+/// So many, evenly spread, the ends among them.
+template <class T>
+std::vector<T> spread_evenly(const std::vector<T>& all, std::size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<T> out;
+  for (std::size_t i = 0; i < most; ++i) out.push_back(all[i * (all.size() - 1) / (most - 1)]);
+  return out;
+}
+
+}  // namespace
+
+LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged, const SessionMap& sessions,
+                           SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge) {
+  LongRange out;
+  std::vector<std::pair<std::size_t, std::size_t>> spots;  // keyframes of a and b
+  double next_m = std::numeric_limits<double>::lowest();
+  for (const KeyframePosition& s : c.b.stored) {
+    const double path_m = sessions.at(pair.b).path_to_m[s.keyframe];
+    const KeyframePosition* other = close_to(c.a.stored, judged.T_a_b * s.p);
+    if (!other || path_m < next_m) continue;
+    const bool known_a = known_around(sessions.at(pair.a), pair.a, other->keyframe, clouds, out.wanted),
+               known_b = known_around(sessions.at(pair.b), pair.b, s.keyframe, clouds, out.wanted);
+    if (!known_a || !known_b) continue;
+    next_m = path_m + step_m;
+    spots.emplace_back(other->keyframe, s.keyframe);
+  }
+  if (judged.evidence.repetition < copies_known) spots = spread_evenly(spots, spots_unless_copies);
+  std::vector<SubmapRequest> asked;
+  for (const auto& [of_a, of_b] : spots) {
+    asked.push_back(submaps.at(pair.a, of_a));
+    asked.push_back(submaps.at(pair.b, of_b));
+  }
+  const std::vector<SubmapPtr> near = submaps.near(asked, clouds), far = submaps.far(asked, clouds);
+  std::vector<double> violations(spots.size());
+  for_blocks(spots.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const Submap &of_a = *near[2 * i], &of_b = *near[2 * i + 1];
+    SubmapCheck place = register_submaps(of_a, of_b, judged.T_a_b, judge.place);
+    const Pose& T = place.registration.T_target_source;
+    const bool drifted = place.registration.status != RegistrationStatus::too_little_overlap &&
+                         same_placement(T, judged.T_a_b, of_b.p, {judge.place_drift_m, judge.place_drift_rad});
+    check_free_space(place, *far[2 * i], *far[2 * i + 1], drifted ? T : judged.T_a_b, SessionSubmaps::far_config());
+    if (drifted)
+      check_free_space_again(place, *far[2 * i], *far[2 * i + 1], judged.T_a_b, SessionSubmaps::far_config());
+    violations[i] = place.between().violation();
+  });
+  for (const double violation : violations) out.violation = std::max(out.violation, violation);
+  return out;
+}
+
+}  // namespace headframe

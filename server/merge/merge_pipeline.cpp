@@ -1,0 +1,139 @@
+#include "server/merge/merge_pipeline.hpp"
+
+#include <algorithm>
+
+#include "server/merge/merge_state.hpp"
+#include "server/session/same_placement.hpp"
+#include "server/support/stopwatch.hpp"
+
+namespace headframe {
+
+// ---- The page: one attempt to merge one session with all others (FRAME, section on map merging; numbers of its steps)
+
+AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
+  AttemptReport report;
+  State& s = *state_;
+  if (!s.sessions.contains(id)) return report;
+  const Attempt attempt{clouds, report};
+  s.finder.allow(static_cast<std::size_t>(s.config.searches));
+  for (const SessionId other : s.partners.rank(id, s.sessions)) s.merge_pair(s.sessions.ordered(id, other), attempt);
+  s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
+  s.update_atlas(report);                   // 9: maps merge one after another
+  return s.book.given_out(std::move(report));
+}
+
+void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& attempt) {
+  if (!sessions.may_merge(pair)) return;  // nothing that were found would be told; it is tried when there is more
+  attempt.clouds.working_on(pair.a, pair.b);
+  Alignment* known = book.find(pair.a, pair.b);
+  const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
+  if (in_force && !ended_since_judged(*known) && still_holds(pair, *known, attempt)) return;
+
+  // 5, 6: where could b lie on a? Not one nearest pair, but all that the descriptors and the wall maps propose.
+  const Found* found = propose(pair, attempt.report);
+  if (!found) return;
+  // 7: the clouds around each; what is not here is asked for, the likeliest first.
+  Candidates candidates;
+  {
+    const Stopwatch watch(attempt.report.times.sampling_ms);
+    candidates = requests.cases_with_clouds(pair, found->hypotheses, known, attempt);
+  }
+  if (judged.judged_on(pair, what_there_is(pair, *found, candidates.cases))) return;
+  auto& trace = attempt.report.traces.emplace_back(PairTrace{std::min(pair.a, pair.b), std::max(pair.a, pair.b)});
+  for (const Hypothesis& h : found->hypotheses) trace.proposed.push_back({by_ids(pair, h.T_a_b), h.source});
+
+  // 8: registration, then what the paper lacks: evidence, and a runner-up.
+  const bool ruled = known && known->ruling != Ruling::none;
+  std::vector<Verdict> verdicts = verifier.judge_cases(pair, candidates.cases, ruled, attempt);
+  for (const Verdict& v : verdicts) trace.judged.push_back(by_ids(pair, v.judgement));
+  if (verdicts.empty()) verdicts.emplace_back();
+  if (known) drop_ruled_out(pair, *known, verdicts);
+  if (verdicts.empty()) return;  // the operator has ruled on all there is
+  Judgement& best = verdicts.front().judgement;
+  std::optional<Pose> T_a_b_runner_up;
+  const auto rival = std::find_if(verdicts.begin() + 1, verdicts.end(), [&](const Verdict& v) {  // the most probable
+    return !same_placement(v.judgement.T_a_b, best.T_a_b, v.p_b, same_as_rival);
+  });
+  if (rival != verdicts.end()) {
+    best.evidence.runner_up = rival->judgement.evidence.probability;
+    T_a_b_runner_up = rival->judgement.T_a_b;
+  }
+  const bool waits = verifier.ask_for_more(pair, verdicts, candidates.awaited, attempt);
+  if (waits) judged.forget(pair.a, pair.b);  // it is judged anew even if the clouds do not come
+  if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))
+    return;  // rivals of what would be accepted are looked at first
+  book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
+}
+
+const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {
+  const Stopwatch watch(report.times.hypotheses_ms);
+  const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
+  const Found* found = finder.find({pair.a, a.keyframes, a.complete}, {pair.b, b.keyframes, b.complete},
+                                   [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
+  report.unfinished |= !found;  // enough searched for one attempt
+  return found;
+}
+
+/// When more sessions show copies, or fewer, the pair is judged again.
+JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Found& found,
+                                             const std::vector<Case>& cases) const {
+  Evidence of_all;
+  of_all.repetition = self.repetition();
+  JudgedOn out{found.version,
+               static_cast<int>(asked_overlap_m(of_all) / 10),
+               of_all.repetition >= copies_known,
+               static_cast<int>(sessions.at(pair.a).complete) + static_cast<int>(sessions.at(pair.b).complete),
+               {}};
+  for (const Case& c : cases) out.clouds.push_back(c.a.stored.size() + c.b.stored.size());
+  return out;
+}
+
+/// Both are complete, and at least one was not when the pair was judged as a whole.
+bool MergePipeline::State::ended_since_judged(const Alignment& known) const {
+  const Session &a = sessions.at(known.a), &b = sessions.at(known.b);
+  return a.complete && b.complete && a.path_m() + b.path_m() > known.evidence.path_m + 1e-3;
+}
+
+/// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
+/// one that the operator confirmed always does. Missing clouds are not asked for: the merge stands, more may come in
+/// the background.
+bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt) {
+  const Pose T_0 = by_ids(pair, published.T_a_b);
+  const Case now = requests.make_case(pair.a, pair.b, {T_0, 0, {}}, attempt.clouds);
+  if (now.a.stored.empty() || now.b.stored.empty()) return true;
+  if (judged.judged_on(pair, {.clouds = {now.a.stored.size(), now.b.stored.size()}})) return true;
+  const Stopwatch watch(attempt.report.times.verification_ms);
+  Judgement again = verifier.judge_again(pair, now, attempt.clouds);
+  Evidence& e = again.evidence;
+  e.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
+  e.look_alikes = published.evidence.look_alikes;
+  e.farther_violation = published.evidence.farther_violation;
+  e.support = published.evidence.support;
+  e.path_m = published.evidence.path_m;
+  e.runner_up = published.evidence.runner_up;
+  e.repetition = self.repetition();
+  weigh(again);
+  if (e.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
+  const Eigen::Vector3d middle = now.b.stored[now.b.stored.size() / 2].p;
+  if (e.probability >= config.accept_probability && !same_placement(again.T_a_b, T_0, middle, same_to_robots))
+    book.move(published, by_ids(pair, again), attempt.report);
+  return true;
+}
+
+void MergePipeline::State::drop_ruled_out(const OrderedPair& pair, const Alignment& known,
+                                          std::vector<Verdict>& verdicts) const {
+  std::erase_if(verdicts, [&](const Verdict& v) {
+    const double seen_points = v.judgement.evidence.seen_points;
+    return book.decisions().proposal(known.id, by_ids(pair, v.judgement.T_a_b), seen_points) == Proposal::suppressed;
+  });
+}
+
+void MergePipeline::State::update_atlas(AttemptReport& report) {
+  book.update_atlas(
+      [&](SessionId a, SessionId b, const Pose& T_a_b) {
+        return consistency.known_contact({a, b, T_a_b}).value_or(Contact::none);
+      },
+      [&](const auto& pair) { return consistency.objection(pair); }, report);
+}
+
+}  // namespace headframe

@@ -1,0 +1,70 @@
+#pragma once
+// The server's data flow on one page: keyframes in, alignments and atlas revisions out. It reads as the paper does
+// (FRAME, Algorithm 1), with the verdict that the paper lacks.
+
+#include <memory>
+#include <vector>
+
+#include "server/atlas/atlas.hpp"
+#include "server/merge/attempt.hpp"
+#include "server/merge/merge_config.hpp"
+
+namespace headframe {
+
+/// Owns descriptors, alignments and the atlas in memory. Not thread safe: one thread calls it (server/merge_worker).
+/// Deterministic: the same calls give the same results, whatever the thread count of the registration.
+class MergePipeline {
+ public:
+  explicit MergePipeline(const MergeConfig& config);
+  ~MergePipeline();
+
+  /// Sessions and keyframes come in any order of sessions; keyframes of one session in the order of their sequence.
+  void add_session(SessionId id, const FamilyId& family);
+  void add_keyframe(SessionId id, Keyframe keyframe);
+
+  /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
+  void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds);
+
+  /// Makes one part of what attempts will need: whether a session's mine repeats itself, or the surroundings of a
+  /// keyframe. Some tens of milliseconds; false when nothing is left. Optional: attempts make what they miss.
+  bool prepare_ahead(CloudSource& clouds);
+
+  /// No keyframe follows, or none has for a while: however short it is, it may merge now. Harmless when repeated; a
+  /// keyframe that comes after all ends it.
+  void complete_session(SessionId id);
+
+  /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes.
+  AttemptReport set_aside(SessionId id);
+
+  /// After a restart, once all sessions and keyframes were added: alignments and decisions as they were stored, ordered
+  /// by id, the last revision, and the anchors in the order they were chosen.
+  void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
+               std::vector<SessionId> anchors = {});
+
+  /// The operator's word on an alignment, put into the atlas at once. not_found: no such alignment; refused: the
+  /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
+  /// what had been suppressed.
+  Result<AttemptReport> decide(AlignmentId id, Decision decision);
+
+  /// The session's frame becomes its component's, now and after later merges, until another of the component is chosen.
+  /// not_found: no such session. Nothing changes when it was chosen last already.
+  Result<AttemptReport> anchor(SessionId id);
+
+  /// Tries to merge this session with every other session of its family.
+  AttemptReport attempt(SessionId id, CloudSource& clouds);
+
+  /// The verdict on a placement that is handed in, wherever it comes from; nothing is recorded. a < b.
+  Judgement judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds);
+
+  /// Why keyframes of the session are left out of merging, from a jump of its odometry on; empty: they are not.
+  std::string why_cut(SessionId id) const;
+
+  const Atlas& atlas() const;
+  const std::vector<Alignment>& alignments() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,110 @@
+// What the pipeline is told, and asked for, beside attempts.
+
+#include "server/merge/merge_state.hpp"
+
+namespace headframe {
+
+MergePipeline::State::State(const MergeConfig& c)
+    : config(c),
+      sessions(c),
+      finder({.seats = {.coherent = static_cast<std::size_t>(c.hypotheses)},
+              .walls_bytes = 1000000 * static_cast<std::size_t>(c.walls_mb),
+              .threads = c.threads}),
+      submaps(c, sessions),
+      requests(c, sessions),
+      self(c, sessions, finder, submaps, requests),
+      verifier(c, sessions, submaps, self, requests),
+      book(c, sessions),
+      consistency(c, sessions, requests, verifier, book) {}
+
+MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
+MergePipeline::~MergePipeline() = default;
+
+void MergePipeline::add_session(SessionId id, const FamilyId& family) {
+  if (!state_->sessions.contains(id)) state_->book.wake(id);
+  state_->sessions.add(id, family);
+}
+
+void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
+  const Keyframe& taken = state_->sessions.add_keyframe(id, std::move(keyframe));
+  state_->partners.add(id, taken, state_->sessions);
+}
+
+void MergePipeline::complete_session(SessionId id) { state_->sessions.complete(id); }
+
+AttemptReport MergePipeline::set_aside(SessionId id) {
+  AttemptReport report;
+  State& s = *state_;
+  if (!s.sessions.contains(id)) return report;
+  s.sessions.forget(id);
+  s.submaps.forget(id);
+  s.self.forget(id);
+  s.judged.forget(id);
+  s.consistency.forget(id);
+  s.update_atlas(report);
+  s.book.next_revision(report);
+  return s.book.given_out(std::move(report));
+}
+
+void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {
+  state_->submaps.prepare_cloud(keyframe, clouds);
+}
+
+bool MergePipeline::prepare_ahead(CloudSource& clouds) {
+  State& s = *state_;
+  for (const auto& [id, session] : s.sessions.all()) {
+    clouds.working_on(id, id);
+    if (s.submaps.prepare_next(id, clouds)) return true;
+    if (!s.sessions.may_merge(id) || s.self.known(id, clouds)) continue;
+    (void)s.self.of(id, clouds);
+    return true;
+  }
+  return false;
+}
+
+Judgement MergePipeline::judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds) {
+  State& s = *state_;
+  const SessionFrames& frames = s.sessions.frames();
+  const OrderedPair pair = s.sessions.ordered(a, b);
+  Judgement judged = by_ids(pair, s.verifier.judge_placement(pair, by_ids(pair, frames.local(a, b, T_a_b)), clouds));
+  judged.T_a_b = frames.given_out(a, b, judged.T_a_b);
+  return judged;
+}
+
+Result<AttemptReport> MergePipeline::decide(AlignmentId id, Decision decision) {
+  State& s = *state_;
+  AttemptReport report;
+  if (auto done = s.book.decide(id, decision, report); !done) return tl::unexpected(done.error());
+  if (report.decided.empty()) return report;
+  const Alignment& alignment = *s.book.find(id);
+  s.judged.forget(alignment.a, alignment.b);
+  s.update_atlas(report);
+  return s.book.given_out(std::move(report));
+}
+
+Result<AttemptReport> MergePipeline::anchor(SessionId id) {
+  State& s = *state_;
+  if (!s.sessions.contains(id)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(id));
+  AttemptReport report;
+  if (!s.book.anchor(id)) return report;
+  report.anchored = id;
+  s.update_atlas(report);
+  return s.book.given_out(std::move(report));
+}
+
+void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision,
+                            std::vector<DecisionRecord> decisions, std::vector<SessionId> anchors) {
+  State& s = *state_;
+  s.book.restore(std::move(alignments), std::move(decisions), std::move(anchors));
+  AttemptReport ignored;
+  s.update_atlas(ignored);
+  s.book.set_revision(revision);
+  s.book.given_out({});
+}
+
+std::string MergePipeline::why_cut(SessionId id) const { return state_->sessions.frames().why_cut(id); }
+
+const Atlas& MergePipeline::atlas() const { return state_->book.atlas_given_out(); }
+const std::vector<Alignment>& MergePipeline::alignments() const { return state_->book.alignments_given_out(); }
+
+}  // namespace headframe

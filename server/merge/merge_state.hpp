@@ -1,0 +1,35 @@
+#pragma once
+// The parts of the merge pipeline, each of which owns its state; merge_pipeline.cpp is the page on which they meet.
+
+#include "server/merge/consistency_check.hpp"
+#include "server/merge/judged_pairs.hpp"
+#include "server/merge/merge_pipeline.hpp"
+#include "server/merge/partner_ranking.hpp"
+
+namespace headframe {
+
+struct MergePipeline::State {
+  explicit State(const MergeConfig& c);
+
+  const MergeConfig config;
+  SessionMap sessions;
+  PartnerRanking partners;
+  HypothesisFinder finder;
+  SessionSubmaps submaps;
+  CloudRequests requests;
+  SelfSimilarity self;
+  CandidateVerifier verifier;
+  JudgedPairs judged;
+  AlignmentBook book;
+  ConsistencyCheck consistency;
+
+  void merge_pair(const OrderedPair& pair, const Attempt& attempt);
+  const Found* propose(const OrderedPair& pair, AttemptReport& report);
+  bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);
+  JudgedOn what_there_is(const OrderedPair& pair, const Found& found, const std::vector<Case>& cases) const;
+  bool ended_since_judged(const Alignment& known) const;
+  void drop_ruled_out(const OrderedPair& pair, const Alignment& known, std::vector<Verdict>& verdicts) const;
+  void update_atlas(AttemptReport& report);
+};
+
+}  // namespace headframe

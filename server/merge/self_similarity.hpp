@@ -1,0 +1,53 @@
+#pragma once
+// Copies that a mine shows of itself: a session is laid on itself elsewhere, and what fits there for 15 m and more
+// counts.
+
+#include "server/merge/screening.hpp"
+
+namespace headframe {
+
+/// How often a session looks like itself elsewhere, and what that was found from.
+struct SelfLikeness {
+  double path_m = -1;
+  std::size_t clouds = 0;
+  double aliases = 0;               // see Evidence::aliases
+  double look_alikes = 0;           // see Evidence::look_alikes
+  std::vector<KeyframeRef> wanted;  // clouds of spots whose walls look alike, and that nobody has looked at closely
+};
+
+/// Owns what is known of it. Not thread safe.
+class SelfSimilarity {
+ public:
+  SelfSimilarity(const MergeConfig& config, const SessionMap& sessions, HypothesisFinder& finder,
+                 SessionSubmaps& submaps, const CloudRequests& requests)
+      : judge_(judge_config(config)), sessions_(sessions), finder_(finder), submaps_(submaps), requests_(requests) {}
+
+  /// Looks for copies again when the session, or what is stored of its clouds, has grown by a quarter.
+  const SelfLikeness& of(SessionId id, CloudSource& clouds);
+  /// False: of() would look.
+  bool known(SessionId id, const CloudSource& clouds) const;
+  /// What was found last; nothing of a session that nobody asked about.
+  const SelfLikeness& last(SessionId id) const;
+
+  /// Copies that all sessions show of themselves so far; see Evidence::repetition. Of less than 500 m little can be
+  /// said, and of sessions that have yet to be looked at nothing.
+  double repetition() const;
+
+  void forget(SessionId id) { known_.erase(id); }
+
+ private:
+  /// The same placement of a session on itself, looked at 15 m before and behind along its path.
+  std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const;
+  /// How many of these placements of a session on itself, other than where it lies, are copies 15 m long and more:
+  /// their first place looks right by itself, and so does one of those beside it.
+  int copies_within(SessionId id, const std::vector<ScreeningResult>& screened, CloudSource& clouds);
+
+  const JudgeConfig judge_;
+  const SessionMap& sessions_;
+  HypothesisFinder& finder_;
+  SessionSubmaps& submaps_;
+  const CloudRequests& requests_;
+  std::map<SessionId, SelfLikeness> known_;
+};
+
+}  // namespace headframe

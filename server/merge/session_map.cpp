@@ -1,0 +1,100 @@
+#include "server/merge/session_map.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+#include "server/place/sanity.hpp"
+#include "server/verification/verification.hpp"
+
+namespace headframe {
+namespace {
+
+/// Of all that was told of it but where it was (FNV-1a).
+std::uint64_t fingerprint_of(const Keyframe& keyframe) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211ULL; };
+  mix(std::bit_cast<std::uint64_t>(keyframe.stamp_s));
+  for (const float f : keyframe.descriptor.q) mix(std::bit_cast<std::uint32_t>(f));
+  for (const std::uint8_t code : keyframe.walls.code) mix(code);
+  return hash;
+}
+
+/// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
+std::optional<double> path_since(const Session& session, const Session& other, const Pose& T_other_session,
+                                 double reach_m) {
+  for (std::size_t i = session.keyframes.size(); i-- > 0;) {
+    const Eigen::Vector3d p = T_other_session * session.keyframes[i].T_local_sensor.translation();
+    if (other.passes_near(p, reach_m)) return session.path_m() - session.path_to_m[i];
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void Session::add(Keyframe keyframe) {
+  const Eigen::Vector3d here = keyframe.T_local_sensor.translation();
+  if (keyframes.empty()) fingerprint = fingerprint_of(keyframe);
+  path_to_m.push_back(keyframes.empty() ? 0 : path_m() + (here - keyframes.back().T_local_sensor.translation()).norm());
+  keyframes.push_back(std::move(keyframe));
+  set_aside_outliers();
+}
+
+void Session::set_aside_outliers() {
+  const std::size_t n = keyframes.size(), known = complete ? n : n - std::min<std::size_t>(n, 2);
+  for (; asked < known; ++asked) {
+    Keyframe& k = keyframes[asked];
+    if (fits_neighbours(keyframes, asked)) continue;
+    k.walls = {};
+    k.point_count = 0;
+    k.descriptor = {};
+  }
+}
+
+bool Session::passes_near(const Eigen::Vector3d& p, double reach_m) const {
+  return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
+    return (k.T_local_sensor.translation() - p).squaredNorm() < reach_m * reach_m;
+  });
+}
+
+const Keyframe& SessionMap::add_keyframe(SessionId id, Keyframe keyframe) {
+  Session& session = sessions_[id];
+  session.complete = false;
+  session.add(frames_.taken_in(id, std::move(keyframe), session.keyframes));
+  return session.keyframes.back();
+}
+
+void SessionMap::complete(SessionId id) {
+  Session& session = sessions_[id];
+  session.complete = true;
+  session.set_aside_outliers();
+}
+
+void SessionMap::forget(SessionId id) {
+  sessions_.erase(id);
+  frames_.come_anew(id);
+}
+
+OrderedPair SessionMap::ordered(SessionId one, SessionId other) const {
+  const auto rank = [&](SessionId id) { return std::tuple(at(id).path_m(), at(id).fingerprint, id); };
+  return rank(one) < rank(other) ? OrderedPair{one, other} : OrderedPair{other, one};
+}
+
+// A robot that still drives has not shown what lies ahead of it: an exact copy of a tile looks right until the tile
+// ends. What convinces waits until both sessions have shown enough, and what was decided on half a session is decided
+// anew when it ends.
+double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, double shared_m) const {
+  const Session &a = at(pair.a), &b = at(pair.b);
+  const double reach_m = JudgeConfig{}.meet_m;
+  double awaited_m = 0;
+  const auto wait_for = [&](const Session& session, const Session& other, const Pose& T_other_session) {
+    if (session.complete) return;
+    const double since_m = path_since(session, other, T_other_session, reach_m).value_or(0);
+    awaited_m = std::max(awaited_m, config_.shown_m - shared_m - since_m);
+  };
+  wait_for(a, b, T_a_b.inverse());
+  wait_for(b, a, T_a_b);
+  return awaited_m;
+}
+
+}  // namespace headframe

@@ -1,0 +1,65 @@
+#pragma once
+// The sessions as the merge pipeline keeps them, each in a local frame near zero.
+
+#include <map>
+#include <string>
+
+#include "server/merge/merge_config.hpp"
+#include "server/merge/ordered_pair.hpp"
+#include "server/merge/session_frames.hpp"
+
+namespace headframe {
+
+struct Session {
+  FamilyId family;
+  std::vector<Keyframe> keyframes;
+  std::vector<double> path_to_m;  // to each keyframe
+  bool complete = false;          // no keyframe is expected: it ended, or rests
+  std::size_t asked = 0;          // keyframes whose neighbours were asked whether they see the same
+  std::uint64_t fingerprint = 0;  // of the first keyframe as it came: the same whenever the session comes
+
+  void add(Keyframe keyframe);
+  /// Keyframes that fit none of their neighbours keep their place on the path and nothing else: no walls, no cloud, no
+  /// descriptor.
+  void set_aside_outliers();
+  /// Whether a keyframe of it stands nearer than this to p, in its local frame.
+  bool passes_near(const Eigen::Vector3d& p, double reach_m) const;
+  Eigen::Vector3d middle() const { return keyframes[keyframes.size() / 2].T_local_sensor.translation(); }
+  double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
+};
+
+/// Owns all sessions, and the frames that they came in. Not thread safe.
+class SessionMap {
+ public:
+  explicit SessionMap(const MergeConfig& config) : config_(config) {}
+
+  bool contains(SessionId id) const { return sessions_.contains(id); }
+  const Session& at(SessionId id) const { return sessions_.at(id); }
+  const std::map<SessionId, Session>& all() const { return sessions_; }
+  const SessionFrames& frames() const { return frames_; }
+
+  void add(SessionId id, const FamilyId& family) { sessions_[id].family = family; }
+  /// The keyframe as it was taken in; it is complete no more.
+  const Keyframe& add_keyframe(SessionId id, Keyframe keyframe);
+  void complete(SessionId id);
+  void forget(SessionId id);
+
+  /// The longer on the shorter: it is laid piece by piece, and more pieces find more. (With the shorter of the campus
+  /// drives laid on the longer, the search missed the right placement at 4 of 24 turns, else at none.)
+  OrderedPair ordered(SessionId one, SessionId other) const;
+
+  /// A few metres of path look like many others: a growing session waits until it has seen more.
+  bool may_merge(SessionId id) const { return at(id).complete || at(id).path_m() >= config_.least_path_m; }
+  bool may_merge(const OrderedPair& pair) const { return may_merge(pair.a) && may_merge(pair.b); }
+
+  /// Path in metres that a session which still grows has to come along before a placement is told, after
+  /// MergeConfig::shown_m; 0: none, or both are complete.
+  double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, double shared_m) const;
+
+ private:
+  const MergeConfig config_;
+  SessionFrames frames_;
+  std::map<SessionId, Session> sessions_;
+};
+
+}  // namespace headframe

@@ -1,0 +1,98 @@
+#include "server/merge/submap_cache.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/support/parallel.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr double step_m = 3;
+constexpr double farthest_m = 40;  // clouds from beyond add nothing to a submap
+
+std::size_t node_of(const SubmapRequest& r) {
+  std::size_t node = r.keyframe;
+  const double bin = std::floor(r.path_to_m[node] / step_m);
+  while (node > 0 && std::floor(r.path_to_m[node - 1] / step_m) == bin) --node;
+  return node;
+}
+
+/// The keyframes of a submap's window whose clouds are stored.
+std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node, double window_m,
+                                       const CloudSource& source) {
+  std::vector<const Keyframe*> out;
+  const Eigen::Vector3d p = r.keyframes[node].T_local_sensor.translation();
+  const auto first = std::lower_bound(r.path_to_m.begin(), r.path_to_m.end(), r.path_to_m[node] - window_m);
+  for (auto at = first; at != r.path_to_m.end() && *at <= r.path_to_m[node] + window_m; ++at) {
+    const Keyframe& k = r.keyframes[static_cast<std::size_t>(at - r.path_to_m.begin())];
+    if (k.point_count == 0 || (k.T_local_sensor.translation() - p).norm() > farthest_m) continue;
+    if (source.state({r.session, k.sequence}) == CloudState::stored) out.push_back(&k);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests, CloudSource& source) {
+  struct Build {
+    Eigen::Vector3d p;
+    std::size_t stored = 0;
+    std::vector<PlacedCloud> clouds;
+    SubmapPtr submap;
+  };
+  std::map<Key, Build> missing;
+  std::map<Key, SubmapPtr> answers;
+  std::vector<Key> keys;
+  keys.reserve(requests.size());
+  for (const SubmapRequest& r : requests) {
+    const Key key{r.session, node_of(r)};
+    keys.push_back(key);
+    if (answers.contains(key) || missing.contains(key)) continue;
+    const auto window = window_of(r, key.keyframe, config_.window_m, source);
+    if (const Entry* known = kept_.find(key); known && known->clouds == window.size()) {
+      answers[key] = known->submap;
+      continue;
+    }
+    Build build{r.keyframes[key.keyframe].T_local_sensor.translation(), window.size(), {}, nullptr};
+    for (const Keyframe* k : window)
+      if (auto cloud = prepared_.get({r.session, k->sequence}, source))
+        build.clouds.push_back({k->sequence, k->T_local_sensor, std::move(cloud)});
+    missing.emplace(key, std::move(build));
+  }
+  std::vector<Build*> builds;
+  builds.reserve(missing.size());
+  for (auto& [key, build] : missing) builds.push_back(&build);
+  for_blocks(builds.size(), 1, threads_, [&](std::size_t i, std::size_t, std::size_t) {
+    builds[i]->submap = std::make_shared<const Submap>(make_submap(builds[i]->clouds, builds[i]->p, config_));
+  });
+  for (const auto& [key, build] : missing) {
+    answers[key] = build.submap;
+    keep(key, build.submap, build.stored);
+  }
+  std::vector<SubmapPtr> out;
+  out.reserve(keys.size());
+  for (const Key& key : keys) out.push_back(answers.at(key));
+  return out;
+}
+
+void SubmapCache::keep(const Key& key, SubmapPtr submap, std::size_t clouds) {
+  if (kept_.find(key)) let_go(*kept_.drop(key).submap);
+  bytes_ += bytes_of(*submap);
+  for (const PlacedView& view : submap->views)
+    if (looked_from_[view.image.get()]++ == 0) bytes_ += view.image->bytes();
+  kept_.put(key, {std::move(submap), clouds});
+  while (bytes_ > capacity_bytes_ && kept_.size() > 1) let_go(*kept_.drop_oldest().submap);
+}
+
+void SubmapCache::let_go(const Submap& submap) {
+  bytes_ -= bytes_of(submap);
+  for (const PlacedView& view : submap.views) {
+    const auto image = looked_from_.find(view.image.get());
+    if (--image->second > 0) continue;
+    bytes_ -= view.image->bytes();
+    looked_from_.erase(image);
+  }
+}
+
+}  // namespace headframe

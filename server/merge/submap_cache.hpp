@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <span>
+
+#include "common/session/keyframe.hpp"
+#include "server/merge/cloud_cache.hpp"
+#include "server/verification/submap.hpp"
+
+namespace headframe {
+
+/// A session's path, and the keyframe whose surroundings are wanted.
+struct SubmapRequest {
+  SessionId session = 0;
+  std::span<const Keyframe> keyframes;
+  std::span<const double> path_to_m;  // length of the path to each keyframe
+  std::size_t keyframe = 0;
+};
+
+/// The submaps of sessions, one for every 3 m of path, made when first asked for, made anew when more of their clouds
+/// have come, and kept while they fit, with the images of the sweeps that they look from: the least recently used go
+/// first. Not thread safe.
+class SubmapCache {
+ public:
+  SubmapCache(std::size_t capacity_bytes, int threads, const SubmapConfig& config, CloudCache& prepared)
+      : capacity_bytes_(capacity_bytes), threads_(threads), config_(config), prepared_(prepared) {}
+
+  /// The submap nearest to each, in order. What it can not know, because clouds are missing, it leaves empty.
+  std::vector<SubmapPtr> get(std::span<const SubmapRequest> requests, CloudSource& source);
+
+ private:
+  struct Key {
+    SessionId session = 0;
+    std::size_t keyframe = 0;
+    auto operator<=>(const Key&) const = default;
+  };
+  struct Entry {
+    SubmapPtr submap;
+    std::size_t clouds = 0;
+  };
+  void keep(const Key& key, SubmapPtr submap, std::size_t clouds);
+  void let_go(const Submap& submap);
+
+  std::size_t capacity_bytes_;
+  int threads_;
+  SubmapConfig config_;
+  CloudCache& prepared_;
+  std::size_t bytes_ = 0;
+  LruMap<Key, Entry> kept_;
+  std::map<const SightImage*, std::size_t> looked_from_;  // by so many of the submaps
+};
+
+}  // namespace headframe

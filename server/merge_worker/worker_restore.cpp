@@ -1,0 +1,75 @@
+// A start on a database that holds something. What the operator sees, and the robots are told, is there at once; the
+// pipeline takes a while to read all keyframes of some years, and robots are served meanwhile.
+#include <spdlog/spdlog.h>
+
+#include "server/merge_worker/merge_worker.hpp"
+#include "server/support/stopwatch.hpp"
+
+namespace headframe {
+
+Result<void> MergeWorker::restore() {
+  auto sessions = store_.sessions();
+  if (!sessions) return tl::unexpected(sessions.error());
+  if (auto known = restore_troubles(); !known) return known;
+  auto merge = store_.merge();
+  if (!merge) return tl::unexpected(merge.error());
+  stored_ = {std::move(*sessions), std::move(*merge)};
+  for (const SessionRecord& session : stored_->sessions)
+    if (!is_aside(session.id) || !troubles_[session.id].deleted) known_[session.id] = {};
+  atlas_ = stored_->merge.atlas;
+  update_view();
+  const std::lock_guard lock(mutex_);
+  busy_ = !stored_->sessions.empty();
+  return {};
+}
+
+/// What the store holds, into the pipeline; on the worker's thread, before anything else.
+void MergeWorker::bring_back() {
+  if (!stored_) return;
+  const auto start = Clock::now();
+  std::uint64_t keyframes = 0;
+  for (const SessionRecord& session : stored_->sessions) {
+    if (watch_.stopped()) return;
+    if (is_aside(session.id)) continue;
+    bring_in(session);
+    if (is_aside(session.id)) continue;  // by what came of it
+    keyframes += known_[session.id].keyframes;
+    if (!session.complete) schedule_.grows(session.id, Clock::now());
+    if (known_[session.id].keyframes > session.attempted_keyframes)
+      schedule_.trigger(session.id, Trigger::restart, Clock::now());
+  }
+  StoredMerge& merge = stored_->merge;
+  pipeline_->restore(std::move(merge.alignments), merge.atlas.revision, std::move(merge.decisions),
+                     std::move(merge.anchors));
+  const std::size_t sessions = stored_->sessions.size();
+  stored_.reset();
+  atlas_ = pipeline_->atlas();
+  update_view();
+  rest();
+  constexpr double worth_a_line_s = 1;
+  if (const double s = ms_since(start) / 1000; s > worth_a_line_s)
+    spdlog::info("{} sessions with {} keyframes are back, {:.1f} s after the start", sessions, keyframes, s);
+}
+
+/// A stored session, into the pipeline. One that can not be read, or that is too much, costs itself.
+void MergeWorker::bring_in(const SessionRecord& session) {
+  working_on(session.id, session.id);
+  try {
+    schedule_.belongs(session.id, session.key.robot);
+    pipeline_->add_session(session.id, session.family);
+    feed(session.id, false);
+    if (session.complete) pipeline_->complete_session(session.id);
+    if (const auto clouds = store_.cloud_sequences(session.id); clouds)
+      known_[session.id].stored = {clouds->begin(), clouds->end()};
+    else
+      spdlog::error("clouds of session {} can not be read: {}", session.id, clouds.error().message);
+    no_work();
+  } catch (const std::exception& e) {
+    spdlog::error("session {} can not be brought back: {}", session.id, e.what());
+    no_work();
+    blame({session.id, session.id, WorkMark::End::died});
+    if (is_aside(session.id)) (void)pipeline_->set_aside(session.id);
+  }
+}
+
+}  // namespace headframe

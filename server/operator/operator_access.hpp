@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "server/station/robot_admin.hpp"
+
+namespace headframe {
+
+struct OperatorAccess {
+  std::string token = {};        // what every request but the public ones has to show; empty: none
+  RobotAdmin* robots = nullptr;  // must outlive the API; null: robots come in without enrolling
+};
+
+}  // namespace headframe

@@ -1,0 +1,41 @@
+#pragma once
+// What a session is to everyone above, and what is still to be done for all of them.
+
+#include <cstdint>
+#include <string>
+
+#include "common/session/keyframe.hpp"
+#include "server/session/ids.hpp"
+
+namespace headframe {
+
+struct SessionRow {
+  SessionId id = 0;
+  SessionKey key;
+  FamilyId family;
+  Sensor sensor;
+  bool connected = false;
+  bool complete = false;  // the robot said that no keyframe follows
+  std::uint64_t keyframes = 0;
+  std::uint64_t clouds = 0;  // stored
+  std::uint64_t bytes_received = 0;
+  std::uint64_t backlog = 0;  // keyframes that the robot still has to send, as it said last
+  double bytes_per_s = 0;     // received, over the last ten seconds or so
+  double link_age_s = -1;     // since anything was heard of a connected robot; -1: it is not connected
+  double distance_m = 0;
+  double trigger_to_transform_ms = -1;  // from the trigger of the attempt that placed it; -1: none has
+  std::uint64_t cloud_bytes = 0;        // of bytes_received: encoded clouds
+  std::string label = {};               // the operator's name for it; empty: none
+  std::string why_cut = {};             // its last keyframes are left out of merging, and why; empty: none are
+  std::string why_aside = {};           // it is set aside, not merged, and why; empty: it is merged
+};
+
+/// What has still to be done before the atlas is settled; all zero when it is.
+struct Pending {
+  std::size_t attempts = 0;         // queued or running
+  std::size_t keyframes = 0;        // durable, not yet given to the pipeline
+  std::size_t awaited_submaps = 0;  // clouds asked of connected robots
+  bool idle() const { return attempts + keyframes + awaited_submaps == 0; }
+};
+
+}  // namespace headframe

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "server/security/robot_gate.hpp"
+#include "server/station/robot_admin.hpp"
+
+namespace headframe {
+
+/// The gate as the operator API sees it. Thread safe. Neither may be used after `gate` is gone.
+class RobotDesk : public RobotAdmin {
+ public:
+  /// fingerprint: 32 bytes.
+  RobotDesk(RobotGate& gate, std::string fingerprint) : gate_(gate), fingerprint_(std::move(fingerprint)) {}
+
+  std::vector<RobotRow> robots() const override;
+  std::string fingerprint() const override;
+  void add(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) override;
+  void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done) override;
+  void set_rate(const std::string& robot, std::uint64_t kib_s,
+                const std::function<void(const Result<void>&)>& done) override;
+
+ private:
+  RobotGate& gate_;
+  const std::string fingerprint_;
+};
+
+}  // namespace headframe

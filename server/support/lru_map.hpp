@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <map>
+#include <utility>
+
+namespace headframe {
+
+/// A map that knows which of its entries was used least recently; what goes, and when, is its owner's to say. Not
+/// thread safe.
+template <class Key, class Value>
+class LruMap {
+ public:
+  /// Null when it is not there; else it is the most recent now. The pointer holds until the entry is dropped.
+  Value* find(const Key& key) {
+    const auto known = where_.find(key);
+    if (known == where_.end()) return nullptr;
+    entries_.splice(entries_.begin(), entries_, known->second);
+    return &known->second->second;
+  }
+
+  /// The most recent now. There must be none of this key.
+  Value& put(const Key& key, Value value) {
+    entries_.emplace_front(key, std::move(value));
+    where_[key] = entries_.begin();
+    return entries_.front().second;
+  }
+
+  /// There must be one.
+  Value drop(const Key& key) {
+    const auto known = where_.find(key);
+    Value value = std::move(known->second->second);
+    entries_.erase(known->second);
+    where_.erase(known);
+    return value;
+  }
+  Value drop_oldest() { return drop(Key(entries_.back().first)); }
+
+  std::size_t size() const { return entries_.size(); }
+
+ private:
+  std::list<std::pair<Key, Value>> entries_;  // most recently used first
+  std::map<Key, typename std::list<std::pair<Key, Value>>::iterator> where_;
+};
+
+}  // namespace headframe

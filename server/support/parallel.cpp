@@ -1,0 +1,97 @@
+#include "server/support/parallel.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+namespace headframe {
+namespace {
+
+struct Job {
+  std::size_t blocks = 0;
+  void* work = nullptr;
+  void (*call)(void*, std::size_t) = nullptr;
+  std::atomic<std::size_t> next{0};
+  // Below: under the pool's mutex.
+  int helpers_wanted = 0, helpers_inside = 0;
+  std::exception_ptr failure;
+};
+
+class Pool {
+ public:
+  Pool() {
+    const unsigned count = std::max(4U, std::thread::hardware_concurrency()) - 1;
+    threads_.reserve(count);
+    for (unsigned i = 0; i < count; ++i) threads_.emplace_back([this](const std::stop_token& stop) { help(stop); });
+  }
+
+  void run(Job& job, int helpers) {
+    {
+      const std::lock_guard lock(mutex_);
+      job.helpers_wanted = helpers;
+      open_.push_back(&job);
+    }
+    for (int i = 0; i < helpers; ++i) came_.notify_one();
+    drain(job);
+    std::unique_lock lock(mutex_);
+    std::erase(open_, &job);
+    left_.wait(lock, [&] { return job.helpers_inside == 0; });
+    if (job.failure) std::rethrow_exception(job.failure);
+  }
+
+ private:
+  void drain(Job& job) {
+    try {
+      for (std::size_t b = job.next++; b < job.blocks; b = job.next++) job.call(job.work, b);
+    } catch (...) {
+      job.next = job.blocks;
+      const std::lock_guard lock(mutex_);
+      if (!job.failure) job.failure = std::current_exception();
+    }
+  }
+
+  void help(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (came_.wait(lock, stop, [&] { return !open_.empty(); })) {
+      Job& job = *open_.front();
+      if (--job.helpers_wanted == 0) open_.pop_front();
+      ++job.helpers_inside;
+      lock.unlock();
+      drain(job);
+      lock.lock();
+      if (--job.helpers_inside == 0) left_.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any came_;
+  std::condition_variable left_;
+  std::deque<Job*> open_;
+  std::vector<std::jthread> threads_;  // last: joined before what they use goes
+};
+
+}  // namespace
+
+namespace {
+thread_local const std::atomic<bool>* flag_here = nullptr;
+}  // namespace
+
+Cancellable::Cancellable(const std::atomic<bool>& flag) { flag_here = &flag; }
+Cancellable::~Cancellable() { flag_here = nullptr; }
+const std::atomic<bool>* Cancellable::flag() { return flag_here; }
+
+void share_blocks(std::size_t blocks, int threads, void* work, void (*call)(void*, std::size_t)) {
+  static Pool pool;
+  Job job;
+  job.blocks = blocks;
+  job.work = work;
+  job.call = call;
+  pool.run(job, static_cast<int>(std::min(blocks, static_cast<std::size_t>(threads))) - 1);
+}
+
+}  // namespace headframe

@@ -1,0 +1,57 @@
+#include "server/verification/axial_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace headframe {
+namespace {
+
+constexpr float least_cosine = 0.5F;
+constexpr float facing_share = 0.15F;  // of a voxel's normals: several surfaces meet in it
+constexpr float near_m = 0.15F;
+constexpr std::size_t fewest = 100;  // a handful of stray normals proves nothing
+
+float along(const Symmetric3f& N, const Eigen::Vector3f& d) {
+  const auto& [xx, xy, xz, yy, yz, zz] = N;
+  return xx * d.x() * d.x() + yy * d.y() * d.y() + zz * d.z() * d.z() +
+         2 * (xy * d.x() * d.y() + xz * d.x() * d.z() + yz * d.y() * d.z());
+}
+
+}  // namespace
+
+AxialSurfaces::AxialSurfaces(std::span<const VgicpPair> pairs, const Pose& T_a_b, const Eigen::Vector3d& axis_a)
+    : axis_(axis_a.cast<float>()) {
+  const Eigen::Isometry3f T = T_a_b.cast<float>();
+  for (const VgicpPair& pair : pairs)
+    for (std::size_t i = 0; i < pair.source->size(); ++i)
+      if (const Eigen::Vector3f n = T.linear() * (*pair.normals)[i]; std::abs(n.dot(axis_)) > least_cosine)
+        points_.push_back({&pair.target->back(), T * (*pair.source)[i], n});
+}
+
+double AxialSurfaces::match(double slide_m) const {
+  const Eigen::Vector3f slide = static_cast<float>(slide_m) * axis_;
+  double sum = 0;
+  for (const Point& point : points_) {
+    const Voxel* v = point.target->nearest(point.p + slide);
+    if (!v) continue;
+    const float trace = v->N[0] + v->N[3] + v->N[5];
+    if (along(v->N, axis_) < facing_share * trace) continue;
+    const float e = point.normal.dot(point.p + slide - v->mean) / near_m;
+    sum += static_cast<double>(std::exp(-e * e));
+  }
+  return sum / static_cast<double>(std::max(fewest, points_.size()));
+}
+
+double AxialSurfaces::best_slide_m(double reach_m) const {
+  constexpr double step_m = 0.125, clearly = 0.05;
+  const auto steps = static_cast<int>(reach_m / step_m);
+  double best = match(0) + clearly, best_m = 0;
+  for (int k = -steps; k <= steps; ++k)
+    if (const double m = match(k * step_m); m > best) {
+      best = m;
+      best_m = k * step_m;
+    }
+  return best_m;
+}
+
+}  // namespace headframe

@@ -1,0 +1,123 @@
+#include "server/verification/free_space.hpp"
+
+#include <algorithm>
+
+#include "server/registration/kd_tree.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr std::size_t companions = 3;
+constexpr float companion_leaves = 1.8F;
+constexpr int views_asked = 8;
+constexpr int least_hits = 2;         // by its own session: what one sweep met and no other is dust as likely as rock
+constexpr float least_cosine = 0.3F;  // of a ray that may go through a surface, to its normal
+
+/// Whose violations have companions within reach is a patch.
+void count_violations(const Points& violated, float reach_m, Visibility& total) {
+  const KdTree tree(violated);
+  std::vector<Neighbour> around;
+  for (const auto& p : violated) {
+    tree.nearest_k(p, companions + 1, around);  // itself among them
+    const bool patch = around.size() > companions && around.back().squared_m < reach_m * reach_m;
+    (patch ? total.violated : total.lone) += 1;
+  }
+}
+
+}  // namespace
+
+Visibility& Visibility::operator+=(const Visibility& other) {
+  seen += other.seen;
+  violated += other.violated;
+  lone += other.lone;
+  unknown += other.unknown;
+  return *this;
+}
+
+std::vector<PlacedView> views_near(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double reach_m) {
+  std::vector<std::pair<double, PlacedView>> near;
+  for (const PlacedCloud& c : clouds) {
+    if ((c.T_local_sensor.translation() - centre).norm() > reach_m + 15) continue;
+    for (const auto& view : *c.cloud->views) {
+      const Pose T = c.T_local_sensor * Eigen::Translation3d(view.origin.cast<double>());
+      if (const double d = (T.translation() - centre).norm(); d < reach_m)
+        near.push_back({d, {T, {c.cloud->views, &view.image}}});
+    }
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  std::vector<PlacedView> views;
+  views.reserve(near.size());
+  for (const auto& [distance, view] : near) views.push_back(view);
+  return views;
+}
+
+namespace {
+
+struct View {
+  Eigen::Isometry3f T_view_points;
+  Eigen::Vector3f origin;
+  const SightImage* image;
+};
+
+std::vector<View> seen_from(std::span<const PlacedView> placed, const Pose& T_placed_points) {
+  std::vector<View> views;
+  views.reserve(placed.size());
+  for (const PlacedView& view : placed) {
+    const Pose T_points_view = T_placed_points.inverse() * view.T_local_view;
+    views.push_back(
+        {T_points_view.inverse().cast<float>(), T_points_view.translation().cast<float>(), view.image.get()});
+  }
+  return views;
+}
+
+struct Answer {
+  int hits = 0, through = 0;
+};
+
+Answer ask(const std::vector<View>& views, const Eigen::Vector3f& p, const Eigen::Vector3f& normal, float reach_m) {
+  Answer answer;
+  for (const View& view : views) {
+    const Eigen::Vector3f ray = p - view.origin;
+    const float range = ray.norm();
+    if (range > reach_m) continue;
+    const Sight sight = view.image->look(view.T_view_points * p, reach_m);
+    answer.hits += sight == Sight::hit;
+    answer.through += sight == Sight::through && std::abs(normal.dot(ray)) > least_cosine * range;
+    if (answer.hits + answer.through == views_asked) break;
+  }
+  return answer;
+}
+
+}  // namespace
+
+SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const PlacedView> own, float reach_m) {
+  const std::vector<View> views = seen_from(own, Pose::Identity());
+  SurfelCloud kept;
+  for (std::size_t i = 0; i < surfels.points.size(); ++i) {
+    const Answer answer = ask(views, surfels.points[i], surfels.normals[i], reach_m);
+    if (answer.hits < least_hits || answer.through >= answer.hits) continue;
+    kept.points.push_back(surfels.points[i]);
+    kept.normals.push_back(surfels.normals[i]);
+  }
+  return kept;
+}
+
+Visibility look_from(std::span<const PlacedView> a, const SurfelCloud& b, const Pose& T_a_b, float reach_m,
+                     float leaf_m) {
+  const std::vector<View> views = seen_from(a, T_a_b);
+  Visibility total;
+  Points violated;
+  for (std::size_t i = 0; i < b.points.size(); ++i) {
+    const Answer answer = ask(views, b.points[i], b.normals[i], reach_m);
+    if (answer.hits + answer.through == 0)
+      total.unknown += 1;
+    else if (answer.through > answer.hits)
+      violated.push_back(b.points[i]);
+    else
+      total.seen += 1;
+  }
+  count_violations(violated, companion_leaves * leaf_m, total);
+  return total;
+}
+
+}  // namespace headframe

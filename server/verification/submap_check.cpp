@@ -1,0 +1,123 @@
+#include "server/verification/submap_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/registration/pcl_gicp.hpp"
+
+namespace headframe {
+namespace {
+
+/// Distance of p from the surface that a voxel knows, along its normals.
+float plane_distance(const Voxel& v, const Eigen::Vector3f& p) {
+  const Eigen::Vector3f e = p - v.mean;
+  const auto& [xx, xy, xz, yy, yz, zz] = v.N;
+  const float squared = xx * e.x() * e.x() + yy * e.y() * e.y() + zz * e.z() * e.z() +
+                        2 * (xy * e.x() * e.y() + xz * e.x() * e.z() + yz * e.y() * e.z());
+  return std::sqrt(std::max(0.0F, squared));
+}
+
+/// Share of the points, every fourth asked, that lie within 0.3 m of a surface of the map.
+double share_on_surface(const VoxelMap& map, const Points& points, const Pose& T) {
+  const Eigen::Isometry3f T_f = T.cast<float>();
+  std::size_t on = 0, asked = 0;
+  for (std::size_t i = 0; i < points.size(); i += 4, ++asked) {
+    const Eigen::Vector3f q = T_f * points[i];
+    const Voxel* v = map.nearest(q);
+    on += v && plane_distance(*v, q) < 0.3F;
+  }
+  return asked == 0 ? 0 : static_cast<double>(on) / static_cast<double>(asked);
+}
+
+/// Both submaps summed up by cubes, b's within radius_m of p_b, so that a lidar's noise averages out and what is left
+/// is the shape of the rock: how far apart the sums lie along the normals, median.
+double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vector3d& p_b, double radius_m,
+                         const Pose& T) {
+  constexpr float least_surfels = 3;
+  const Eigen::Vector3f centre = p_b.cast<float>();
+  const auto r2 = static_cast<float>(radius_m * radius_m);
+  const Eigen::Isometry3f T_f = T.cast<float>();
+  std::vector<float> distances;
+  for (const Voxel& voxel : b.voxels()) {
+    if (voxel.count < least_surfels || (voxel.mean - centre).squaredNorm() > r2) continue;
+    const Eigen::Vector3f p = T_f * voxel.mean;
+    const Voxel* partner = a.nearest(p);
+    if (partner && partner->count >= least_surfels) distances.push_back(plane_distance(*partner, p));
+  }
+  if (distances.empty()) return 1;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return static_cast<double>(*middle);
+}
+
+/// PCL finds the placement; the finest level of VGICP settles it, and says how firmly it is held.
+Registration by_pcl(const Submap& a, const Submap& b, const Pose& T_a_b) {
+  VgicpConfig finest;
+  finest.levels = {finest.levels.back()};
+  const Pose T = pcl_gicp(a.source.points, b.source.points, T_a_b);
+  return align(a.target, b.source.points, b.source.normals, T, finest);
+}
+
+}  // namespace
+
+Matched matched(const Submap& a, const Submap& b, const Pose& T_a_b) {
+  constexpr std::size_t asked = 500;
+  constexpr float on_surface_m = 0.3F;
+  const VoxelMap &coarse = a.target.front(), &fine = a.target.back();
+  const Eigen::Isometry3f T = T_a_b.cast<float>();
+  Matched out;
+  for (const std::uint32_t i : scattered(b.source.points.size(), asked)) {
+    const Eigen::Vector3f p = T * b.source.points[i];
+    if (!coarse.nearest(p)) continue;
+    out.comparable += 1;
+    const Voxel* v = fine.nearest(p);
+    out.on += v && plane_distance(*v, p) < on_surface_m;
+  }
+  return out;
+}
+
+Visibility SubmapCheck::between() const {
+  Visibility both = a_by_b;
+  both += b_by_a;
+  return both;
+}
+
+SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config) {
+  SubmapCheck out;
+  out.p_b = b.p;
+  out.registration = config.engine == RegistrationEngine::pcl_gicp
+                         ? by_pcl(a, b, T_a_b)
+                         : align(a.target, b.source.points, b.source.normals, T_a_b);
+  const Pose& T = out.registration.T_target_source;
+  out.p_a = T * out.p_b;
+  if (out.registration.status == RegistrationStatus::too_little_overlap) return out;
+  out.residual_m = median_residual_m(a.target.back(), b.target.back(), b.p, config.radius_m, T);
+  out.matched = matched(a, b, T);
+  const double here = share_on_surface(a.target.back(), b.source.points, T);
+  double slid = 0;
+  for (const double way : {-1.0, -0.5, 0.5, 1.0})
+    slid = std::max(
+        slid, share_on_surface(a.target.back(), b.source.points,
+                               Eigen::Translation3d(way * config.slide_m * out.registration.weakest_direction) * T));
+  out.slide_ratio = here > 0 ? slid / here : 1;
+  return out;
+}
+
+void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
+                      const SubmapConfig& config) {
+  const auto reach_m = static_cast<float>(config.view_reach_m);
+  check.b_by_a = look_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m);
+  check.a_by_b = look_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m);
+  check.own = a.own;
+  check.own += b.own;
+}
+
+void check_free_space_again(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
+                            const SubmapConfig& config) {
+  if (check.between().violated == 0) return;
+  SubmapCheck other = check;
+  check_free_space(other, a, b, T_a_b, config);
+  if (other.between().violation() < check.between().violation()) check = other;
+}
+
+}  // namespace headframe

@@ -1,0 +1,45 @@
+#pragma once
+// One place of the overlap of two sessions: registered by itself, and asked whether both saw the same rock there.
+
+#include "server/verification/submap.hpp"
+
+namespace headframe {
+
+/// How much of b's submap a's map can speak of, and how much of that lies on a surface of a's. Rock that a never saw
+/// says nothing, so a short overlap is judged by what it shares. Points are asked evenly, 500 at most.
+struct Matched {
+  double on = 0, comparable = 0;
+  double share() const { return comparable > 0 ? on / comparable : 0; }
+  /// With 40 points more that do not match: few points prove little.
+  double cautious() const { return on / (comparable + 40); }
+};
+
+struct SubmapCheck {
+  Eigen::Vector3d p_a = Eigen::Vector3d::Zero(), p_b = Eigen::Vector3d::Zero();  // the place, in both local frames
+  Registration registration;
+  double residual_m = 1;   // median distance of b's surface from a's, in cubes of half a metre, along the normals
+  Matched matched;         // where it was registered
+  double slide_ratio = 1;  // best share of points on a surface after a slide along the weakest direction / share here
+  Visibility a_by_b, b_by_a;  // the rock of each from the sweeps of the other
+  Visibility own;             // of each by itself, every other cloud
+
+  Visibility between() const;  // both ways together
+};
+
+/// At T_a_b.
+Matched matched(const Submap& a, const Submap& b, const Pose& T_a_b);
+
+/// Registers b's submap on a's from T_a_b, by config.engine. Pure.
+SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config);
+
+/// Fills what it looks like, at T_a_b.
+void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
+                      const SubmapConfig& config);
+
+/// What it looks like where it contradicts least of two: where its own registration put it, and at T_a_b. By itself a
+/// place of a smooth tunnel slides a metre and more along it, and then sees through walls that bend; at T_a_b it is off
+/// by the drift of the odometry. Other rock contradicts at both.
+void check_free_space_again(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
+                            const SubmapConfig& config);
+
+}  // namespace headframe

@@ -1,0 +1,185 @@
+#include "server/verification/verification.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/support/parallel.hpp"
+#include "server/verification/overlap.hpp"
+#include "server/verification/verdict.hpp"
+
+namespace headframe {
+namespace {
+
+/// Adds candidates as far from each other as can be, none nearer than 4 m to another or to the first place, which is
+/// taken already.
+void spread(const Eigen::Vector3d& first, const std::vector<KeyframePosition>& candidates, std::size_t most,
+            std::vector<KeyframePosition>& chosen) {
+  constexpr double same_place_m = 4;
+  while (chosen.size() < most) {
+    double farthest = same_place_m;
+    const KeyframePosition* next = nullptr;
+    for (const KeyframePosition& s : candidates) {
+      double nearest = (s.p - first).norm();
+      for (const KeyframePosition& other : chosen) nearest = std::min(nearest, (s.p - other.p).norm());
+      if (nearest <= farthest) continue;
+      farthest = nearest;
+      next = &s;
+    }
+    if (!next) break;
+    chosen.push_back(*next);
+  }
+}
+
+double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+/// They stood near each other with rock between them, round a corner or in the next tunnel: neither has seen the
+/// other's rock. Whatever its registration was caught at is no disagreement. (In tunnel-two 4 % was seen at such
+/// places.)
+bool nothing_shared(const SubmapCheck& place) {
+  constexpr double hardly_any = 0.1;  // of the points of both
+  const Visibility known = place.between();
+  return known.seen + known.violated < hardly_any * known.all();
+}
+
+void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T) {
+  Visibility a_by_b, b_by_a, own;
+  std::vector<double> residuals;
+  double squared = 0, inliers = 0, slide = 0;
+  Matched matched;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const SubmapCheck& p = places[i];
+    a_by_b += p.a_by_b;
+    b_by_a += p.b_by_a;
+    e.worst_place_violation = std::max(e.worst_place_violation, p.between().violation());
+    own += p.own;
+    if (!agrees[i] && nothing_shared(p)) continue;
+    e.places += 1;
+    inliers += p.registration.inlier_fraction;
+    matched.on += p.matched.on;
+    matched.comparable += p.matched.comparable;
+    if (!agrees[i]) continue;
+    e.places_agreeing += 1;
+    residuals.push_back(p.residual_m);
+    slide += p.slide_ratio;
+    squared += (T * p.p_b - p.p_a).squaredNorm();
+    e.rmse_m += p.registration.rmse_m;
+  }
+  e.inlier_fraction = inliers / e.places;
+  e.matched_share = matched.share();
+  e.rmse_m /= e.places_agreeing;
+  e.slide_ratio = slide / e.places_agreeing;
+  e.spread_m = std::sqrt(squared / e.places_agreeing);
+  std::sort(residuals.begin(), residuals.end());
+  e.residual_m = residuals[residuals.size() / 2];
+  Visibility between = a_by_b;
+  between += b_by_a;
+  e.seen_points = between.seen;
+  e.freespace_violation = between.violation();
+  e.own_violation = own.violation();
+  e.overlap_a = share(a_by_b.seen, a_by_b.all());
+  e.overlap_b = share(b_by_a.seen, b_by_a.all());
+  e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
+}
+
+/// The first place's pair stands for itself: it is in `first` already.
+std::vector<SubmapPair> other_places(const Scene& a, const Scene& b, const ScreeningResult& first,
+                                     const JudgeConfig& config) {
+  const Pose& T = first.place.registration.T_target_source;
+  std::vector<KeyframePosition> chosen;
+  for (const double reach_m : {config.close_m, config.meet_m, config.far_m})
+    spread(first.place.p_b, near_other(a.positions, b.positions, T, reach_m), config.places - 1, chosen);
+  std::vector<std::size_t> of_a, of_b;
+  for (const KeyframePosition& s : chosen) {
+    of_a.push_back(nearest_to(a.positions, T * s.p).position->keyframe);
+    of_b.push_back(s.keyframe);
+  }
+  const auto places_a = a.places(of_a), places_b = b.places(of_b);
+  std::vector<SubmapPair> pairs;
+  pairs.reserve(chosen.size() + 1);
+  pairs.push_back({first.a, first.b});
+  for (std::size_t i = 0; i < chosen.size(); ++i) pairs.push_back({places_a[i], places_b[i]});
+  return pairs;
+}
+
+/// How far T_a_b may be off at p for the drift between there and the first place.
+bool within_drift(const SubmapCheck& place, const SubmapCheck& first, const Pose& T, const JudgeConfig& config) {
+  const double allowed_m = config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
+  return usable(place.registration) && (T * place.p_b - place.p_a).norm() < allowed_m &&
+         rotation_angle_rad(T.inverse() * place.registration.T_target_source) < config.place_drift_rad;
+}
+
+std::vector<bool> agreeing(const std::vector<SubmapCheck>& places, const Pose& T, const JudgeConfig& config) {
+  std::vector<bool> out;
+  out.reserve(places.size());
+  for (const SubmapCheck& p : places) out.push_back(within_drift(p, places[0], T, config));
+  return out;
+}
+
+}  // namespace
+
+Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, const JudgeConfig& config) {
+  Judgement out;
+  out.evidence.freespace_violation = first.place.between().violation();
+  out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
+  if (!first.hopeful) return out;
+  const Pose& T_0 = first.place.registration.T_target_source;
+  const std::vector<SubmapPair> pairs = other_places(a, b, first, config);
+  std::vector<SubmapCheck> places(pairs.size());
+  const auto register_all = [&](const Pose& from, std::size_t first_one) {
+    for_blocks(pairs.size() - first_one, 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+      places[first_one + i] = register_submaps(*pairs[first_one + i].a, *pairs[first_one + i].b, from, config.place);
+    });
+  };
+  places[0] = first.place;
+  register_all(T_0, 1);
+  std::vector<bool> agrees = agreeing(places, T_0, config);
+  const Overlap overlap = overlap_of(pairs, places, agrees);
+  const Pose T_joined = align_overlap(overlap, combine(places, agrees, T_0), config);
+  out.T_a_b = settled(overlap, T_joined, config, out.evidence.end_on_match);
+  out.evidence.weakest_hold = overlap.weakest_hold;
+  const bool slid = out.T_a_b.matrix() != T_joined.matrix();
+  if (slid) {  // each place was caught at a period of its own
+    register_all(out.T_a_b, 0);
+    agrees = agreeing(places, out.T_a_b, config);
+    if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return out;
+  }
+  // Drift is not a contradiction, other rock is.
+  for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const Pose& T = agrees[i] ? places[i].registration.T_target_source : out.T_a_b;
+    const bool seen = i == 0 && !slid;
+    if (!seen) check_free_space(places[i], *pairs[i].a, *pairs[i].b, T, config.place);
+    if (agrees[i]) check_free_space_again(places[i], *pairs[i].a, *pairs[i].b, out.T_a_b, config.place);
+  });
+  gather(out.evidence, places, agrees, out.T_a_b);
+  measure_overlap(out.evidence, a.positions, b.positions, out.T_a_b, config);
+  out.status = first.place.registration.status;
+  if (overlap.weakest_hold < config.held_by_nothing)
+    out.status = RegistrationStatus::degenerate;
+  else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= ends_meet)
+    out.status = RegistrationStatus::converged;
+  weigh(out);
+  return out;
+}
+
+Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const JudgeConfig& config) {
+  std::vector<KeyframePosition> near;
+  for (const double reach_m : {config.meet_m, config.far_m, config.apart_m})
+    if (near.empty()) near = near_other(a.positions, b.positions, T_0, reach_m);
+  if (near.empty()) return {};
+  const auto meeting = first_meeting(a.positions, b.positions, T_0, near[near.size() / 2].p, config);
+  if (!meeting) return {};
+  const std::size_t at_a = meeting->keyframe_a, at_b = meeting->keyframe_b;
+  return judge(a, b, screen_submaps(a.places({&at_a, 1}).front(), b.places({&at_b, 1}).front(), T_0, config), config);
+}
+
+void weigh(Judgement& judgement) {
+  Evidence& e = judgement.evidence;
+  e.probability = probability(judgement.status, e);
+  Evidence unique = e;
+  unique.aliases = unique.repetition = unique.look_alikes = 0;
+  e.probability_if_unique = probability(judgement.status, unique);
+}
+
+}  // namespace headframe
