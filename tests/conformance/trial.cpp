@@ -16,6 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::Process;
 
+constexpr auto start_up = 60s;   // of a client on a busy machine
 constexpr auto absence = 300ms;  // what is not to come has not come by then
 constexpr std::uint64_t thin_bytes_per_s = 4000;
 
@@ -69,7 +70,7 @@ class Trial {
 
   /// The client's next connection, its handshake not yet done; null: it did not come, which is reported.
   std::unique_ptr<Peer> next(const std::string& awaited) {
-    auto peer = within(patience_);
+    auto peer = within(std::exchange(started_, true) ? patience_ : std::max<Clock::duration>(patience_, start_up));
     if (!peer) findings_.wrong("comes-back", "the client did not connect: " + awaited);
     return peer;
   }
@@ -103,6 +104,7 @@ class Trial {
   const std::string code_;
   Judge judge_;
   Station station_;
+  bool started_ = false;  // it was there once
   std::optional<Process> client_;
 };
 
@@ -223,7 +225,7 @@ void lost_database(Trial& trial, std::uint64_t all) {
   trial.findings().check(talk->said_goodbye() || !talk->closed(), "goodbye",
                          "the client closed without a Goodbye when all was acknowledged");
   if (!talk->said_goodbye()) return;  // a robot that stays needs none
-  talk->listen(absence);
+  talk->listen(trial.patience());
   trial.findings().check(talk->closed(), "goodbye", "the client does not close its sending side after the Goodbye");
 }
 
@@ -248,7 +250,7 @@ void ends_for_good(Trial& trial, const std::string& after, const v1::ServerMessa
   if (!talk) return;
   talk->say(answer);
   if (answer.has_error()) peer->end_sending();  // a server closes after it; else the client has to
-  const auto message = peer->read(Clock::now() + 2s);
+  const auto message = peer->read(Clock::now() + trial.patience());
   trial.findings().check(!message && peer->trouble() == Peer::Trouble::closed, "goes-on",
                          "the client goes on, or does not close, after " + after);
   peer.reset();
