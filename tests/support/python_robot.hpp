@@ -8,12 +8,13 @@ namespace headframe::test {
 
 /// argv up to the client's own options. script: a file of tests/python; empty: the client itself.
 inline std::vector<std::string> python_robot(const std::string& script = "") {
-  std::vector<std::string> argv{"/usr/bin/env", "PYTHONPATH=" HEADFRAME_PYTHONPATH, "PYTHONDONTWRITEBYTECODE=1",
+  const std::string modules = HEADFRAME_PYTHONPATH, tests = HEADFRAME_SOURCE_DIR "/tests/python/";
+  std::vector<std::string> argv{"/usr/bin/env", "PYTHONPATH=" + modules, "PYTHONDONTWRITEBYTECODE=1",
                                 "OPENBLAS_NUM_THREADS=1", HEADFRAME_PYTHON};
   if (script.empty())
     argv.insert(argv.end(), {"-m", "headframe_plain"});
   else
-    argv.push_back(HEADFRAME_SOURCE_DIR "/tests/python/" + script);
+    argv.push_back(tests + script);
   return argv;
 }
 

@@ -64,10 +64,10 @@ File names() {
 }
 
 File enrolments() {
-  const std::string print(64, 'a'), code = "0123456789abcdefFEDCBA9876543210";
+  const std::string print(64, 'a'), code = "0123456789abcdefFEDCBA9876543210", start = "hf1-" + print;
+  const std::string good = start + "-" + code;
   Json rows = Json::array();
-  for (const std::string& text : {"hf1-" + print + "-" + code, "hf2-" + print + "-" + code, "hf1-" + print + code,
-                                  "hf1-" + print + "-" + code + "0", "hf1-" + std::string(63, 'a') + "g-" + code}) {
+  for (const std::string& text : {good, "hf2" + good.substr(3), start + code, good + "0", "hf1-g" + good.substr(5)}) {
     const auto read = parse_enrolment(text);
     Json row{{"text", text}, {"accepted", read.has_value()}};
     if (read) row.update({{"fingerprint", to_hex(read->fingerprint)}, {"code", to_hex(read->code)}});

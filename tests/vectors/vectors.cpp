@@ -39,7 +39,7 @@ std::string difference(const Json& a, const Json& b) {
   const nlohmann::json flat_a = nlohmann::json(a).flatten(), flat_b = nlohmann::json(b).flatten();
   for (const auto& [pointer, value] : flat_a.items()) {
     if (!flat_b.contains(pointer)) return pointer + ": " + value.dump() + " against nothing";
-    const Json& other = flat_b.at(pointer);
+    const nlohmann::json& other = flat_b.at(pointer);
     if (value.is_number_float() && other.is_number()) {
       const double x = value, y = other;
       if (std::abs(x - y) <= 1e-6 + 1e-5 * std::abs(x)) continue;
