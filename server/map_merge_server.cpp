@@ -75,7 +75,8 @@ Result<void> MapMergeServer::Parts::start() {
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
   if (!token) return tl::unexpected(token.error());
   if (!options.insecure) desk.emplace(gate, fingerprint);
-  api.emplace(io, view, OperatorLimits{}, OperatorAccess{*token, desk ? &*desk : nullptr});
+  api.emplace(io, view, OperatorLimits{},
+              OperatorAccess{*token, desk ? &*desk : nullptr, options.data / "events.jsonl"});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};

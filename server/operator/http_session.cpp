@@ -100,7 +100,7 @@ void HttpSession::on_read(Code code) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
     perform(route({text(request.method_string()), text(request.target()), request.body()}, shared_->station,
-                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots));
+                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots, shared_->log));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }

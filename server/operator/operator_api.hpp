@@ -2,6 +2,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -12,8 +13,9 @@
 namespace headframe {
 
 struct OperatorAccess {
-  std::string token = {};        // what every request but the public ones has to show; empty: none
-  RobotAdmin* robots = nullptr;  // must outlive the API; null: robots come in without enrolling
+  std::string token = {};          // what every request but the public ones has to show; empty: none
+  RobotAdmin* robots = nullptr;    // must outlive the API; null: robots come in without enrolling
+  std::filesystem::path log = {};  // where what happens is written down; empty: kept in memory alone
 };
 
 /// The operator's API over HTTP/1.1 (README of this room). Connections live on `io`, each on its own strand, so any

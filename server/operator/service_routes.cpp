@@ -36,6 +36,12 @@ Result<Reply> page(const Query&, const Context&) {
 
 Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedded_file("/api/v1/openapi.json")); }
 
+Result<Reply> log(const Query& query, const Context& context) {
+  const auto most = whole_number(query, "most", 200, 1000);
+  if (!most) return tl::unexpected(most.error());
+  return json(log_json(context.log ? context.log->latest(*most) : std::vector<LogEntry>()));
+}
+
 Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }
 
 }  // namespace headframe::routes

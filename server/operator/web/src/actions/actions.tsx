@@ -1,14 +1,14 @@
 // What the operator may do. Everything is asked once more in a dialog; what can be taken back is, with one click.
 
 import { ask as confirmed } from '../parts/dialog';
-import { bytes } from '../parts/format';
+import { bytes, percent } from '../parts/format';
 import { toast, told } from '../parts/toast';
 import { ask, askJson } from '../station/api';
 import type { Station } from '../station/station';
 import type { Alignment, Session, Survey, SurveyBody } from '../station/types';
-import { ExportForm, exportPath, showProgress } from './export_form';
+import { ExportForm, exportPath, hideProgress, showProgress } from './export_form';
 import { Enrolment } from './enrolment';
-import { bodyOf, SurveyForm, surveyBody, surveyText } from './survey_form';
+import { fitText } from './survey_text';
 import { download } from './download';
 
 export type Decision = 'confirm' | 'refuse' | 'retract';
@@ -60,6 +60,15 @@ const decisions: Record<Decision, { title: string; action: string; what: string;
   },
 };
 
+const doubtful = 0.5;
+
+/** What speaks against confirming it; empty: nothing. */
+function doubtOf({ state, evidence }: Alignment): string {
+  if (state === 'verified') return 'Other sessions contradict this pair: it is most likely a look-alike. A wrong merge sends robots wrong transforms.';
+  const probability = evidence.probability ?? 0;
+  return state !== 'published' && probability < doubtful ? `The evidence gives it a probability of ${percent(probability)} only. A wrong merge sends robots wrong transforms.` : '';
+}
+
 export class Actions {
   /** Lines that offer to undo a decision; each goes when it was undone elsewhere. */
   private readonly offers = new Map<number, () => void>();
@@ -69,13 +78,15 @@ export class Actions {
   async decide(alignment: Alignment, decision: Decision): Promise<void> {
     const { title, action, what, done, tone } = decisions[decision];
     const pair = this.pairOf(alignment);
+    const doubt = decision === 'confirm' ? doubtOf(alignment) : '';
     const acted = await confirmed({
       title,
       action,
-      tone,
+      tone: doubt ? 'danger' : tone,
       body: (
         <>
           <p class="dialog-pair">{pair}</p>
+          {doubt && <p class="dialog-fault">{doubt}</p>}
           <p>{what}</p>
         </>
       ),
@@ -85,7 +96,6 @@ export class Actions {
       },
     });
     if (!acted) return;
-    this.note(`You: ${pair} ${done}.`, { alignment: alignment.id });
     this.offers.get(alignment.id)?.();
     this.offers.set(alignment.id, toast(`${pair}: ${done}.`, { offer: { word: 'Undo', run: () => void this.undo(alignment) } }));
   }
@@ -96,8 +106,7 @@ export class Actions {
       await ask(`/api/v1/alignments/${alignment.id}/undo`, { method: 'POST' });
       await this.station.refreshAtlas();
       this.offers.get(alignment.id)?.();
-      this.note(`You: the decision on ${this.pairOf(alignment)} was undone.`, { alignment: alignment.id });
-      toast(`${this.pairOf(alignment)}: your decision was undone.`);
+      toast(`${this.pairOf(alignment)}: the decision was undone.`);
     });
   }
 
@@ -109,7 +118,6 @@ export class Actions {
       run: async () => void (await ask('/api/v1/merge', { method: 'POST' })),
     });
     if (!acted) return;
-    this.note('You: look for merges now.');
     toast('The server looks for merges. What it finds appears here.');
   }
 
@@ -124,7 +132,6 @@ export class Actions {
       run: () => this.setAnchor(session.id),
     });
     if (!acted) return;
-    this.note(`You: the map is anchored to ${title}.`, { session: session.id });
     const old = before && this.station.sessionOf(before);
     const undo = old && old.id !== session.id ? { word: 'Undo', run: () => void told(() => this.setAnchor(old.id)) } : undefined;
     toast(`The map is anchored to ${title}.`, { offer: undo });
@@ -132,7 +139,6 @@ export class Actions {
 
   async rename(session: Session): Promise<void> {
     const old = session.label ?? '';
-    let name = '';
     const acted = await confirmed({
       title: `Rename ${session.robot}/${session.session}`,
       action: 'Rename',
@@ -142,10 +148,9 @@ export class Actions {
           <input name="name" value={old} maxLength={60} autocomplete="off" data-first />
         </label>
       ),
-      run: async (form) => this.setName(session.id, (name = String(form.get('name')).trim())),
+      run: async (form) => this.setName(session.id, String(form.get('name')).trim()),
     });
     if (!acted) return;
-    this.note(`You: ${session.robot}/${session.session} is called “${name || session.robot}”.`, { session: session.id });
     toast('Renamed.', { offer: { word: 'Undo', run: () => void told(() => this.setName(session.id, old)) } });
   }
 
@@ -159,12 +164,12 @@ export class Actions {
       run: async () => void (await ask(`/api/v1/sessions/${session.id}/request-clouds`, { method: 'POST' })),
     });
     if (!acted) return;
-    this.note(`You: asked ${title} for its clouds.`, { session: session.id });
     toast(`${title} was asked for its clouds.`);
   }
 
   async export(component?: number): Promise<void> {
     let done = '';
+    await told(() => this.station.refreshAtlas());
     const acted = await confirmed({
       title: 'Export a map',
       action: 'Export',
@@ -172,7 +177,12 @@ export class Actions {
       run: async (form, left) => {
         const { path, name } = exportPath(form, this.station);
         showProgress(null);
-        done = `${name}: ${bytes(await download(path, name, showProgress, left))}`;
+        try {
+          done = `${name}: ${bytes(await download(path, name, showProgress, left))}`;
+        } catch (error) {
+          hideProgress();
+          throw error;
+        }
       },
     });
     if (!acted) return;
@@ -180,24 +190,15 @@ export class Actions {
     toast(`Exported ${done}.`);
   }
 
-  async survey(session: Session): Promise<void> {
+  /** Throws what the server has against it; refused (403): the points do not fit each other, unless `accept`. */
+  async placeInGrid(session: Session, body: SurveyBody, before: Survey | undefined, accept: boolean): Promise<Survey> {
+    const survey = await this.setSurvey(session.id, body, accept);
+    await this.station.refreshSurveys();
     const title = this.station.titleOf(session);
-    let done = '';
-    await told(async () => {
-      const { surveys } = await askJson<{ surveys: Survey[] }>('/api/v1/survey');
-      const before = surveys.find(({ session_id }) => session_id === session.id);
-      const acted = await confirmed({
-        title: `Survey of ${title}`,
-        action: 'Place in the mine grid',
-        wide: true,
-        body: <SurveyForm before={before} />,
-        run: async (form) => void (done = surveyText(await this.setSurvey(session.id, surveyBody(form)))),
-      });
-      if (!acted) return;
-      this.note(`You: ${title} was placed in the mine grid. ${done}`, { session: session.id });
-      const undo = () => void told(() => this.restoreSurvey(session.id, before));
-      toast(`${title} lies in the mine grid. ${done}`, { offer: { word: 'Undo', run: undo } });
-    });
+    const fit = fitText(survey);
+    const undo = () => void told(() => this.restoreSurvey(session.id, before));
+    toast(`${title} lies in the mine grid. ${fit}`, { offer: { word: 'Undo', run: undo } });
+    return survey;
   }
 
   async invite(): Promise<void> {
@@ -218,17 +219,19 @@ export class Actions {
       },
     });
     if (!acted) return;
-    this.note(`You: invited ${robot}.`);
     await confirmed({ title: `${robot} is invited`, body: <Enrolment robot={robot} enrolment={enrolment} />, wide: true });
   }
 
-  private setSurvey(session: number, body: SurveyBody): Promise<Survey> {
-    return askJson(`/api/v1/survey?session=${session}`, { method: 'POST', body });
+  private setSurvey(session: number, body: SurveyBody, accept: boolean): Promise<Survey> {
+    return askJson(`/api/v1/survey?session=${session}${accept ? '&accept=true' : ''}`, { method: 'POST', body });
   }
 
   private async restoreSurvey(session: number, before: Survey | undefined): Promise<void> {
-    if (before) await this.setSurvey(session, bodyOf(before));
+    const { points, T_grid_session } = before ?? { points: [], T_grid_session: [] };
+    const body = points.length > 0 ? { points: points.map(({ name, p_session, p_grid }) => ({ name, p_session, p_grid })) } : { T_grid_session };
+    if (before) await this.setSurvey(session, body, true);
     else await ask(`/api/v1/survey?session=${session}`, { method: 'DELETE' });
+    await this.station.refreshSurveys();
   }
 
   private async setAnchor(session: number): Promise<void> {

@@ -17,6 +17,8 @@ const formats: Record<string, string> = {
 };
 const clouds = ['ply', 'pcd', 'las'];
 
+const isOfMap = (format: string) => !['atlas', 'tum', 'csv'].includes(format);
+
 /** The formats that this server writes. */
 function available(station: Station): string[] {
   return Object.keys(formats).filter((format) => {
@@ -54,7 +56,7 @@ export function ExportForm({ station, component }: { station: Station; component
           </select>
         </label>
       )}
-      {!trajectory && format !== 'atlas' && (
+      {isOfMap(format) && (
         <label class="field">
           Map
           <select name="component" value={String(component ?? largestFirst[0]?.id ?? '')}>
@@ -70,7 +72,6 @@ export function ExportForm({ station, component }: { station: Station; component
         <label class="field">
           One point per cube of
           <select name="voxel" defaultValue="0.1">
-            <option value="0.02">2 cm</option>
             <option value="0.05">5 cm</option>
             <option value="0.1" selected>
               10 cm
@@ -98,6 +99,12 @@ export function ExportForm({ station, component }: { station: Station; component
   );
 }
 
+/** After a fault nothing goes on. */
+export function hideProgress(): void {
+  const row = document.querySelector<HTMLElement>('#export-progress');
+  if (row) row.hidden = true;
+}
+
 /** Nothing came yet: the server counts the points, for a file's head says how many there are. */
 export function showProgress(at: Progress | null): void {
   const row = document.querySelector<HTMLElement>('#export-progress');
@@ -112,6 +119,7 @@ export function showProgress(at: Progress | null): void {
 
 export function exportPath(form: FormData, station: Station): { path: string; name: string } {
   const format = String(form.get('format'));
+  if (form.get('component') === '' || (isOfMap(format) && !form.has('component'))) throw new Error('There is no map yet: it appears with the first keyframe of a robot.');
   const frame = form.get('frame') === 'grid' ? '&frame=grid' : '';
   const component = String(form.get('component'));
   if (format === 'atlas') return { path: '/api/v1/atlas', name: 'atlas.json' };
