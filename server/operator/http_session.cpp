@@ -147,8 +147,10 @@ std::optional<Ready> HttpSession::turned_down() {
   Ready refusal = error_reply(
       401, {ErrorCode::refused,
             verdict == Verdict::missing
-                ? "the operator's token is missing; it is in operator.token in the server's data directory"
-                : "this is not the operator's token; it is in operator.token in the server's data directory"});
+                ? "the operator's token is missing; it is in operator.token in the server's data directory: headframe "
+                  "--token-file DIR/operator.token"
+                : "this is not the operator's token; it is in operator.token in the server's data directory: headframe "
+                  "--token-file DIR/operator.token"});
   refusal.bearer = true;
   return refusal;
 }

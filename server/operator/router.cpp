@@ -16,7 +16,7 @@ using namespace routes;
 struct Route {
   std::string_view method;
   std::string_view path;
-  std::array<std::string_view, 4> parameters;
+  std::array<std::string_view, 6> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
 constexpr std::array all_routes =
@@ -48,7 +48,7 @@ constexpr std::array all_routes =
                           {"DELETE", "/api/v1/survey", {"session"}, drop_survey},
                           {"POST", "/api/v1/merge", {}, merge},
                           {"GET", "/api/v1/export", {"component", "format", "voxel", "frame"}, map},
-                          {"GET", "/api/v1/plan", {"component", "frame"}, plan},
+                          {"GET", "/api/v1/plan", {"component", "frame", "format", "scale", "low", "high"}, plan},
                           {"GET", "/api/v1/trajectory", {"robot", "session", "format", "frame"}, trajectory},
                           {"GET", "/api/v1/robots", {}, robots},
                           {"POST", "/api/v1/robots/add", {"robot"}, add_robot},

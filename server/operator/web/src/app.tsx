@@ -1,7 +1,7 @@
 // The page: a line at the top, robots left, the mine in the middle, what is known of it right.
 
 import type { Desk } from './context';
-import { wantsLook } from './panels/merges';
+import { wantsLook } from './station/pairs';
 import { Alarm } from './panels/alarm';
 import { Header } from './panels/header';
 import { LogPanel } from './panels/log';

@@ -1,13 +1,15 @@
 // What the operator may do. Everything is asked once more in a dialog; what can be taken back is, with one click.
 
 import { ask as confirmed } from '../parts/dialog';
-import { bytes, percent } from '../parts/format';
+import { bytes } from '../parts/format';
 import { toast, told } from '../parts/toast';
 import { ask, askJson } from '../station/api';
+import { doubtOf } from '../station/pairs';
 import type { Station } from '../station/station';
-import type { Alignment, Session, Survey, SurveyBody } from '../station/types';
+import type { Alignment, RobotList, Session, Survey, SurveyBody } from '../station/types';
 import { ExportForm, exportPath, hideProgress, showProgress } from './export_form';
 import { Enrolment } from './enrolment';
+import { robotAddress } from './invitation';
 import { fitText } from './survey_text';
 import { download } from './download';
 
@@ -59,15 +61,6 @@ const decisions: Record<Decision, { title: string; action: string; what: string;
     tone: 'danger',
   },
 };
-
-const doubtful = 0.5;
-
-/** What speaks against confirming it; empty: nothing. */
-function doubtOf({ state, evidence }: Alignment): string {
-  if (state === 'verified') return 'Other sessions contradict this pair: it is most likely a look-alike. A wrong merge sends robots wrong transforms.';
-  const probability = evidence.probability ?? 0;
-  return state !== 'published' && probability < doubtful ? `The evidence gives it a probability of ${percent(probability)} only. A wrong merge sends robots wrong transforms.` : '';
-}
 
 export class Actions {
   /** Lines that offer to undo a decision; each goes when it was undone elsewhere. */
@@ -210,16 +203,19 @@ export class Actions {
       body: (
         <label class="field">
           Name of the robot
-          <input name="robot" required maxLength={60} pattern="[A-Za-z0-9_.\-]+" title="letters, digits, dot, dash, underscore" autocomplete="off" data-first />
+          <input name="robot" required maxLength={128} autocomplete="off" data-first />
         </label>
       ),
       run: async (form) => {
-        robot = String(form.get('robot'));
+        robot = String(form.get('robot')).trim();
         enrolment = (await askJson<{ enrolment: string }>(`/api/v1/robots/add?robot=${encodeURIComponent(robot)}`, { method: 'POST' })).enrolment;
       },
     });
     if (!acted) return;
-    await confirmed({ title: `${robot} is invited`, body: <Enrolment robot={robot} enrolment={enrolment} />, wide: true });
+    const { robots, address } = await askJson<RobotList>('/api/v1/robots').catch(() => ({ robots: [], address: null }));
+    const expires_s = robots.find((row) => row.robot === robot)?.code_expires_s ?? null;
+    const body = <Enrolment robot={robot} enrolment={enrolment} server={robotAddress(address, location.hostname)} expires_s={expires_s} />;
+    await confirmed({ title: `${robot} is invited`, body, wide: true });
   }
 
   private setSurvey(session: number, body: SurveyBody, accept: boolean): Promise<Survey> {

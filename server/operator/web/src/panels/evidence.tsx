@@ -9,7 +9,8 @@ import { Icon } from '../parts/icons';
 import { askJson } from '../station/api';
 import { nameOf } from '../station/station';
 import type { Alignment, Explanation, Overlay } from '../station/types';
-import { contradiction, sureness } from './merges';
+import { sureness } from '../station/pairs';
+import { contradiction } from './merges';
 import { OverlayPicture, ResidualHistogram } from './evidence_pictures';
 
 const words: Record<Decision, string> = { confirm: 'Confirm…', refuse: 'Refuse…', retract: 'Take apart…' };
@@ -107,7 +108,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
         <span class="meter">
           <i style={{ width: `${100 * (alignment.evidence.probability ?? 0)}%` }} />
         </span>
-        <span class="figure">{sureness(alignment).words}</span>
+        <span class="figure">{sureness(alignment)}</span>
       </p>
       <div class="actions">
         {fitting(alignment).map((decision) => (

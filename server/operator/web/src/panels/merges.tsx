@@ -2,20 +2,10 @@
 
 import type { Desk } from '../context';
 import { Chip } from '../parts/chip';
-import { percent } from '../parts/format';
+import { sureness } from '../station/pairs';
 import type { Alignment, State } from '../station/types';
 import { Evidence } from './evidence';
 import { MergeGraph } from './graph';
-
-/** The server can not tell alone: unsure, contradicted, or withdrawn after it had been merged. */
-export const wantsLook = ({ state, decision }: Alignment) => decision === 'none' && ['candidate', 'verified', 'retracted'].includes(state);
-
-/** What the figure beside a verdict says: of a pair that others contradict, or that an operator refused, its own evidence alone. */
-export function sureness({ state, decision, evidence }: Alignment): { figure: string; words: string } {
-  const figure = percent(evidence.probability ?? 0);
-  const standsAlone = state === 'published' || state === 'candidate';
-  return standsAlone && decision === 'none' ? { figure, words: `${figure} sure` } : { figure, words: `${figure} by the pair alone` };
-}
 
 /** Whom it would lay on each other against what they saw. */
 export function contradiction(desk: Desk, { objection }: Alignment): string {
@@ -28,7 +18,7 @@ const order: State[] = ['candidate', 'retracted', 'verified', 'published', 'reje
 function Row({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
   const { station, ui, colours } = desk;
   const probability = alignment.evidence.probability ?? 0;
-  const { words } = sureness(alignment);
+  const words = sureness(alignment);
   const against = contradiction(desk, alignment);
   return (
     <li>

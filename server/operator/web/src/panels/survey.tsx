@@ -88,7 +88,6 @@ export function SurveyPanel({ desk, session }: { desk: Desk; session: Session })
     const placed = rows.filter((row) => row.session.every((cell) => cell.trim() !== '' && Number.isFinite(Number(cell))));
     station.draft = placed.map((row) => ({ session: session.id, name: row.name, p_session: row.session.map(Number) as [number, number, number] }));
     station.changed();
-    ui.set({});
   }, [rows]);
   useEffect(() => {
     const take = (found: Picked | null) => {
@@ -99,7 +98,11 @@ export function SurveyPanel({ desk, session }: { desk: Desk; session: Session })
     desk.view()?.give(picking ? take : null);
     return () => desk.view()?.give(null);
   }, [picking, rows]);
-  useEffect(() => () => void (station.draft = []), []);
+  const leave = () => {
+    station.draft = [];
+    station.changed();
+  };
+  useEffect(() => leave, []);
 
   const takeText = (given: string) => {
     try {

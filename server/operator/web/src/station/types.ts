@@ -132,3 +132,19 @@ export type StationEvent =
   | { type: 'revision'; revision: number; components: number }
   | { type: 'pending'; pending: Pending }
   | { type: 'log'; entry: ServerEntry };
+
+/** A robot as it may come in or not. */
+export interface RobotRow {
+  robot: string;
+  state: 'invited' | 'enrolled' | 'revoked' | 'expired';
+  enrolled_s: number | null;
+  code_expires_s: number | null;
+  rate_kib_s: number | null;
+}
+
+export interface RobotList {
+  fingerprint: string;
+  /** HOST:PORT where robots come. */
+  address: string | null;
+  robots: RobotRow[];
+}

@@ -67,6 +67,8 @@ export class Cursor {
 
   private write(spot: Spot | null): void {
     this.host.hidden = spot === null;
+    const tools = document.querySelector<HTMLElement>('.tools-bottom');
+    this.host.style.bottom = `${(tools?.offsetHeight ?? 0) + 20}px`;
     this.button.hidden = this.held === null;
     this.words.value = spot ? spotLines(spot).join('\n') : '';
   }

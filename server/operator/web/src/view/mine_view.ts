@@ -242,7 +242,7 @@ export class MineView {
     const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
     const pairs = [...alignments.values()].map(({ id, state, decision, T_a_b }) => [id, state, decision, T_a_b]);
-    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.components.length]);
+    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.components.length]);
   }
 
   /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
