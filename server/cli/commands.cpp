@@ -80,7 +80,9 @@ Result<Json> Commands::session_named(const std::string& wanted) {
 Result<std::string> Commands::component_named(const std::string& wanted) {
   if (!wanted.empty() && wanted.find_first_not_of("0123456789") == std::string::npos) return wanted;
   const auto row = session_named(wanted);
-  if (!row) return failure(row.error().code, "--component: " + row.error().message);
+  if (!row && row.error().code == ErrorCode::not_found)
+    return failure(row.error().code, "--component: " + row.error().message);
+  if (!row) return tl::unexpected(row.error());
   if (!row->at("component").is_null()) return row->at("component").dump();
   return failure(ErrorCode::not_found, "--component: " + wanted + " has no map yet");
 }

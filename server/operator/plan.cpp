@@ -158,8 +158,8 @@ PlanWords Plan::words() const {
                     (std::isfinite(request_.high_m) ? " to " + metres(request_.high_m) : std::string())
               : std::string());
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  out.made = "made " + day_of(static_cast<double>(now)) + " by headframe " HEADFRAME_VERSION ", revision " +
-             std::to_string(station_.atlas().atlas.revision);
+  out.made =
+      "made " + day_of(static_cast<double>(now)) + ", revision " + std::to_string(station_.atlas().atlas.revision);
   return out;
 }
 

@@ -22,7 +22,7 @@ Result<Reply> metrics(const Query&, const Context& context) {
   return Ready{200,
                "text/plain; version=0.0.4; charset=utf-8",
                metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(),
-                            station.link_health(), context.uptime_s),
+                            station.link_health(), station.surveys(), context.uptime_s),
                {}};
 }
 

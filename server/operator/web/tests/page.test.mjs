@@ -156,6 +156,7 @@ test('the session that is asked for merges goes through the dialog too', async (
 
 test('an export opens and has as many points as it says', async () => {
   await press('Export');
+  await page.locator('#export-progress').waitFor({ state: 'attached' });
   await page.evaluate(() => {
     window.progress = [];
     const words = document.querySelector('#export-progress output');
@@ -201,8 +202,8 @@ test('an export that is cancelled ends, and leaves no file', async () => {
 test('a plan from above is a page to scale', async () => {
   for (const [format, begins] of [['pdf', '%PDF-'], ['svg', '<?xml'], ['png', '\x89PNG']]) {
     await press('Export');
-    await page.getByLabel('Format').selectOption(format);
-    await page.getByLabel('Scale').selectOption('500');
+    await page.locator('select[name=format]').selectOption(format);
+    await page.locator('select[name=scale]').selectOption('500');
     const download = page.waitForEvent('download');
     await agree('Export');
     const file = join(scratch, `plan.${format}`);
@@ -462,6 +463,18 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
   await locked.getByText(/It is good until \d\d:\d\d, for an hour/).waitFor();
   await locked.getByText(`headframe-replay --server ${guarded.robots} --robot r1 --enrol `, { exact: false }).waitFor();
   assert.ok(guarded.process.text.includes(`operators: ${guarded.url}, with the token in ${join(guarded.data, 'operator.token')}`), guarded.process.text);
+  await agreeOn(locked, 'Close');
+  await locked.getByText('Who may come in').click();
+  await locked.getByText(/invited, its code is good until/).waitFor();
+  await locked.getByRole('button', { name: 'Rate…' }).click();
+  await locked.locator('input[name=rate]').fill('64');
+  await agreeOn(locked, 'Set');
+  await locked.getByText('sends 64 KiB/s at most').waitFor();
+  await locked.getByRole('button', { name: 'Revoke…' }).click();
+  await agreeOn(locked, 'Revoke');
+  await locked.getByText('revoked: it can not come in').waitFor();
+  await picture(locked, 'fleet');
+  await audit(locked);
   clean(locked);
   await locked.context().close();
   await guarded.kill();

@@ -6,7 +6,7 @@ import { toast, told } from '../parts/toast';
 import { ask, askJson } from '../station/api';
 import { doubtOf } from '../station/pairs';
 import type { Station } from '../station/station';
-import type { Alignment, RobotList, Session, Survey, SurveyBody } from '../station/types';
+import type { Alignment, RobotList, RobotRow, Session, Survey, SurveyBody } from '../station/types';
 import { ExportForm, exportPath, hideProgress, showProgress } from './export_form';
 import { Enrolment } from './enrolment';
 import { robotAddress } from './invitation';
@@ -26,6 +26,8 @@ export const routes = {
   plan: 'GET /api/v1/plan',
   overlay: 'GET /api/v1/alignments/{id}/overlay',
   invite: 'POST /api/v1/robots/add',
+  rate: 'POST /api/v1/robots/rate',
+  revoke: 'POST /api/v1/robots/revoke',
 };
 
 /** Which decisions the server will take, by its own rules. */
@@ -194,7 +196,7 @@ export class Actions {
     return survey;
   }
 
-  async invite(): Promise<void> {
+  async invite(known = ''): Promise<void> {
     let robot = '';
     let enrolment = '';
     const acted = await confirmed({
@@ -203,7 +205,7 @@ export class Actions {
       body: (
         <label class="field">
           Name of the robot
-          <input name="robot" required maxLength={128} autocomplete="off" data-first />
+          <input name="robot" required maxLength={128} autocomplete="off" value={known} data-first />
         </label>
       ),
       run: async (form) => {
@@ -216,6 +218,32 @@ export class Actions {
     const expires_s = robots.find((row) => row.robot === robot)?.code_expires_s ?? null;
     const body = <Enrolment robot={robot} enrolment={enrolment} server={robotAddress(address, location.hostname)} expires_s={expires_s} />;
     await confirmed({ title: `${robot} is invited`, body, wide: true });
+  }
+
+  async limitRate({ robot, rate_kib_s }: RobotRow): Promise<void> {
+    const acted = await confirmed({
+      title: `What ${robot} may send`,
+      action: 'Set',
+      body: (
+        <label class="field">
+          KiB per second at most, from now on; 0: what its link carries
+          <input name="rate" type="number" min={0} max={1e9} step={1} required value={rate_kib_s ?? 0} data-first />
+        </label>
+      ),
+      run: async (form) => void (await ask(`/api/v1/robots/rate?robot=${encodeURIComponent(robot)}&kib_s=${Number(form.get('rate'))}`, { method: 'POST' })),
+    });
+    if (acted) toast(`The rate of ${robot} was set.`);
+  }
+
+  async revoke(robot: string): Promise<void> {
+    const acted = await confirmed({
+      title: `Revoke ${robot}?`,
+      action: 'Revoke',
+      tone: 'danger',
+      body: <p>It is cut off now, and comes in again only after it was invited anew. What it has mapped stays.</p>,
+      run: async () => void (await ask(`/api/v1/robots/revoke?robot=${encodeURIComponent(robot)}`, { method: 'POST' })),
+    });
+    if (acted) toast(`${robot} is cut off.`);
   }
 
   private setSurvey(session: number, body: SurveyBody, accept: boolean): Promise<Survey> {

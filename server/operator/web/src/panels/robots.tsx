@@ -5,6 +5,7 @@ import { routes } from '../actions/actions';
 import { bytes, compact, duration, metres } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { Session } from '../station/types';
+import { Fleet } from './fleet';
 
 /** Heard within so many seconds: four bars, three, two; later one; away none. */
 const heard_s = [4, 10, 20];
@@ -135,6 +136,7 @@ export function RobotsPanel({ desk }: { desk: Desk }) {
           ))}
         </ul>
       )}
+      <Fleet desk={desk} />
     </section>
   );
 }

@@ -9,6 +9,7 @@ export interface LogEntry {
   text: string;
   session?: number;
   alignment?: number;
+  kind?: string;
 }
 
 /** As the server writes it. */
@@ -44,7 +45,7 @@ export class Log {
       if (entry.id <= this.newest) continue;
       this.newest = entry.id;
       const about = { session: entry.session_id ?? undefined, alignment: entry.alignment_id ?? undefined };
-      this.keep({ key: `server-${entry.id}`, at: new Date(1000 * entry.at_s), tone: tones[entry.kind] ?? 'plain', text: entry.text, ...about });
+      this.keep({ key: `server-${entry.id}`, at: new Date(1000 * entry.at_s), tone: tones[entry.kind] ?? 'plain', text: entry.text, kind: entry.kind, ...about });
       if (entry.kind === 'withdrawn' && entry.at_s > seen) this.alarms = [entry, ...this.alarms];
       // Merged again: nothing to be alarmed about.
       if (entry.kind === 'merged') this.alarms = this.alarms.filter(({ alignment_id }) => alignment_id !== entry.alignment_id);

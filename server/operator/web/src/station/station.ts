@@ -41,6 +41,8 @@ export class Station {
   /** Points of the survey that is worked on. */
   draft: ControlPoint[] = [];
   routes = new Set<string>();
+  /** The server wants a token, and robots enrol. */
+  token = false;
   readonly log = new Log();
 
   private readonly feed: Feed;
@@ -182,7 +184,8 @@ export class Station {
 
   private async admit(): Promise<void> {
     for (;;) {
-      if (!token.get() && (await askJson<{ token: boolean }>('/healthz')).token) await this.askForToken('');
+      this.token = (await askJson<{ token: boolean }>('/healthz')).token;
+      if (!token.get() && this.token) await this.askForToken('');
       try {
         this.status = await askJson<Status>('/api/v1/status');
         break;
