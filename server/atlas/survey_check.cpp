@@ -73,7 +73,10 @@ std::optional<Blunder> blunder_of(std::span<const ControlPoint> points, const Su
   if (points.size() < 4) return std::nullopt;
   const double fits_m = allowed_residual_m(points, rules);
   auto found = left_out(points, fits_m, [](const auto& others) { return std::optional(level_fit(others)); });
-  if (!found) found = left_out(points, fits_m, [](const auto& others) { return tilted_fit(others); });
+  // Where all fit a level session none is wrong by much, and a tilt would only be a guess of the few that are left.
+  const std::vector<double> level_m = residuals_m({0, level_fit(points), {points.begin(), points.end()}});
+  const bool level = *std::max_element(level_m.begin(), level_m.end()) <= fits_m;
+  if (!found && !level) found = left_out(points, fits_m, [](const auto& others) { return tilted_fit(others); });
   if (!found || found->off_m.norm() < std::max(rules.told_m, rules.told_ratio * found->others_rms_m))
     return std::nullopt;
   return found;
@@ -97,16 +100,19 @@ Result<void> check_fit(const Survey& survey, const SurveyFitRules& rules) {
   if (residuals.empty()) return {};
   const auto worst = std::max_element(residuals.begin(), residuals.end());
   const double allowed_m = allowed_residual_m(survey.points, rules);
-  if (*worst <= allowed_m) return {};
-  const std::string name = survey.points[static_cast<std::size_t>(worst - residuals.begin())].name;
   const auto blunder = blunder_of(survey.points, rules);
-  return failure(ErrorCode::refused,
-                 "the survey: the points do not fit each other: " + name + " would be off by " + metres(*worst) +
-                     ", and " + metres(allowed_m) + " is the most for points this far apart; " +
-                     (blunder                    ? blunder_text(survey.points, *blunder) + "; mend it or leave it out"
-                      : survey.points.size() < 4 ? "with three points the wrong one can not be told: add a fourth"
-                                                 : "which of them is wrong can not be told: check all") +
-                     ", or say that it is to stand all the same");
+  // Of few points a tilt of the whole session hides one that is wrong: residuals alone do not tell.
+  const bool hidden = blunder && blunder->off_m.norm() > allowed_m;
+  if (*worst <= allowed_m && !hidden) return {};
+  const std::string name = survey.points[static_cast<std::size_t>(worst - residuals.begin())].name;
+  const std::string fault = *worst <= allowed_m
+                                ? "the points fit each other by tilting the session only"
+                                : "the points do not fit each other: " + name + " would be off by " + metres(*worst) +
+                                      ", and " + metres(allowed_m) + " is the most for points this far apart";
+  const std::string why = blunder ? blunder_text(survey.points, *blunder) + "; mend it or leave it out"
+                          : survey.points.size() < 4 ? "with three points the wrong one can not be told: add a fourth"
+                                                     : "which of them is wrong can not be told: check all";
+  return failure(ErrorCode::refused, "the survey: " + fault + "; " + why + ", or say that it is to stand all the same");
 }
 
 }  // namespace headframe

@@ -163,7 +163,7 @@ Result<int> Commands::set_survey(const std::string& session, const std::string& 
   if (!row) return tl::unexpected(row.error());
   const std::string target = "/api/v1/survey?session=" + row->at("id").dump() + (accept ? "&accept=true" : "");
   const auto body = posted(target, 200, *content);
-  if (!body && body.error().message.find("do not fit each other") != std::string::npos)
+  if (!body && body.error().message.find("to stand all the same") != std::string::npos)
     return failure(body.error().code, body.error().message + ": --accept");
   if (!body) return tl::unexpected(body.error());
   std::cout << (json_ ? *body : survey_view(Json::parse(*body), terminal_width()));

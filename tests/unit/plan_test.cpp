@@ -20,10 +20,9 @@ TEST(PlanPaper, HoldsTheWholeBoxAtItsScale) {
          {std::pair(3.0, 3.0), std::pair(90.0, 20.0), std::pair(20.0, 90.0), std::pair(150.0, 149.0)}) {
       const auto paper = plan_paper(box(width_m, height_m), scale);
       ASSERT_TRUE(paper) << paper.error().message;
-      if (scale > 0) EXPECT_EQ(paper->scale, scale);
-      for (const Eigen::Vector2d corner :
-           {Eigen::Vector2d(1000, -50), Eigen::Vector2d(1000 + width_m, height_m - 50)}) {
-        const auto [x, y] = paper->at(corner);
+      EXPECT_EQ(paper->scale, scale > 0 ? scale : paper->scale);
+      for (const auto& [x_m, y_m] : {std::pair(1000.0, -50.0), std::pair(1000 + width_m, height_m - 50)}) {
+        const auto [x, y] = paper->at({x_m, y_m});
         EXPECT_GE(x, paper->map_x_mm);
         EXPECT_LE(x, paper->map_x_mm + paper->map_width_mm);
         EXPECT_GE(y, paper->map_y_mm);

@@ -9,6 +9,8 @@ namespace {
 
 const Pose T_grid_session = pose_from_yaw(0.7, {431250.25, 6212400.5, -312.75});
 
+std::string named(std::size_t at) { return std::string("P").append(std::to_string(at + 1)); }
+
 /// Control points of a drift and a crosscut, measured to so many metres.
 std::vector<ControlPoint> measured(std::size_t count, double noise_m, unsigned seed, const Pose& T = T_grid_session) {
   const std::vector<Eigen::Vector3d> places{{0, 0, 1},    {80, 3, 2},  {150, -4, 1.5},
@@ -17,8 +19,7 @@ std::vector<ControlPoint> measured(std::size_t count, double noise_m, unsigned s
   std::normal_distribution<double> noise(0, noise_m);
   std::vector<ControlPoint> points;
   for (std::size_t i = 0; i < count; ++i)
-    points.push_back(
-        {"P" + std::to_string(i + 1), places[i], T * places[i] + Eigen::Vector3d(noise(rng), noise(rng), noise(rng))});
+    points.push_back({named(i), places[i], T * places[i] + Eigen::Vector3d(noise(rng), noise(rng), noise(rng))});
   return points;
 }
 
@@ -55,7 +56,7 @@ TEST(SurveyCheck, OneOfFourThatIsTwoMetresOffIsNamedWhicheverItIsAndHowever) {
         EXPECT_EQ(found->point, wrong);
         EXPECT_LT((found->off_m + off_m).norm(), 0.2);
         const std::string text = objection(points);
-        EXPECT_NE(text.find("P" + std::to_string(wrong + 1) + " is likely wrong"), std::string::npos) << text;
+        EXPECT_NE(text.find(named(wrong) + " is likely wrong"), std::string::npos) << text;
       }
 }
 

@@ -37,7 +37,7 @@ export function needs(...programs) {
 }
 
 const between_ms = 50; // of two looks: what is waited for needs the processor itself
-export const patience_ms = 150_000; // for machines that are busy; nothing waits longer than it has to
+export const patience_ms = Number(process.env.PATIENCE_MS ?? 150_000); // for machines that are busy; nothing waits longer than it has to
 
 /** A folder that goes with the process. */
 export function scratchFolder() {
