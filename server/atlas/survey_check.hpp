@@ -31,8 +31,8 @@ std::optional<Blunder> blunder_of(std::span<const ControlPoint> points, const Su
 /// "P4 does not fit the others: they put it 2.00 m too high ...": for people.
 std::string blunder_text(std::span<const ControlPoint> points, const Blunder& blunder);
 
-/// refused when a residual is larger than allowed, or one point stands out by more than that though a tilt of the session
-/// would hide it; with the blunder, where it can be told.
+/// refused when a residual is larger than allowed, or one point stands out by more than that though a tilt of the
+/// session would hide it; with the blunder, where it can be told.
 Result<void> check_fit(const Survey& survey, const SurveyFitRules& rules = {});
 
 }  // namespace headframe
