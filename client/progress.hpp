@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace headframe {
 
@@ -15,11 +16,12 @@ struct Progress {
   std::uint64_t clouds_refused = 0;  // by the server, since open()
   std::uint64_t bytes_sent = 0;      // since open()
   bool connected = false;
-  bool refused = false;           // the server said no for good: nothing more is tried
-  double server_bytes_per_s = 0;  // what the server lets it send; 0: no limit
-  std::string hold;               // why the server takes nothing for now (a full disk); empty: it does
-  std::string link_error;         // why the last connection ended; empty: none did
-  std::string cloud_error;        // why the last cloud was dropped that was damaged or refused; empty: none was
+  bool refused = false;                          // the server said no for good: nothing more is tried
+  double server_bytes_per_s = 0;                 // what the server lets it send; 0: no limit
+  std::vector<std::string> server_capabilities;  // as its last welcome listed them; empty: it is older than the list
+  std::string hold;                              // why the server takes nothing for now (a full disk); empty: it does
+  std::string link_error;                        // why the last connection ended; empty: none did
+  std::string cloud_error;  // why the last cloud was dropped that was damaged or refused; empty: none was
 };
 
 }  // namespace headframe

@@ -12,6 +12,7 @@
 #include "common/descriptor/level.hpp"
 #include "common/descriptor/wall_profile.hpp"
 #include "common/security/enrolment.hpp"
+#include "common/wire/capabilities.hpp"
 
 namespace headframe {
 
@@ -60,6 +61,7 @@ Hello hello_of(const RobotConfig& config, const DescriptorFamily* family) {
     hello.family = {family->id(), family->q_size(), family->w_size()};
   hello.clouds = config.clouds;
   hello.software = "headframe robot library 0.1.0";
+  hello.capabilities = robot_capabilities();
   return hello;
 }
 

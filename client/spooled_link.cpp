@@ -40,8 +40,9 @@ void SpooledLink::on_event(const UplinkEvent& event) {
   if (const auto* t = std::get_if<Transforms>(&event)) return take(*t);
   const Lock lock(mutex_);
   Result<void> written;
-  if (std::holds_alternative<Welcomed>(event)) {
+  if (const auto* w = std::get_if<Welcomed>(&event)) {
     welcomed_ = true;
+    server_capabilities_ = w->capabilities;
     durable_keyframes_ = 0;
     link_error_.clear();
     hold_.clear();
@@ -109,6 +110,7 @@ Progress SpooledLink::progress() const {
   p.clouds_refused = refused_clouds_;
   p.cloud_error = cloud_error_;
   p.refused = refused_;
+  p.server_capabilities = server_capabilities_;
   p.hold = hold_;
   p.server_bytes_per_s = server_bytes_per_s_;
   p.link_error = link_error_;

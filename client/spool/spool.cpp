@@ -121,6 +121,7 @@ Result<void> Spool::settle_identity(Hello robot) {
                                             "; go on with that one, or give another family a spool of its own");
     identity_.clouds = robot.clouds;
     identity_.software = robot.software;
+    identity_.capabilities = robot.capabilities;
     return {};
   }
   if (robot.session.session.empty()) robot.session.session = random_name();

@@ -99,6 +99,7 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
       bucket.set_rate(tighter(config.bytes_per_s, policy->bytes_per_s), Clock::now());
     if (const auto* welcomed = std::get_if<Welcomed>(&event)) {
       spares_allowed = welcomed->spares;
+      capabilities = welcomed->capabilities;
       durable = 0;
       bucket.set_rate(config.bytes_per_s, Clock::now());  // until the server says otherwise
       up = true;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/printable.hpp"
+#include "common/wire/capabilities.hpp"
 #include "common/wire/limits.hpp"
 
 namespace headframe {
@@ -159,7 +160,8 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
                true);
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
-  events.emplace_back(Welcomed{message.spares()});
+  events.emplace_back(
+      Welcomed{message.spares(), usable_capabilities({message.capabilities().begin(), message.capabilities().end()})});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
   for (const auto& range : message.durable_clouds())
     if (range.first() <= range.last()) events.emplace_back(CloudsDurable{range.first(), range.last()});

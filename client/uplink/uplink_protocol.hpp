@@ -32,7 +32,8 @@ class UplinkSource {
 
 // Events.
 struct Welcomed {
-  std::uint64_t spares = 0;  // how many connections may stand beside this one
+  std::uint64_t spares = 0;                 // how many connections may stand beside this one
+  std::vector<std::string> capabilities{};  // of the server; empty: it is older than those
 };
 struct KeyframesDurable {
   std::uint64_t up_to = 0;

@@ -76,7 +76,7 @@ void Uplink::Thread::choose(const Link& l) {
   else
     discard(before);
   retry.cancel();
-  if (!up) take(l, {Welcomed{spares_allowed}, KeyframesDurable{durable}});
+  if (!up) take(l, {Welcomed{spares_allowed, capabilities}, KeyframesDurable{durable}});
   take(l, l->protocol.take_over());
   calm_down();
   pump(l);

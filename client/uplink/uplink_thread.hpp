@@ -88,13 +88,14 @@ struct Uplink::Thread {
   boost::asio::ip::tcp::resolver resolver{io};
   TokenBucket bucket;
   Backoff backoff{config.retry_first_s, config.retry_most_s, std::random_device{}()};
-  Link link;                       // the one that carries the session; null or over: none does
-  std::vector<Link> attempts;      // being made; beside a link in doubt, for a spare, or without one
-  std::vector<Link> spares;        // up, and beside the link
-  std::size_t spares_allowed = 0;  // by the server
-  std::uint64_t durable = 0;       // keyframes, whichever connection said so
-  bool lossy = false;              // the link has lost packets: spares are worth their pings
-  bool probing_now = false;        // one was asked, the next one's turn comes
+  Link link;                              // the one that carries the session; null or over: none does
+  std::vector<Link> attempts;             // being made; beside a link in doubt, for a spare, or without one
+  std::vector<Link> spares;               // up, and beside the link
+  std::size_t spares_allowed = 0;         // by the server
+  std::vector<std::string> capabilities;  // of the server
+  std::uint64_t durable = 0;              // keyframes, whichever connection said so
+  bool lossy = false;                     // the link has lost packets: spares are worth their pings
+  bool probing_now = false;               // one was asked, the next one's turn comes
   Clock::time_point no_spare_before{};
   std::string pending_trigger;
   bool closing = false;

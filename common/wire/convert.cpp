@@ -6,6 +6,7 @@
 
 #include "common/printable.hpp"
 #include "common/security/secret.hpp"
+#include "common/wire/capabilities.hpp"
 #include "common/wire/frame_codec.hpp"
 #include "common/wire/limits.hpp"
 
@@ -152,6 +153,7 @@ v1::Hello to_proto(const Hello& h) {
   m.set_enrolment_code(h.enrolment_code);
   *m.mutable_spool_runs() = {h.spool_runs.begin(), h.spool_runs.end()};
   m.set_spare(h.spare);
+  *m.mutable_capabilities() = {h.capabilities.begin(), h.capabilities.end()};
   return m;
 }
 
@@ -187,6 +189,7 @@ Result<Hello> from_proto(const v1::Hello& m) {
   if (std::find(h.spool_runs.begin(), h.spool_runs.end(), 0U) != h.spool_runs.end())
     return bad("hello: a spool run is 0");
   h.spare = m.spare();
+  h.capabilities = usable_capabilities({m.capabilities().begin(), m.capabilities().end()});
   return h;
 }
 

@@ -32,6 +32,7 @@ struct Hello {
   std::string enrolment_code{};             // 16 bytes, or empty
   std::vector<std::uint64_t> spool_runs{};  // this opening of the spool last; empty: it does not say
   bool spare = false;                       // beside the connection that carries the session
+  std::vector<std::string> capabilities{};  // common/wire/capabilities.hpp; empty: it is older than those
 };
 
 /// Robot, session, family and model names: 1 to limits::name_bytes bytes, printable, without '/', neither "." nor "..".

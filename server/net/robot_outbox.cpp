@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/wire/capabilities.hpp"
 #include "common/wire/frame_codec.hpp"
 
 namespace headframe {
@@ -40,6 +41,8 @@ void RobotOutbox::append_welcome(std::string& out) {
   welcome.set_protocol_version(protocol_version);
   welcome.set_durable_keyframes(welcome_->first.keyframes);
   welcome.set_spares(static_cast<std::uint32_t>(welcome_->second));
+  const auto capabilities = server_capabilities();
+  *welcome.mutable_capabilities() = {capabilities.begin(), capabilities.end()};
   v1::SequenceRange* range = nullptr;
   for (const std::uint64_t sequence : welcome_->first.clouds) {
     if (!range || sequence != range->last() + 1) {

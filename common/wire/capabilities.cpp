@@ -1,0 +1,20 @@
+#include "common/wire/capabilities.hpp"
+
+#include <algorithm>
+
+namespace headframe {
+
+std::vector<std::string> robot_capabilities() { return {"cloud_refusal", "link_policy", "spares"}; }
+std::vector<std::string> server_capabilities() { return {"cloud_form_1", "cloud_form_2", "spares"}; }
+
+std::vector<std::string> usable_capabilities(const std::vector<std::string>& listed) {
+  constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz0123456789_";
+  std::vector<std::string> usable(
+      listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(std::min(listed.size(), most_capabilities)));
+  std::erase_if(usable, [&](const std::string& name) {
+    return name.empty() || name.size() > most_capability_bytes || name.find_first_not_of(letters) != std::string::npos;
+  });
+  return usable;
+}
+
+}  // namespace headframe

@@ -1,0 +1,23 @@
+#pragma once
+// What a side of protocol v1 can do beyond its first form, as names in Hello and Welcome: README.md of
+// proto/headframe/v1 lists them. So an old robot and a new server go on together, and a new robot sends nothing that an
+// old server refuses.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace headframe {
+
+inline constexpr std::size_t most_capabilities = 64;      // of one message; those behind are passed over
+inline constexpr std::size_t most_capability_bytes = 32;  // of one name; a longer one is passed over
+
+/// What the robot library lists in its hello, and this server in its welcome.
+std::vector<std::string> robot_capabilities();
+std::vector<std::string> server_capabilities();
+
+/// A peer's names, whatever it wrote: of at most most_capabilities, those of 1 to most_capability_bytes of a-z, 0-9 and
+/// '_'. A name that this side does not know is kept, and means nothing to it. Pure and thread safe.
+std::vector<std::string> usable_capabilities(const std::vector<std::string>& listed);
+
+}  // namespace headframe
