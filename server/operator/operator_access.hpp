@@ -11,8 +11,6 @@ struct OperatorAccess {
   std::string token = {};          // what every request but the public ones has to show; empty: none
   RobotAdmin* robots = nullptr;    // must outlive the API; null: robots come in without enrolling
   std::filesystem::path log = {};  // where what happens is written down; empty: kept in memory alone
-};                                 // what every request but the public ones has to show; empty: none
-RobotAdmin* robots = nullptr;      // must outlive the API; null: robots come in without enrolling
 };
 
 }  // namespace headframe
