@@ -76,6 +76,7 @@ TEST(Conformance, EachPlantedFaultIsFound) {
   };
   {
     std::vector<std::jthread> threads;  // they mostly wait
+    threads.reserve(4);
     for (int i = 0; i < 4; ++i) threads.emplace_back(work);
   }
   for (std::size_t i = 0; i < faults.size(); ++i) {
