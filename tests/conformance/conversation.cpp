@@ -129,8 +129,10 @@ void Conversation::error(v1::ErrorKind kind, bool permanent) {
 }
 
 bool Conversation::until(const std::function<bool()>& holds, const std::string& kind, const std::string& awaited) {
-  const auto most = Clock::now() + patience_;
-  while (!holds()) {
+  auto most = Clock::now() + patience_;
+  for (auto seen = progress_; !holds();) {
+    if (progress_ != seen) most = Clock::now() + patience_;
+    seen = progress_;
     if (step(most)) continue;
     if (!kind.empty())
       findings_.wrong(kind, (closed_ ? "the client closed the connection" : "nothing came") +
@@ -204,6 +206,7 @@ void Conversation::pong(const v1::Ping& ping) {
 
 void Conversation::on_keyframe(const v1::Keyframe& keyframe) {
   const auto sequence = keyframe.sequence();
+  ++progress_;
   findings_.check(!held_, "hold", keyframe_name(sequence) + " comes while the station holds the robot");
   if (last_ == durable_ && sequence != last_ + 1 && sequence <= station_.last_keyframe + 1)
     findings_.wrong("resume", "after " + std::to_string(last_) + " durable ones it goes on with " +
@@ -222,6 +225,7 @@ void Conversation::on_keyframe(const v1::Keyframe& keyframe) {
 
 void Conversation::on_chunk(const v1::CloudChunk& chunk) {
   const auto sequence = chunk.sequence();
+  ++progress_;
   const std::string name = cloud_name(sequence);
   findings_.check(!held_, "hold", "a chunk comes while the station holds the robot: " + name);
   findings_.check(sequence >= 1 && sequence <= last_, "cloud-early", name + " comes before its keyframe");

@@ -41,8 +41,8 @@ class Conversation {
   void say(const v1::ServerMessage& message) { (void)peer_.send(message); }
   void error(v1::ErrorKind kind, bool permanent);
 
-  /// Reads until it holds. False: the client fell silent or went away first, which is reported under `kind` unless that
-  /// is empty.
+  /// Reads until it holds. False: the client sent no keyframe and no chunk for too long or went away first, which is
+  /// reported under `kind` unless that is empty.
   bool until(const std::function<bool()>& holds, const std::string& kind, const std::string& awaited);
   /// Reads whatever comes before the answer to a ping: all that was said before is dealt with then.
   bool settle();
@@ -84,6 +84,7 @@ class Conversation {
   std::string session_;
   bool welcomed_ = false, held_ = false, goodbye_ = false, closed_ = false;
   std::uint64_t durable_ = 0, last_ = 0, backlog_ = 0, nonce_ = 1000;
+  std::uint64_t progress_ = 0;  // keyframes and chunks that came
   std::set<std::uint64_t> pongs_;
   std::map<std::uint64_t, Open> open_;   // clouds that come in chunks
   std::deque<std::uint64_t> requested_;  // and not answered yet, in order

@@ -8,7 +8,6 @@
 
 #include "common/cloud/cloud_codec.hpp"
 #include "common/descriptor/level.hpp"
-#include "common/descriptor/scan_context.hpp"
 #include "common/descriptor/wall_profile.hpp"
 #include "common/security/secret.hpp"
 #include "common/wire/capabilities.hpp"
@@ -23,11 +22,14 @@ std::string number(double v) {
   return text;
 }
 
+/// The greatest difference, as a share of the largest number (at least 1) of b.
 double farthest(const std::vector<float>& a, const std::vector<float>& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    most = std::max(most, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
-  return most;
+  float most = 0, largest = 1;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    most = std::max(most, std::abs(a[i] - b[i]));
+    largest = std::max(largest, std::abs(b[i]));
+  }
+  return static_cast<double>(most / largest);
 }
 
 /// Of a cloud's points, the share within `near_m` of some of the scan's (of some hundred that are looked at).
@@ -49,6 +51,7 @@ void Judge::hello(const v1::Hello& hello) {
   if (!read) return findings_.wrong("hello-field", "the hello is refused: " + read.error().message);
   policy_ = read->clouds;
   family_ = read->family;
+  if (auto family = make_family(family_.id.name)) known_ = std::move(*family);
   findings_.check(read->session.robot == given_.robot, "robot",
                   "the hello names robot " + read->session.robot + ", not " + given_.robot);
   findings_.check(!read->spare, "spare", "the hello is a spare's, though no Welcome allowed one");
@@ -120,14 +123,19 @@ void Judge::walls(const Keyframe& keyframe, const Points& points_level, const st
 }
 
 void Judge::descriptor(const Keyframe& keyframe, const Points& points_level, const std::string& name) {
-  if (family_.id != ScanContext().id()) return;  // of another family nothing is known here
-  const auto expected = ScanContext().extract(points_level);
-  if (!expected || keyframe.descriptor.q.size() != expected->q.size() ||
-      keyframe.descriptor.w.size() != expected->w.size())
-    return findings_.wrong("descriptor-size", name + ": Scan Context has 60 + 60 numbers");
-  const double q = farthest(keyframe.descriptor.q, expected->q), w = farthest(keyframe.descriptor.w, expected->w);
-  findings_.check(q < 0.05, "q", name + ": a number of q is " + number(q) + " off Scan Context's");
-  findings_.check(w < 0.05, "w", name + ": a number of w is " + number(w) + " off Scan Context's");
+  if (!known_ || known_->id() != family_.id) return;  // of a network of the user's own nothing is known here
+  const std::string family = family_.id.name;
+  const auto expected = known_->extract(points_level);
+  const auto& [q, w, place_class] = keyframe.descriptor;
+  if (!expected || q.size() != expected->q.size() || w.size() != expected->w.size())
+    return findings_.wrong("descriptor-size", name + ": " + family + " has " + std::to_string(known_->q_size()) +
+                                                  " + " + std::to_string(known_->w_size()) + " numbers");
+  findings_.check(
+      farthest(q, expected->q) < 0.05, "q",
+      name + ": q is off that of " + family + " by " + number(farthest(q, expected->q)) + " of its largest");
+  findings_.check(
+      farthest(w, expected->w) < 0.05, "w",
+      name + ": w is off that of " + family + " by " + number(farthest(w, expected->w)) + " of its largest");
 }
 
 std::uint32_t Judge::points_of(std::uint64_t sequence) const {

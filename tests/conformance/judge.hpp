@@ -2,8 +2,10 @@
 // Whether what a client sends is what the course's scans say. Pure.
 
 #include <map>
+#include <memory>
 #include <string>
 
+#include "common/descriptor/family.hpp"
 #include "common/wire/convert.hpp"
 #include "tests/conformance/course.hpp"
 #include "tests/conformance/findings.hpp"
@@ -45,6 +47,7 @@ class Judge {
   v1::Hello first_hello_;
   std::uint64_t last_run_ = 0;
   FamilySpec family_;
+  std::unique_ptr<DescriptorFamily> known_;          // null: of that name the library has none
   std::map<std::uint64_t, v1::Keyframe> keyframes_;  // by sequence, as they came first
 };
 

@@ -1,4 +1,4 @@
-"""The plain Python client against the protocol's test vectors. HEADFRAME_VECTORS names their folder."""
+"""The plain Python client against the protocol's test vectors. HEADFRAME_VECTORS names their folder, HEADFRAME_LEARNED the network."""
 
 import json
 import os
@@ -8,7 +8,7 @@ import unittest
 
 import numpy as np
 from headframe.v1 import robot_pb2
-from headframe_plain import cloud, credential, descriptor, geometry, keyframes, protocol
+from headframe_plain import cloud, credential, descriptor, geometry, keyframes, learned, protocol
 
 
 def vectors(name):
@@ -102,6 +102,17 @@ class Vectors(unittest.TestCase):
                 np.testing.assert_allclose(w, row["w"], atol=1e-3)
                 np.testing.assert_allclose(from_halves(descriptor.halves_of_q(q).hex()), from_halves(row["q_bytes"]), rtol=2e-3, atol=1e-3)
                 np.testing.assert_allclose(from_halves(descriptor.halves(w).hex()), from_halves(row["w_bytes"]), rtol=2e-3, atol=1e-3)
+
+    def test_learned(self):
+        family = learned.Learned(os.environ["HEADFRAME_LEARNED"])
+        for row in vectors("learned")["scans"]:
+            points = np.array(row["points_level"])
+            image = learned.range_image(points)
+            np.testing.assert_allclose(image.ravel(), row["image_m"], atol=2e-3, err_msg=row["what"])
+            q, w, place_class = family.describe(points)
+            np.testing.assert_allclose(q, row["q"], atol=1e-3)
+            np.testing.assert_allclose(w, row["w"], atol=1e-2)
+            self.assertEqual(place_class, row["place_class"])
 
     def test_keyframes(self):
         selector = keyframes.Selector()

@@ -71,7 +71,7 @@ TEST(Conformance, EachPlantedFaultIsFound) {
     for (std::size_t i = next++; i < faults.size(); i = next++) {
       auto client = python_robot("faulty_robot.py");
       client.push_back(faults[i].name);
-      ends[i] = tried({"--scenario", faults[i].scenario, "--patience", "4"}, client, {"--patience", "4"});
+      ends[i] = tried({"--scenario", faults[i].scenario, "--patience", "10"}, client, {"--patience", "10"});
     }
   };
   {

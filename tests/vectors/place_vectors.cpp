@@ -3,6 +3,7 @@
 
 #include "client/keyframe/keyframe_selector.hpp"
 #include "client/transforms.hpp"
+#include "common/descriptor/learned/input.hpp"
 #include "common/descriptor/level.hpp"
 #include "common/descriptor/scan_context.hpp"
 #include "common/descriptor/wall_profile.hpp"
@@ -99,6 +100,26 @@ File scan_context() {
   return {"scan_context", {{"scans", scans}}};
 }
 
+/// Underground: no scan is empty above the horizon on both sides, where the family adds what is of the open sky.
+File learned() {
+  Json scans = Json::array();
+  const auto family = make_family("learned");
+  Points hall = room_scan(75, 6), gap = room_scan(70, 7);
+  for (auto& p : hall) p *= 4;
+  std::erase_if(gap, [](const auto& p) { return p.x() > 0 && std::abs(p.y()) < 0.5F * p.x(); });
+  for (const auto& [what, points_level] : {std::pair{"a room, most pixels bridged", room_scan(90, 9)},
+                                           {"a hall", hall},
+                                           {"a room with a gap ahead", gap}}) {
+    const auto d = (*family)->extract(points_level).value();
+    Json row{{"what", what}, {"place_class", static_cast<int>(d.place_class)}, {"q", d.q}, {"w", d.w}};
+    row["points_level"] = to_json(points_level);
+    for (const float range_m : learned_input(points_level).range_m)
+      row["image_m"].push_back(std::round(range_m * 1e3) / 1e3);
+    scans.push_back(row);
+  }
+  return {"learned", {{"scans", scans}}};
+}
+
 File selection() {
   Json scans = Json::array();
   KeyframeSelector selector;
@@ -130,6 +151,10 @@ File others() {
 
 }  // namespace
 
-std::vector<File> place_files() { return {halves(), levelled_frame(), walls(), scan_context(), selection(), others()}; }
+std::vector<File> place_files() {
+  std::vector<File> files{halves(), levelled_frame(), walls(), scan_context(), selection(), others()};
+  if (make_family("learned")) files.push_back(learned());  // not in a build without networks
+  return files;
+}
 
 }  // namespace headframe::vectors

@@ -18,6 +18,8 @@ def arguments():
     parser.add_argument("--insecure", action="store_true", help="in the clear, to a server that runs with --insecure")
     parser.add_argument("--clouds", default="on_request", choices=POLICIES)
     parser.add_argument("--cloud-form", type=int, default=1, choices=(1, 2))
+    parser.add_argument("--network", default="", metavar="FILE",
+                        help="learned.onnx: describe as the library's robots do, not with Scan Context")
     parser.add_argument("--rate", type=float, default=0, help="times real time; without it as fast as it goes")
     parser.add_argument("--linger", type=float, default=0, metavar="SECONDS",
                         help="stay until merged with another session, so long at most")
@@ -49,7 +51,7 @@ def play(options):
     recording = Recording(options.recording)
     robot = Robot(Settings(
         server=options.server, robot=options.robot, enrolment=options.enrol, clouds=options.clouds,
-        cloud_form=options.cloud_form, sensor=recording.sensor,
+        cloud_form=options.cloud_form, network=options.network, sensor=recording.sensor,
         credential="" if options.insecure else options.credential or f"{options.robot}.credential"))
     try:
         count = sum(robot.add_scan(*scan) for scan in in_time(recording, options.rate))

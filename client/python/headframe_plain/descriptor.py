@@ -2,8 +2,17 @@
 
 import numpy as np
 
-FAMILY, VERSION, Q_SIZE, W_SIZE = "scan_context", 1, 60, 60
 FEWEST_POINTS = 50
+
+
+class ScanContext:
+    """A descriptor family; headframe_plain.learned.Learned is another."""
+
+    NAME, VERSION, Q_SIZE, W_SIZE = "scan_context", 1, 60, 60
+
+    def describe(self, points_level):
+        """q, w and the place class, which is not known."""
+        return (*scan_context(points_level), 0)
 
 
 def _sector(points, sectors):

@@ -9,6 +9,7 @@ from headframe.v1 import robot_pb2, types_pb2
 
 from . import cloud, descriptor, geometry, keyframes
 from .credential import Credential, Refused
+from .learned import Learned
 from .link import Link
 from .protocol import CAPABILITIES, VERSION, Session, is_name
 
@@ -25,6 +26,7 @@ class Settings:
     session: str = ""  # empty: a random name
     clouds: str = "on_request"  # or all, never
     cloud_form: int = 1  # 2 is half as large and costs much more of the processor
+    network: str = ""  # file learned.onnx: describe with the family "learned", which the library's robots use
     sensor: dict = field(default_factory=dict)  # model, beams, fov_up_deg, fov_down_deg, max_range_m
 
 
@@ -40,6 +42,7 @@ class Robot:
             if not is_name(name.encode()):
                 raise Refused(f"{name!r} is no name: 1 to 128 bytes that print, without '/'")
         self._settings = settings
+        self._family = Learned(settings.network) if settings.network else descriptor.ScanContext()
         self._selector, self._sweeps, self._clouds = keyframes.Selector(), keyframes.Sweeps(), []
         self._last_stamp = -np.inf
         credential = Credential(settings.credential, settings.robot, settings.enrolment) if settings.credential else None
@@ -124,14 +127,14 @@ class Robot:
             protocol_version=VERSION,
             session=types_pb2.SessionKey(robot=s.robot, session=s.session or secrets.token_hex(8)),
             sensor=types_pb2.Sensor(**{"model": "unknown", **s.sensor}),
-            family=types_pb2.Family(name=descriptor.FAMILY, version=descriptor.VERSION, q_size=descriptor.Q_SIZE,
-                                    w_size=descriptor.W_SIZE),
+            family=types_pb2.Family(name=self._family.NAME, version=self._family.VERSION, q_size=self._family.Q_SIZE,
+                                    w_size=self._family.W_SIZE),
             clouds=POLICIES[s.clouds], software="headframe_plain (Python) 0.1.0",
             spool_id=secrets.randbits(63) | 1, spool_runs=[secrets.randbits(63) | 1], capabilities=CAPABILITIES)
 
     def _keyframe(self, stamp_s, T, points):
         points_level = geometry.levelled(T, points)
-        q, w = descriptor.scan_context(points_level)
+        q, w, place_class = self._family.describe(points_level)
         sweeps = self._sweeps.take(T, points)
         count = sum(len(sweep) for _, sweep in sweeps) if self._settings.clouds != "never" else 0
         quaternion = geometry.quaternion(T[:3, :3])
@@ -139,7 +142,7 @@ class Robot:
             stamp_s=stamp_s, spaciousness_m=self._selector.spaciousness, q=descriptor.halves_of_q(q),
             T_local_sensor=types_pb2.Pose(**dict(zip(("x", "y", "z"), T[:3, 3])),
                                           **dict(zip(("qx", "qy", "qz", "qw"), quaternion))),
-            w=descriptor.halves(w), walls=descriptor.wall_profile(points_level), point_count=count), [
+            w=descriptor.halves(w), walls=descriptor.wall_profile(points_level), point_count=count, place_class=place_class), [
                 (origin.astype(np.float32), sweep.astype(np.float32)) for origin, sweep in sweeps]
 
     def _encoded_cloud(self, sequence):
