@@ -1,5 +1,5 @@
 // What a keyframe holds: selection, levelled frame, wall profile, Scan Context, halves; and where the others lie.
-#include <limits>
+#include <cmath>
 
 #include "client/keyframe/keyframe_selector.hpp"
 #include "client/transforms.hpp"
@@ -100,16 +100,21 @@ File scan_context() {
   return {"scan_context", {{"scans", scans}}};
 }
 
+/// What the family looks at of a scan of many beams: within 11.2 deg of the horizon, here a little more.
+Points band(int columns) {
+  Points points = room_scan(columns, 16);
+  std::erase_if(points, [](const auto& p) { return std::abs(p.z()) > 0.22F * std::hypot(p.x(), p.y()); });
+  return points;
+}
+
 /// Underground: no scan is empty above the horizon on both sides, where the family adds what is of the open sky.
 File learned() {
   Json scans = Json::array();
   const auto family = make_family("learned");
-  Points hall = room_scan(75, 6), gap = room_scan(70, 7);
+  Points hall = band(60), gap = band(80);
   for (auto& p : hall) p *= 4;
   std::erase_if(gap, [](const auto& p) { return p.x() > 0 && std::abs(p.y()) < 0.5F * p.x(); });
-  for (const auto& [what, points_level] : {std::pair{"a room, most pixels bridged", room_scan(90, 9)},
-                                           {"a hall", hall},
-                                           {"a room with a gap ahead", gap}}) {
+  for (const auto& [what, points_level] : {std::pair{"a hall", hall}, {"a room with a gap ahead", gap}}) {
     const auto d = (*family)->extract(points_level).value();
     Json row{{"what", what}, {"place_class", static_cast<int>(d.place_class)}, {"q", d.q}, {"w", d.w}};
     row["points_level"] = to_json(points_level);
