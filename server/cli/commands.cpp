@@ -135,10 +135,11 @@ Result<void> Commands::check_confirm(const std::string& alignment) {
     const auto name = [](const Json& key) {
       return key.at("robot").get<std::string>() + "/" + key.at("session").get<std::string>();
     };
-    return failure(ErrorCode::refused, "alignment " + alignment + ", " + name(row.at("a")) + " and " +
-                                           name(row.at("b")) + ": " + why +
-                                           ", and a wrong merge sends robots wrong transforms; headframe confirm " +
-                                           alignment + " --yes confirms it all the same");
+    std::string message = "alignment ";
+    message.append(alignment).append(", ").append(name(row.at("a"))).append(" and ").append(name(row.at("b")));
+    message.append(": ").append(why).append(", and a wrong merge sends robots wrong transforms; headframe confirm ");
+    message.append(alignment).append(" --yes confirms it all the same");
+    return failure(ErrorCode::refused, message);
   }
   return {};
 }
