@@ -133,12 +133,12 @@ Result<void> Commands::check_confirm(const std::string& alignment) {
     const std::string why =
         state == "verified" ? "other sessions contradict it" : "its probability is " + fixed(probability, 3);
     const auto name = [](const Json& key) {
-      return key.at("robot").get<std::string>() + "/" + key.at("session").get<std::string>();
+      return key.at("robot").get<std::string>().append("/").append(key.at("session").get<std::string>());
     };
-    return failure(ErrorCode::refused, "alignment " + alignment + ", " + name(row.at("a")) + " and " +
-                                           name(row.at("b")) + ": " + why +
-                                           ", and a wrong merge sends robots wrong transforms; headframe confirm " +
-                                           alignment + " --yes confirms it all the same");
+    std::string line = "alignment " + alignment;
+    line.append(", ").append(name(row.at("a"))).append(" and ").append(name(row.at("b"))).append(": ").append(why);
+    line.append(", and a wrong merge sends robots wrong transforms; headframe confirm ").append(alignment);
+    return failure(ErrorCode::refused, line.append(" --yes confirms it all the same"));
   }
   return {};
 }

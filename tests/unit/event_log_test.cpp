@@ -14,6 +14,7 @@ namespace {
 
 std::vector<std::string> texts(const std::vector<LogEntry>& entries) {
   std::vector<std::string> out;
+  out.reserve(entries.size());
   for (const LogEntry& entry : entries) out.push_back(entry.text);
   return out;
 }

@@ -79,7 +79,7 @@ TEST(Plan, PdfIsWholeAndItsTableOfObjectsIsRight) {
   EXPECT_EQ(pdf.substr(pdf.size() - 6), "%%EOF\n");
   const std::size_t table = std::stoul(pdf.substr(pdf.rfind("startxref\n") + 10));
   ASSERT_EQ(pdf.substr(table, 7), "xref\n0 ");
-  std::size_t row = pdf.find("\n", table + 7) + 1 + 20;
+  std::size_t row = pdf.find('\n', table + 7) + 1 + 20;
   for (int object = 1; object <= 8; ++object, row += 20) {
     const std::size_t at = std::stoul(pdf.substr(row, 10));
     const std::string head = std::to_string(object) + " 0 obj";
