@@ -97,10 +97,10 @@ void EventFeed::serve(beast::tcp_stream stream, Request request) {
 }
 
 void EventFeed::stop() {
-  stopped_ = true;
   std::set<std::shared_ptr<EventSocket>> sockets;
   {
     const std::lock_guard lock(mutex_);
+    if (!stopped_.exchange(true) && last_) news(std::make_shared<const StationLook>(look_at(station_)));  // for the log
     sockets.swap(sockets_);
     timer_.cancel();
   }

@@ -40,7 +40,7 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   void give_place();
   /// Takes over a connection whose request asks for an upgrade, and that has a place.
   void serve(boost::beast::tcp_stream stream, Request request);
-  /// Ends all clients.
+  /// Ends all clients, after a last look for the log.
   void stop();
 
  private:

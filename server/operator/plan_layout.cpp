@@ -53,7 +53,9 @@ void add_grid(Sheet& sheet, const PlanPaper& paper) {
   for (int axis = 0; axis < 2; ++axis) {
     const double low_m = paper.low_m[axis],
                  high_m = low_m + (axis == 0 ? paper.map_width_mm : paper.map_height_mm) * paper.scale / 1000;
-    for (double value = std::ceil(low_m / step_m) * step_m; value <= high_m; value += step_m) {
+    const auto last = static_cast<std::int64_t>(std::floor(high_m / step_m));
+    for (auto at = static_cast<std::int64_t>(std::ceil(low_m / step_m)); at <= last; ++at) {
+      const double value = static_cast<double>(at) * step_m;
       Eigen::Vector2d p = paper.low_m;
       p[axis] = value;
       const auto [x, y] = paper.at(p);
@@ -108,7 +110,8 @@ void add_legend(Sheet& sheet, const std::vector<PlanLegend>& legend, double x, d
   constexpr double column_mm = 52, row_mm = 5.4;
   const auto room = rows * std::max<std::size_t>(1, static_cast<std::size_t>(std::max(0.0, right - x) / column_mm));
   for (std::size_t i = 0; i < std::min(legend.size(), room); ++i) {
-    const double left = x + column_mm * static_cast<double>(i / rows), at = y + row_mm * static_cast<double>(i % rows);
+    const auto column = static_cast<double>(std::size_t{i / rows});
+    const double left = x + column_mm * column, at = y + row_mm * static_cast<double>(i % rows);
     const bool rest = i + 1 == room && legend.size() > room;
     if (!rest)
       sheet.paths.push_back(

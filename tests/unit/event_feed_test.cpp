@@ -13,6 +13,7 @@
 #include "server/operator/event_queue.hpp"
 #include "server/operator/http_rules.hpp"
 #include "tests/support/operator_server.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace headframe {
 namespace {
@@ -99,6 +100,16 @@ TEST(EventFeed, TheLogIsToldAndCanBeReadLater) {
   ASSERT_EQ(entries.size(), 2U) << "what was not done is not written down";
   EXPECT_EQ(entries[1], told);
   EXPECT_EQ(entries[0]["kind"], "connected");
+}
+
+TEST(EventFeed, WhatHappenedJustBeforeTheEndIsWrittenDownToo) {
+  const TempDir folder;
+  const auto file = folder.path() / "events.jsonl";
+  {
+    OperatorServer server({}, {.log = file});
+    server.station.change([&] { server.station.rows[1].complete = true; });
+  }
+  EXPECT_EQ(EventLog(file).latest(1).at(0).text, "beta/run/1 finished: 3 keyframes.");
 }
 
 TEST(EventQueue, TooMuchIsReplacedByOneSnapshot) {
