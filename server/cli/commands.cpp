@@ -133,13 +133,12 @@ Result<void> Commands::check_confirm(const std::string& alignment) {
     const std::string why =
         state == "verified" ? "other sessions contradict it" : "its probability is " + fixed(probability, 3);
     const auto name = [](const Json& key) {
-      return key.at("robot").get<std::string>() + "/" + key.at("session").get<std::string>();
+      return key.at("robot").get<std::string>().append("/").append(key.at("session").get<std::string>());
     };
-    std::string message = "alignment ";
-    message.append(alignment).append(", ").append(name(row.at("a"))).append(" and ").append(name(row.at("b")));
-    message.append(": ").append(why).append(", and a wrong merge sends robots wrong transforms; headframe confirm ");
-    message.append(alignment).append(" --yes confirms it all the same");
-    return failure(ErrorCode::refused, message);
+    std::string line = "alignment " + alignment;
+    line.append(", ").append(name(row.at("a"))).append(" and ").append(name(row.at("b"))).append(": ").append(why);
+    line.append(", and a wrong merge sends robots wrong transforms; headframe confirm ").append(alignment);
+    return failure(ErrorCode::refused, line.append(" --yes confirms it all the same"));
   }
   return {};
 }
