@@ -50,6 +50,11 @@ int serve(const ServerOptions& options) {
   if (!options.insecure && !is_loopback(options.http))
     spdlog::warn("the operator API on {} is not encrypted: who listens on the way learns the operator's token",
                  to_string((*server)->http()));
+  const std::string page = "http://" + to_string((*server)->http()) + "/";
+  std::cout << "operators: " << page
+            << (options.insecure ? std::string(", without a token")
+                                 : ", with the token in " + (options.data / "operator.token").string())
+            << '\n';
   std::cout << "headframe-server ready: robots on " << to_string((*server)->robots()) << ", http on "
             << to_string((*server)->http()) << ", data in " << options.data.string() << std::endl;
   int signal = 0;
@@ -72,6 +77,7 @@ int run(int argc, char** argv) {
   app.add_flag("--new-identity", new_identity,
                "make another key where the server's own is lost: all robots enrol anew");
   app.add_option("--config", config, "TOML file: [server], [limits], [merge]");
+  app.set_version_flag("--version", "headframe-server " HEADFRAME_VERSION);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -74,8 +74,9 @@ Result<void> MapMergeServer::Parts::start() {
   robots = *listening;
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
   if (!token) return tl::unexpected(token.error());
-  if (!options.insecure) desk.emplace(gate, fingerprint);
-  api.emplace(io, view, OperatorLimits{}, OperatorAccess{*token, desk ? &*desk : nullptr});
+  if (!options.insecure) desk.emplace(gate, fingerprint, to_string(robots));
+  api.emplace(io, view, OperatorLimits{},
+              OperatorAccess{*token, desk ? &*desk : nullptr, options.data / "events.jsonl"});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};

@@ -77,6 +77,16 @@ Result<Json> Commands::session_named(const std::string& wanted) {
   return failure(ErrorCode::not_found, problem + (there.empty() ? "; no session yet" : "; there are " + there));
 }
 
+Result<std::string> Commands::component_named(const std::string& wanted) {
+  if (!wanted.empty() && wanted.find_first_not_of("0123456789") == std::string::npos) return wanted;
+  const auto row = session_named(wanted);
+  if (!row && row.error().code == ErrorCode::not_found)
+    return failure(row.error().code, "--component: " + row.error().message);
+  if (!row) return tl::unexpected(row.error());
+  if (!row->at("component").is_null()) return row->at("component").dump();
+  return failure(ErrorCode::not_found, "--component: " + wanted + " has no map yet");
+}
+
 Result<int> Commands::status() {
   const auto body = fetched("/api/v1/status");
   if (!body) return tl::unexpected(body.error());
@@ -109,7 +119,33 @@ Result<int> Commands::alignments() {
   return exit_ok;
 }
 
-Result<int> Commands::decide(const std::string& decision, const std::string& alignment) {
+/// Whether there is nothing against confirming it. One that is not known is the server's to refuse.
+Result<void> Commands::check_confirm(const std::string& alignment) {
+  constexpr double doubtful = 0.5;
+  const auto body = fetched("/api/v1/alignments");
+  if (!body) return tl::unexpected(body.error());
+  const Json all = Json::parse(*body);
+  for (const Json& row : all.at("alignments")) {
+    if (row.at("id").dump() != alignment) continue;
+    const auto state = row.at("state").get<std::string>();
+    const double probability = row.at("evidence").value("probability", 0.0);
+    if (state == "published" || (state != "verified" && probability >= doubtful)) return {};
+    const std::string why =
+        state == "verified" ? "other sessions contradict it" : "its probability is " + fixed(probability, 3);
+    const auto name = [](const Json& key) {
+      return key.at("robot").get<std::string>().append("/").append(key.at("session").get<std::string>());
+    };
+    std::string line = "alignment " + alignment;
+    line.append(", ").append(name(row.at("a"))).append(" and ").append(name(row.at("b"))).append(": ").append(why);
+    line.append(", and a wrong merge sends robots wrong transforms; headframe confirm ").append(alignment);
+    return failure(ErrorCode::refused, line.append(" --yes confirms it all the same"));
+  }
+  return {};
+}
+
+Result<int> Commands::decide(const std::string& decision, const std::string& alignment, bool all_the_same) {
+  if (decision == "confirm" && !all_the_same)
+    if (auto clear = check_confirm(alignment); !clear) return tl::unexpected(clear.error());
   const auto body = posted("/api/v1/alignments/" + percent_encoded(alignment) + "/" + decision, 200);
   if (!body) return tl::unexpected(body.error());
   std::cout << (json_ ? *body : decision_view(Json::parse(*body)));

@@ -16,10 +16,12 @@ Error error_of(const HttpResponse& response);
 
 /// Of an export. Empty: what the server takes without it.
 struct MapRequest {
-  std::string component, file;
+  std::string component;  // its id, or a session of it
+  std::string file;
   std::string format;  // empty: the file's ending
   std::string frame;   // component or grid
   std::optional<double> voxel_m;
+  std::optional<int> scale;  // of a plan: 1:scale
 };
 
 /// Sessions are named "robot/session", or by the robot or the label when only one has it.
@@ -34,8 +36,9 @@ class Commands {
   Result<int> atlas(std::optional<double> wait_s);
   /// Every alignment with its evidence.
   Result<int> alignments();
-  /// "confirm", "refuse", "retract" or "undo" of the alignment with this id.
-  Result<int> decide(const std::string& decision, const std::string& alignment);
+  /// "confirm", "refuse", "retract" or "undo" of the alignment with this id. refused: to confirm one that other
+  /// sessions contradict or that is improbable, unless all_the_same.
+  Result<int> decide(const std::string& decision, const std::string& alignment, bool all_the_same);
   /// Why two sessions are or are not merged; each "robot/session", or "robot" when it has just one.
   Result<int> explain(const std::string& a, const std::string& b);
   /// Queues an attempt for every session, then as atlas(wait_s) with progress; without wait_s as long as it takes.
@@ -57,8 +60,9 @@ class Commands {
   Result<int> release(const std::string& session);
   Result<int> remove_session(const std::string& session);
   Result<int> list_surveys();
-  /// The file holds the API's JSON, or control points when it ends in .csv.
-  Result<int> set_survey(const std::string& session, const std::string& file);
+  /// The file holds the API's JSON, or control points when it ends in .csv. accept: also points that do not fit each
+  /// other.
+  Result<int> set_survey(const std::string& session, const std::string& file, bool accept);
   Result<int> drop_survey(const std::string& session);
   /// How far the two sessions' surfaces lie apart; with json the points too, so many of each session at most.
   Result<int> overlay(const std::string& alignment, int most);
@@ -79,6 +83,8 @@ class Commands {
   Result<std::string> posted(const std::string& target, int status, const std::string& body = {});
   Result<std::string> removed(const std::string& target);
   Result<nlohmann::json> session_named(const std::string& wanted);
+  Result<std::string> component_named(const std::string& wanted);
+  Result<void> check_confirm(const std::string& alignment);
   Result<std::string> fetched(const std::string& target);
   Result<Waited> wait_for_idle(std::optional<double> wait_s, bool progress);
   Result<int> print_waited(const Waited& waited);

@@ -31,7 +31,10 @@ std::string survey_view(const Json& survey, std::size_t width) {
     table.rows.push_back({"  " + printable(point.at("name").get<std::string>()), metres(p.at(0), 3), metres(p.at(1), 3),
                           metres(p.at(2), 3), metres(point.at("residual_m"), 3)});
   }
-  return out + table.text(width) + "  rms " + metres(survey.at("rms_m"), 3) + " m\n";
+  out += table.text(width) + "  rms " + metres(survey.at("rms_m"), 3) + " m\n";
+  if (const Json suspect = survey.value("suspect", Json()); suspect.is_object())
+    out += "  " + printable(suspect.at("text").get<std::string>()) + "\n";
+  return out;
 }
 
 std::string surveys_view(const Json& surveys, std::size_t width) {

@@ -27,13 +27,16 @@ std::string extension_of(const std::string& file) {
 
 /// What was asked for with --format, or else the file's ending.
 Result<std::string> format_of(const std::string& file, const std::string& asked) {
-  constexpr std::array known{"ply", "pcd", "las", "png"};
+  constexpr std::array known{"ply", "pcd", "las", "pdf", "svg", "png"};
   const std::string format = asked.empty() ? extension_of(file) : asked;
   for (const char* one : known)
     if (format == one) return format;
-  return failure(ErrorCode::invalid_argument,
-                 file + " ends in none of .ply, .pcd, .las and .png; the ending, or --format, chooses the format");
+  return failure(
+      ErrorCode::invalid_argument,
+      file + " ends in none of .ply, .pcd, .las, .pdf, .svg and .png; the ending, or --format, chooses the format");
 }
+
+bool is_plan(const std::string& format) { return format == "pdf" || format == "svg" || format == "png"; }
 
 /// "[##########----------]  50 %  1.0 MB of 2.0 MB"; without a total only what came.
 std::string transfer_text(std::size_t received_bytes, std::uint64_t total_bytes) {
@@ -81,20 +84,19 @@ Result<std::size_t> Commands::download(const std::string& target, const std::str
 Result<int> Commands::export_map(const MapRequest& request) {
   const auto format = format_of(request.file, request.format);
   if (!format) return tl::unexpected(format.error());
-  const std::string component = percent_encoded(request.component);
-  std::string target;
-  if (*format == "png")
-    target = "/api/v1/plan?component=" + component;
-  else
-    target = "/api/v1/export?component=" + component + "&format=" + *format;
-  if (request.voxel_m && *format != "png") target += "&voxel=" + fixed(*request.voxel_m, 4);
+  const auto component = component_named(request.component);
+  if (!component) return tl::unexpected(component.error());
+  const bool plan = is_plan(*format);
+  std::string target =
+      (plan ? "/api/v1/plan?component=" : "/api/v1/export?component=") + *component + "&format=" + *format;
+  if (plan && request.scale) target += "&scale=" + std::to_string(*request.scale);
+  if (request.voxel_m && !plan) target += "&voxel=" + fixed(*request.voxel_m, 4);
   const auto received_bytes = download(target + in_frame(request.frame), request.file);
   if (!received_bytes) return tl::unexpected(received_bytes.error());
   if (json_) {
-    std::cout << Json{{"file", request.file}, {"component", request.component}, {"bytes", *received_bytes}}.dump()
-              << '\n';
+    std::cout << Json{{"file", request.file}, {"component", *component}, {"bytes", *received_bytes}}.dump() << '\n';
   } else {
-    std::cout << request.file << ": component " << request.component << ", "
+    std::cout << request.file << ": component " << *component << ", "
               << bytes_text(static_cast<double>(*received_bytes)) << '\n';
   }
   return exit_ok;

@@ -22,7 +22,8 @@ struct Options {
   int times = 0, most = 10000;
   headframe::MapRequest map;
   std::string session, file, frame, label, reason, robot, alignment, a, b, shell = "bash";
-  std::uint64_t kib_s = 0;
+  std::int64_t kib_s = 0;
+  bool all_the_same = false;
   std::function<Result<int>(Commands&)> command;
 };
 
@@ -62,11 +63,13 @@ void add_commands(CLI::App& app, Options& options) {
           std::vector<std::string>(headframe::completed_shells.begin(), headframe::completed_shells.end())));
   add("alignments", "Every alignment with its evidence", [](Commands& c) { return c.alignments(); });
   const auto decision = [&](const char* name, const char* what) {
-    add(name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment); })
-        ->add_option("ALIGNMENT", options.alignment, "Its number, as alignments shows it")
-        ->required();
+    CLI::App* sub = add(
+        name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment, options.all_the_same); });
+    sub->add_option("ALIGNMENT", options.alignment, "Its number, as alignments shows it")->required();
+    return sub;
   };
-  decision("confirm", "Publish an alignment whatever its evidence says, and keep it");
+  decision("confirm", "Publish an alignment whatever its evidence says, and keep it")
+      ->add_flag("--yes", options.all_the_same, "Also one that other sessions contradict, or that is improbable");
   decision("refuse", "Do not propose this placement again on much the same evidence");
   decision("retract", "Take a published alignment out; the robots are told");
   decision("undo", "Take back the latest decision on an alignment");
@@ -90,17 +93,23 @@ void add_export_commands(CLI::App& app, Options& options) {
   const auto add = adder(app, options);
   CLI::App* map = add("export", "The merged cloud of a component, or its plan",
                       [&](Commands& c) { return c.export_map(options.map); });
-  map->add_option("--component", options.map.component, "Id of the component, as atlas shows it")
+  map->add_option("--component", options.map.component,
+                  "Id of the component, as atlas shows it; or any session of it: robot/session, robot or label")
       ->required()
-      ->type_name("ID");
+      ->type_name("ID|SESSION");
   map->add_option("--voxel", options.map.voxel_m,
                   "One point per cube within each keyframe, 0: every point (default 0.1)")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("M");
-  map->add_option("--format", options.map.format, "ply, pcd, las, or png: the plan; default: FILE's ending")
-      ->check(CLI::IsMember({"ply", "pcd", "las", "png"}));
+  map->add_option("--format", options.map.format,
+                  "ply, pcd or las: the points; pdf, svg or png: the plan; default: FILE's ending")
+      ->check(CLI::IsMember({"ply", "pcd", "las", "pdf", "svg", "png"}));
+  map->add_option("--scale", options.map.scale, "Of a plan, 1:N; default: the largest that fits A3")
+      ->check(CLI::Range(50, 100000))
+      ->type_name("N");
   add_frame(map, options.map.frame);
-  map->add_option("FILE", options.map.file, "FILE.ply, FILE.pcd, FILE.las or FILE.png")->required();
+  map->add_option("FILE", options.map.file, "FILE.ply, FILE.pcd or FILE.las; FILE.pdf, FILE.svg or FILE.png: the plan")
+      ->required();
   CLI::App* path = add("trajectory", "A session's trajectory, as TUM text or CSV",
                        [&](Commands& c) { return c.trajectory(options.session, options.file, options.frame); });
   add_frame(path, options.frame);
@@ -128,7 +137,6 @@ void add_session_commands(CLI::App& app, Options& options) {
   overlay->add_option("--most", options.most, "Points of each session (default 10000)")->check(CLI::Range(0, 100000));
   CLI::App* session = app.add_subcommand("session", "What becomes of a session that does harm");
   session->add_flag("--json", options.json, "Print JSON");
-  session->require_subcommand(1);
   const auto add_fate = adder(*session, options);
   of_session(add_fate("quarantine", "Leave a session out of merging; what is stored of it stays", [&](Commands& c) {
     return c.quarantine(options.session, options.reason);
@@ -139,15 +147,17 @@ void add_session_commands(CLI::App& app, Options& options) {
                       [&](Commands& c) { return c.remove_session(options.session); }));
   CLI::App* survey = app.add_subcommand("survey", "Where sessions lie in the mine's grid");
   survey->add_flag("--json", options.json, "Print JSON");
-  survey->require_subcommand(1);
   const auto add_survey = adder(*survey, options);
   add_survey("list", "All surveys, and how far each control point is off",
              [](Commands& c) { return c.list_surveys(); });
-  of_session(add_survey("set", "Set a session's survey",
-                        [&](Commands& c) { return c.set_survey(options.session, options.file); }))
-      ->add_option("FILE", options.file,
-                   "Control points, FILE.csv: name,x,y,z of the session,x,y,z of the grid; or JSON")
+  CLI::App* set = of_session(add_survey("set", "Set a session's survey", [&](Commands& c) {
+    return c.set_survey(options.session, options.file, options.all_the_same);
+  }));
+  set->add_option("FILE", options.file,
+                  "Control points, FILE.csv: name, x, y, z of the session, east, north, height of the grid, between "
+                  "commas, semicolons, tabs or blanks; or JSON")
       ->required();
+  set->add_flag("--accept", options.all_the_same, "Also when the points do not fit each other as well as they should");
   of_session(
       add_survey("drop", "Take a session's survey away", [&](Commands& c) { return c.drop_survey(options.session); }));
 }
@@ -159,10 +169,13 @@ void add_robot_commands(CLI::App& app, Options& options) {
   add("list", "All robots, and the server's fingerprint", [](Commands& c) { return c.list_robots(); });
   const auto named = [&](CLI::App* sub) { sub->add_option("NAME", options.robot, "Of the robot")->required(); };
   named(add("add", "Print what a robot needs to enrol, once", [&](Commands& c) { return c.add_robot(options.robot); }));
-  const auto rate = add("rate", "What the robot may send at most, from now on",
-                        [&](Commands& c) { return c.rate_robot(options.robot, options.kib_s); });
+  const auto rate = add("rate", "What the robot may send at most, from now on", [&](Commands& c) {
+    return c.rate_robot(options.robot, static_cast<std::uint64_t>(options.kib_s));
+  });
   named(rate);
-  rate->add_option("KIB_S", options.kib_s, "KiB per second; 0: no limit of its own")->required();
+  rate->add_option("KIB_S", options.kib_s, "KiB per second; 0: no limit of its own")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1000000000}))
+      ->required();
   named(add("revoke", "Cut a robot off, now and until it enrols anew",
             [&](Commands& c) { return c.revoke_robot(options.robot); }));
 }
@@ -170,6 +183,18 @@ void add_robot_commands(CLI::App& app, Options& options) {
 int fault(const headframe::Error& error) {
   std::cerr << "headframe: " << headframe::printable(error.message) << '\n';
   return error.code == headframe::ErrorCode::invalid_argument ? headframe::exit_usage : headframe::exit_failed;
+}
+
+/// Of a command that has commands of its own, and of the program itself.
+headframe::Error nothing_said(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& at = chosen.empty() ? app : *chosen.front();
+  std::string there;
+  for (const CLI::App* sub : at.get_subcommands([](const CLI::App*) { return true; }))
+    there += (there.empty() ? "" : ", ") + sub->get_name();
+  const std::string name = chosen.empty() ? "headframe" : "headframe " + at.get_name();
+  return {headframe::ErrorCode::invalid_argument,
+          "say what to do: " + name + " has " + there + "; " + name + " --help tells more"};
 }
 
 int run(int argc, char** argv) {
@@ -183,6 +208,7 @@ int run(int argc, char** argv) {
       ->envname("HEADFRAME_TOKEN_FILE")
       ->type_name("FILE");
   app.add_flag("--json", options.json, "Print JSON");
+  app.set_version_flag("--version", "headframe " HEADFRAME_VERSION);
   app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
   add_commands(app, options);
@@ -196,11 +222,7 @@ int run(int argc, char** argv) {
     std::cerr << "headframe: " << headframe::printable(error.what()) << "; headframe --help lists what there is\n";
     return headframe::exit_usage;
   }
-  if (!options.command)
-    return fault(
-        {headframe::ErrorCode::invalid_argument,
-         "say what to do: status, sessions, atlas, merge, confirm, anchor, export or robot, say; headframe --help "
-         "lists what there is"});
+  if (!options.command) return fault(nothing_said(app));
   auto endpoint = headframe::parse_http_endpoint(options.http);
   if (!endpoint) return fault({endpoint.error().code, "--http: " + endpoint.error().message});
   auto token = headframe::find_token(options.token_file);

@@ -47,9 +47,12 @@ Result<int> Commands::add_robot(const std::string& robot) {
   if (!body) return tl::unexpected(body.error());
   const auto enrolment = Json::parse(*body).at("enrolment").get<std::string>();
   std::cout << (json_ ? *body : printable(enrolment) + "\n") << std::flush;
-  if (!json_)
-    std::cerr << "headframe: good for one robot, once, for an hour: headframe-replay --robot " << printable(robot)
-              << " --enrol ...\n";
+  if (json_) return exit_ok;
+  const auto all = fetched("/api/v1/robots");
+  const Json address = all ? Json::parse(*all).value("address", Json()) : Json();
+  std::cerr << "headframe: good for one robot, once, for an hour: headframe-replay --server "
+            << (address.is_string() ? printable(address.get<std::string>()) : "HOST:PORT") << " --robot "
+            << printable(robot) << " --enrol " << printable(enrolment) << " SESSION_DIR\n";
   return exit_ok;
 }
 

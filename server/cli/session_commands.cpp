@@ -1,9 +1,11 @@
 // What the operator does with one session.
-#include <array>
+#include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <optional>
+#include <vector>
 
 #include "server/cli/commands.hpp"
 #include "server/cli/table.hpp"
@@ -22,27 +24,54 @@ std::string full_name(const Json& session) {
   return printable(session.at("robot").get<std::string>() + "/" + session.at("session").get<std::string>());
 }
 
-/// Seven cells a line: a name, then x, y, z in the session and in the grid. Lines that begin with # are comments, and
-/// so is a first line of titles.
+/// Between semicolons or tabs, where the comma is the decimal sign; else between commas or blanks.
+std::vector<std::string> cells_of(std::string line) {
+  const bool strict = line.find_first_of(";\t") != std::string::npos;
+  if (strict) {
+    std::replace(line.begin(), line.end(), ',', '.');
+    std::replace(line.begin(), line.end(), '\t', ';');
+  }
+  std::vector<std::string> cells;
+  const char* between = strict ? ";" : ", ";
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find_first_of(between, at), line.size());
+    std::string cell = line.substr(at, end - at);
+    cell.erase(0, cell.find_first_not_of(' '));
+    cell.erase(cell.find_last_not_of(' ') + 1);
+    if (strict || !cell.empty()) cells.push_back(std::move(cell));
+    at = end + 1;
+  }
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  return cells;
+}
+
+std::optional<double> number_of(const std::string& cell) {
+  double value = 0;
+  const char* begin = cell.data() + (cell.rfind('+', 0) == 0 ? 1 : 0);
+  const auto [end, fault] = std::from_chars(begin, cell.data() + cell.size(), value);
+  return fault == std::errc() && end == cell.data() + cell.size() && !cell.empty() ? std::optional(value)
+                                                                                   : std::nullopt;
+}
+
+/// Seven cells a line: a name, then x, y, z in the session and east, north, height in the grid. Lines that begin with #
+/// are comments, and so is a first line of titles.
 Result<Json> points_from_csv(std::istream& file, const std::string& path) {
+  constexpr std::size_t figures = 6;
   Json points = Json::array();
   int number = 0;
   for (std::string line; std::getline(file, line);) {
     ++number;
-    if (line.empty() || line[0] == '#' || (number == 1 && line.rfind("name,", 0) == 0)) continue;
-    std::istringstream cells(line);
-    std::string name;
-    std::getline(cells, name, ',');
-    std::array<double, 6> values{};
-    bool good = true;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (i > 0) good = good && (cells >> std::ws).get() == ',';
-      good = good && static_cast<bool>(cells >> values.at(i));
-    }
-    if (!good || (cells >> std::ws && !cells.eof()))
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    const std::vector<std::string> cells = cells_of(line);
+    if (cells.empty() || cells[0].rfind('#', 0) == 0) continue;
+    std::vector<double> values;
+    for (std::size_t i = 1; i < cells.size(); ++i)
+      if (const auto value = number_of(cells[i])) values.push_back(*value);
+    if (points.empty() && values.empty() && cells.size() > 1) continue;  // titles
+    if (values.size() != figures || cells.size() != figures + 1)
       return failure(ErrorCode::bad_input, path + ", line " + std::to_string(number) +
-                                               ": give name,x_session,y_session,z_session,x_grid,y_grid,z_grid");
-    points.push_back({{"name", name},
+                                               ": give name,x_session,y_session,z_session,east,north,height");
+    points.push_back({{"name", cells[0]},
                       {"p_session", {values[0], values[1], values[2]}},
                       {"p_grid", {values[3], values[4], values[5]}}});
   }
@@ -127,12 +156,15 @@ Result<int> Commands::list_surveys() {
   return exit_ok;
 }
 
-Result<int> Commands::set_survey(const std::string& session, const std::string& file) {
+Result<int> Commands::set_survey(const std::string& session, const std::string& file, bool accept) {
   const auto content = survey_body(file);
   if (!content) return tl::unexpected(content.error());
   const auto row = session_named(session);
   if (!row) return tl::unexpected(row.error());
-  const auto body = posted("/api/v1/survey?session=" + row->at("id").dump(), 200, *content);
+  const std::string target = "/api/v1/survey?session=" + row->at("id").dump() + (accept ? "&accept=true" : "");
+  const auto body = posted(target, 200, *content);
+  if (!body && body.error().message.find("to stand all the same") != std::string::npos)
+    return failure(body.error().code, body.error().message + ": --accept");
   if (!body) return tl::unexpected(body.error());
   std::cout << (json_ ? *body : survey_view(Json::parse(*body), terminal_width()));
   return exit_ok;

@@ -30,6 +30,11 @@ Json pending_object(const Pending& pending) {
       {"attempts", pending.attempts}, {"keyframes", pending.keyframes}, {"awaited_submaps", pending.awaited_submaps}};
 }
 
+Json objection_object(const std::optional<Objection>& by) {
+  if (!by) return nullptr;
+  return {{"a", by->a}, {"b", by->b}, {"violation", number(by->violation)}};
+}
+
 Json alignment_object(const AlignmentRow& row) {
   Json evidence = Json::object();
   for (const EvidenceField& field : evidence_fields())
@@ -41,6 +46,7 @@ Json alignment_object(const AlignmentRow& row) {
           {"verdict", to_string(row.alignment.verdict)},
           {"decision", to_string(row.alignment.ruling)},
           {"T_a_b", transform(row.alignment.T_a_b)},
+          {"objection", objection_object(row.alignment.objection)},
           {"evidence", std::move(evidence)}};
 }
 

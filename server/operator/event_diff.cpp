@@ -12,8 +12,9 @@ bool same(const Pending& x, const Pending& y) {
 }
 
 bool same(const Alignment& x, const Alignment& y) {
-  return x.state == y.state && x.ruling == y.ruling && x.T_a_b.matrix() == y.T_a_b.matrix() &&
-         x.evidence.probability == y.evidence.probability && x.evidence.runner_up == y.evidence.runner_up;
+  return x.state == y.state && x.ruling == y.ruling && x.objection.has_value() == y.objection.has_value() &&
+         x.T_a_b.matrix() == y.T_a_b.matrix() && x.evidence.probability == y.evidence.probability &&
+         x.evidence.runner_up == y.evidence.runner_up;
 }
 
 void add_sessions(const StationLook& before, const StationLook& after, std::vector<std::string>& events) {

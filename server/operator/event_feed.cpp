@@ -5,6 +5,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "server/operator/event_queue.hpp"
+#include "server/operator/log_lines.hpp"
 
 namespace headframe {
 
@@ -96,25 +97,35 @@ void EventFeed::serve(beast::tcp_stream stream, Request request) {
 }
 
 void EventFeed::stop() {
-  stopped_ = true;
   std::set<std::shared_ptr<EventSocket>> sockets;
   {
     const std::lock_guard lock(mutex_);
+    if (!stopped_.exchange(true) && last_) news(std::make_shared<const StationLook>(look_at(station_)));  // for the log
     sockets.swap(sockets_);
     timer_.cancel();
   }
   for (const auto& socket : sockets) socket->close();
 }
 
+void EventFeed::start() {
+  const std::lock_guard lock(mutex_);
+  if (stopped_ || last_) return;
+  last_ = std::make_shared<const StationLook>(look_at(station_));
+  log_->add({"started", "The server started."});
+  look_again();
+}
+
 void EventFeed::join(const std::shared_ptr<EventSocket>& socket) {
   const std::lock_guard lock(mutex_);
   if (stopped_) return socket->close();
-  const bool first = sockets_.empty();
-  if (first) last_ = std::make_shared<const StationLook>(look_at(station_));
+  if (sockets_.empty()) {  // looks were rare so far
+    news(std::make_shared<const StationLook>(look_at(station_)));
+    sockets_.insert(socket);
+    look_again();
+  }
   sockets_.insert(socket);
   auto snapshot = std::make_shared<const std::string>(snapshot_event(*last_));
   socket->tell(snapshot, [snapshot] { return snapshot; });
-  if (first) look_again();
 }
 
 void EventFeed::leave(const std::shared_ptr<EventSocket>& socket) {
@@ -122,24 +133,38 @@ void EventFeed::leave(const std::shared_ptr<EventSocket>& socket) {
   sockets_.erase(socket);
 }
 
-/// Under the lock.
+/// Under the lock. A wait that is under way is given up.
 void EventFeed::look_again() {
-  timer_.expires_after(limits_.look);
+  timer_.expires_after(sockets_.empty() ? limits_.look_alone : limits_.look);
   timer_.async_wait([weak = weak_from_this()](Code code) {
     if (const auto self = weak.lock(); self && !code) self->look();
   });
 }
 
+/// What clients are to be told now that the station is as `now`. Under the lock.
+std::vector<std::string> EventFeed::news(const std::shared_ptr<const StationLook>& now) {
+  std::vector<std::string> events;
+  if (last_) {
+    events = events_between(*last_, *now);
+    for (LogEntry& line : log_lines(*last_, *now)) log_->add(std::move(line));
+  }
+  for (const LogEntry& entry : log_->since(told_)) {
+    events.push_back(log_event(entry));
+    told_ = entry.id;
+  }
+  last_ = now;
+  return events;
+}
+
 void EventFeed::look() {
   const std::lock_guard lock(mutex_);
-  if (stopped_ || sockets_.empty()) return;
+  if (stopped_) return;
   const auto now = std::make_shared<const StationLook>(look_at(station_));
   const auto snapshot = [now] { return std::make_shared<const std::string>(snapshot_event(*now)); };
-  for (std::string& text : events_between(*last_, *now)) {
+  for (std::string& text : news(now)) {
     const auto event = std::make_shared<const std::string>(std::move(text));
     for (const auto& socket : sockets_) socket->tell(event, snapshot);
   }
-  last_ = now;
   look_again();
 }
 

@@ -14,28 +14,33 @@
 #include <string>
 
 #include "server/operator/event_diff.hpp"
+#include "server/operator/event_log.hpp"
 #include "server/operator/operator_limits.hpp"
 
 namespace headframe {
 
 class EventSocket;
 
-/// Looks at the station while there are clients and tells each of them the differences: first a snapshot, then events
-/// that lead on from it. A client that reads too slowly loses what was queued and gets a snapshot instead, so that its
-/// queue is bounded and what it knows is never wrong. Thread safe.
+/// Looks at the station, writes the differences into the log, and tells clients of them: each first a snapshot, then
+/// events that lead on from it. A client that reads too slowly loses what was queued and gets a snapshot instead, so
+/// that its queue is bounded and what it knows is never wrong. Thread safe.
 class EventFeed : public std::enable_shared_from_this<EventFeed> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
 
-  EventFeed(boost::asio::io_context& io, const Station& station, const EventLimits& limits = {})
-      : station_(station), limits_(limits), timer_(boost::asio::make_strand(io)) {}
+  EventFeed(boost::asio::io_context& io, const Station& station, const EventLimits& limits,
+            std::shared_ptr<EventLog> log)
+      : station_(station), limits_(limits), log_(std::move(log)), timer_(boost::asio::make_strand(io)) {}
+
+  /// Looks at the station from now on, and writes down what happens. Once.
+  void start();
 
   /// Room for one more; a place that is taken is given back by the socket's end.
   bool take_place();
   void give_place();
   /// Takes over a connection whose request asks for an upgrade, and that has a place.
   void serve(boost::beast::tcp_stream stream, Request request);
-  /// Ends all clients.
+  /// Ends all clients, after a last look for the log.
   void stop();
 
  private:
@@ -44,9 +49,12 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   void leave(const std::shared_ptr<EventSocket>& socket);
   void look_again();
   void look();
+  std::vector<std::string> news(const std::shared_ptr<const StationLook>& now);
 
   const Station& station_;
   const EventLimits limits_;
+  const std::shared_ptr<EventLog> log_;
+  std::uint64_t told_ = 0;  // the last entry of the log that clients know of
   std::mutex mutex_;
   boost::asio::steady_timer timer_;
   std::shared_ptr<const StationLook> last_;

@@ -1,7 +1,9 @@
+#include <limits>
+
 #include "server/operator/routes.hpp"
 
 #include "server/operator/map_export.hpp"
-#include "server/operator/plan_png.hpp"
+#include "server/operator/plan.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/trajectory_export.hpp"
 
@@ -31,14 +33,29 @@ Result<OutputFrame> frame_in(const Query& query) {
   return frame == query.end() ? OutputFrame::component : output_frame_from(frame->second);
 }
 
+Result<PlanFormat> plan_format(const Query& query) {
+  const auto format = query.find("format");
+  if (format == query.end() || format->second == "png") return PlanFormat::png;
+  if (format->second == "svg") return PlanFormat::svg;
+  if (format->second == "pdf") return PlanFormat::pdf;
+  return failure(ErrorCode::invalid_argument,
+                 "parameter \"format\" is \"" + format->second + "\"; give pdf, svg or png");
+}
+
+Result<double> height(const Query& query, const char* name, double otherwise) {
+  constexpr double most_m = 1e8;
+  const auto text = query.find(name);
+  return text == query.end() ? otherwise : parse_number(name, text->second, -most_m, most_m);
+}
+
 /// The component that is asked for, when it can be shown in the frame that is asked for.
 Result<SessionId> component_in(const Query& query, const Context& context, OutputFrame frame) {
   const auto text = required(query, "component");
   if (!text) return tl::unexpected(text.error());
   const auto id = whole(*text);
   if (!id)
-    return failure(ErrorCode::invalid_argument, "parameter \"component\" is \"" + *text +
-                                                    "\"; give the id of a component, GET /api/v1/atlas lists them");
+    return failure(ErrorCode::invalid_argument,
+                   "parameter \"component\" is \"" + *text + "\"; give the id of a component, as the atlas has it");
   const auto component = find_component(context.station.atlas().atlas, *id);
   if (!component) return tl::unexpected(component.error());
   if (const auto shown = frame_of(context.station, *component, frame); !shown) return tl::unexpected(shown.error());
@@ -63,9 +80,21 @@ Result<Reply> map(const Query& query, const Context& context) {
 Result<Reply> plan(const Query& query, const Context& context) {
   const auto frame = frame_in(query);
   if (!frame) return tl::unexpected(frame.error());
+  const auto format = plan_format(query);
+  if (!format) return tl::unexpected(format.error());
+  const auto scale = whole_number(query, "scale", 0, 100000);
+  const auto low_m = height(query, "low", -std::numeric_limits<double>::infinity());
+  const auto high_m = height(query, "high", std::numeric_limits<double>::infinity());
+  if (!scale) return tl::unexpected(scale.error());
+  for (const auto* limit : {&low_m, &high_m})
+    if (!*limit) return tl::unexpected(limit->error());
   const auto component = component_in(query, context, *frame);
   if (!component) return tl::unexpected(component.error());
-  return Stream{"image/png", std::make_unique<PlanPng>(context.station, *component, *frame)};
+  const char* type = *format == PlanFormat::pdf   ? "application/pdf"
+                     : *format == PlanFormat::svg ? "image/svg+xml"
+                                                  : "image/png";
+  return Stream{type, std::make_unique<Plan>(context.station, PlanRequest{*component, *frame, *format,
+                                                                          static_cast<int>(*scale), *low_m, *high_m})};
 }
 
 Result<Reply> trajectory(const Query& query, const Context& context) {

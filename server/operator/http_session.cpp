@@ -100,7 +100,7 @@ void HttpSession::on_read(Code code) {
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
     perform(route({text(request.method_string()), text(request.target()), request.body()}, shared_->station,
-                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots));
+                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots, shared_->log));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
@@ -147,8 +147,10 @@ std::optional<Ready> HttpSession::turned_down() {
   Ready refusal = error_reply(
       401, {ErrorCode::refused,
             verdict == Verdict::missing
-                ? "the operator's token is missing; it is in operator.token in the server's data directory"
-                : "this is not the operator's token; it is in operator.token in the server's data directory"});
+                ? "the operator's token is missing; it is in operator.token in the server's data directory: headframe "
+                  "--token-file DIR/operator.token"
+                : "this is not the operator's token; it is in operator.token in the server's data directory: headframe "
+                  "--token-file DIR/operator.token"});
   refusal.bearer = true;
   return refusal;
 }

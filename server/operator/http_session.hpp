@@ -40,7 +40,8 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
         operators(the_limits.requests),
         robots(access.robots),
         tiles(the_station),
-        events(std::make_shared<EventFeed>(io, the_station, the_limits.events)) {}
+        log(std::make_shared<EventLog>(access.log)),
+        events(std::make_shared<EventFeed>(io, the_station, the_limits.events, log)) {}
 
   Station& station;
   const OperatorLimits limits;
@@ -50,6 +51,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   RobotAdmin* const robots;             // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PointTiles tiles;
+  const std::shared_ptr<EventLog> log;
   const std::shared_ptr<EventFeed> events;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 

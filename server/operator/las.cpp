@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <limits>
 
 namespace headframe {
@@ -23,46 +24,73 @@ void append_name(std::string& out, std::string name) {
   out += name;
 }
 
+std::array<std::int32_t, 3> units(const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m) {
+  constexpr double most = std::numeric_limits<std::int32_t>::max();
+  std::array<std::int32_t, 3> out{};
+  for (int axis = 0; axis < 3; ++axis)
+    out.at(static_cast<std::size_t>(axis)) =
+        static_cast<std::int32_t>(std::lround(std::clamp((p_m[axis] - offset_m[axis]) / las_unit_m, -most, most)));
+  return out;
+}
+
 }  // namespace
 
-std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
-                       const Eigen::Vector3d& offset_m) {
+std::string las_header(const LasHead& head) {
   constexpr std::uint16_t header_bytes = 227;
+  const auto made = static_cast<std::time_t>(head.made_s);
+  std::tm day{};
+  ::gmtime_r(&made, &day);
   std::string out = "LASF";
-  out.append(4 + 16, '\0');  // source, encoding, project
+  append(out, head.source);
+  append(out, static_cast<std::uint16_t>(head.has_gps_time ? 1 : 0));
+  out.append(16, '\0');  // project
   append(out, std::uint8_t{1});
   append(out, std::uint8_t{2});
   append_name(out, "MERGE");
   append_name(out, "headframe");
-  append(out, std::uint16_t{0});  // day and year of making: none, so that the same map is the same file
-  append(out, std::uint16_t{0});
+  append(out, static_cast<std::uint16_t>(day.tm_yday + 1));
+  append(out, static_cast<std::uint16_t>(day.tm_year + 1900));
   append(out, header_bytes);
   append(out, std::uint32_t{header_bytes});
   append(out, std::uint32_t{0});  // variable length records
-  append(out, std::uint8_t{2});
+  append(out, std::uint8_t{3});
   append(out, las_point_bytes);
-  append(out, points);
-  append(out, points);  // of the first return
+  append(out, head.points);
+  append(out, head.points);  // of the first return
   out.append(4 * sizeof(std::uint32_t), '\0');
   for (int axis = 0; axis < 3; ++axis) append(out, las_unit_m);
-  for (int axis = 0; axis < 3; ++axis) append(out, offset_m[axis]);
+  for (int axis = 0; axis < 3; ++axis) append(out, head.offset_m[axis]);
   for (int axis = 0; axis < 3; ++axis) {
-    append(out, max_m[axis]);
-    append(out, min_m[axis]);
+    append(out, head.max_m[axis]);
+    append(out, head.min_m[axis]);
   }
   return out;
 }
 
-void append_las_point(std::string& out, const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m,
-                      const std::array<std::uint8_t, 3>& colour) {
-  constexpr double most = std::numeric_limits<std::int32_t>::max();
-  for (int axis = 0; axis < 3; ++axis)
-    append(out,
-           static_cast<std::int32_t>(std::lround(std::clamp((p_m[axis] - offset_m[axis]) / las_unit_m, -most, most))));
-  append(out, std::uint16_t{0});    // intensity
+void append_las_point(std::string& out, const LasPoint& point, const Eigen::Vector3d& offset_m) {
+  for (const std::int32_t value : units(point.p_m, offset_m)) append(out, value);
+  append(out, std::uint16_t{0});    // intensity: clouds carry none
   append(out, std::uint8_t{0x09});  // the first return of one
-  out.append(5, '\0');              // class, angle, user data, source
-  for (const std::uint8_t channel : colour) append(out, static_cast<std::uint16_t>(channel * 257));
+  out.append(3, '\0');              // class, angle, user data
+  append(out, point.source);
+  append(out, point.time_s);
+  for (const std::uint8_t channel : point.colour) append(out, static_cast<std::uint16_t>(channel * 257));
+}
+
+Eigen::Vector3d las_place(const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m) {
+  Eigen::Vector3d out = offset_m;
+  const auto whole = units(p_m, offset_m);
+  for (int axis = 0; axis < 3; ++axis) out[axis] += whole.at(static_cast<std::size_t>(axis)) * las_unit_m;
+  return out;
+}
+
+double adjusted_gps_s(double unix_s) {
+  constexpr double gps_epoch_s = 315964800;  // 6 January 1980
+  // UTC lags behind GPS by a second more after each of these.
+  constexpr std::array<double, 4> leaps{1230768000, 1341100800, 1435708800, 1483228800};
+  double behind_s = 14;
+  for (const double leap : leaps) behind_s += unix_s >= leap ? 1 : 0;
+  return unix_s - gps_epoch_s + behind_s - 1e9;
 }
 
 }  // namespace headframe

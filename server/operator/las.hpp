@@ -1,5 +1,5 @@
 #pragma once
-// LAS 1.2, point format 2 (coordinates and colour), for survey software. Pure.
+// LAS 1.2, point format 3 (coordinates, time and colour), for survey software. Pure.
 
 #include <array>
 #include <cstdint>
@@ -10,14 +10,34 @@
 namespace headframe {
 
 constexpr double las_unit_m = 0.001;  // coordinates are 32-bit integers of this, counted from the header's offset
-constexpr std::uint16_t las_point_bytes = 26;
+constexpr std::uint16_t las_point_bytes = 34;
 
-/// The 227 bytes before the points; min and max are of all points (m).
-std::string las_header(std::uint32_t points, const Eigen::Vector3d& min_m, const Eigen::Vector3d& max_m,
-                       const Eigen::Vector3d& offset_m);
+struct LasHead {
+  std::uint32_t points = 0;
+  Eigen::Vector3d min_m = Eigen::Vector3d::Zero(),
+                  max_m = Eigen::Vector3d::Zero();  // of all points, as they are written
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  std::uint16_t source = 0;   // what the file is of
+  std::int64_t made_s = 0;    // since the epoch
+  bool has_gps_time = false;  // stamps are adjusted GPS time; else they count from a start of the robot's own
+};
 
-/// Appends a point within 2000 km of the offset.
-void append_las_point(std::string& out, const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m,
-                      const std::array<std::uint8_t, 3>& colour);
+struct LasPoint {
+  Eigen::Vector3d p_m = Eigen::Vector3d::Zero();  // within 2000 km of the offset
+  std::array<std::uint8_t, 3> colour{};
+  std::uint16_t source = 0;  // which session saw it, from 1 on
+  double time_s = 0;
+};
+
+/// The 227 bytes before the points.
+std::string las_header(const LasHead& head);
+
+void append_las_point(std::string& out, const LasPoint& point, const Eigen::Vector3d& offset_m);
+
+/// Where the point lies once it is written: in whole units from the offset.
+Eigen::Vector3d las_place(const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m);
+
+/// GPS seconds less 1e9, of seconds since 1970 by a clock that keeps UTC.
+double adjusted_gps_s(double unix_s);
 
 }  // namespace headframe

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cstring>
 #include <iomanip>
 #include <map>
@@ -13,6 +14,9 @@ namespace headframe {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "points are written as they lie in memory");
+
+constexpr double wall_clock_s =
+    1e9;  // stamps beyond are seconds since 1970; below they count from a start of the robot's own
 
 constexpr std::array<std::array<std::uint8_t, 3>, 8> palette{{{230, 97, 1},
                                                               {31, 120, 180},
@@ -77,7 +81,10 @@ Result<void> MapExport::list_keyframes() {
   }
   for (const PlacedKeyframe& keyframe : placed->keyframes)
     items_.push_back({placed->sessions[keyframe.session].id, keyframe.sequence, keyframe.T_frame_sensor,
-                      of_session[keyframe.session], 0});
+                      of_session[keyframe.session], 0, static_cast<std::uint16_t>(keyframe.session + 1),
+                      keyframe.stamp_s});
+  has_wall_clock_ =
+      std::all_of(items_.begin(), items_.end(), [](const Item& item) { return item.stamp_s > wall_clock_s; });
   return {};
 }
 
@@ -86,7 +93,8 @@ Result<void> MapExport::count(Item& item) {
   if (points) {
     item.points = points->size();
     if (request_.format == CloudFormat::las)
-      for (const Eigen::Vector3f& p_sensor : *points) box_m_.extend(item.T_frame_sensor * p_sensor.cast<double>());
+      for (const Eigen::Vector3f& p_sensor : *points)
+        box_m_.extend(las_place(item.T_frame_sensor * p_sensor.cast<double>(), origin_m_));
   } else if (points.error().code != ErrorCode::not_found) {  // a keyframe whose cloud is not stored is left out
     return tl::unexpected(points.error());
   }
@@ -118,7 +126,10 @@ Result<std::string> MapExport::written(const Item& item) const {
 }
 
 void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, const Item& item) const {
-  if (request_.format == CloudFormat::las) return append_las_point(out, p_frame, origin_m_, item.colour);
+  if (request_.format == CloudFormat::las)
+    return append_las_point(
+        out, {p_frame, item.colour, item.source, has_wall_clock_ ? adjusted_gps_s(item.stamp_s) : item.stamp_s},
+        origin_m_);
   if (wide()) {
     for (int axis = 0; axis < 3; ++axis) append(out, p_frame[axis]);
   } else {
@@ -152,8 +163,10 @@ std::string MapExport::header() {
 
 std::string MapExport::las(std::size_t points) const {
   const Eigen::Vector3d nothing = origin_m_;
-  return las_header(static_cast<std::uint32_t>(points), points > 0 ? box_m_.min() : nothing,
-                    points > 0 ? box_m_.max() : nothing, origin_m_);
+  const auto now_s = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return las_header({static_cast<std::uint32_t>(points), points > 0 ? box_m_.min() : nothing,
+                     points > 0 ? box_m_.max() : nothing, origin_m_, static_cast<std::uint16_t>(request_.component),
+                     now_s, has_wall_clock_});
 }
 
 std::string MapExport::text_header(std::size_t points) const {

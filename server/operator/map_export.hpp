@@ -19,10 +19,10 @@ struct ExportRequest {
   OutputFrame frame = OutputFrame::component;
 };
 
-/// The stored clouds of one component as binary little-endian PLY or PCD, or as LAS, in metres, coloured by robot. Grid
-/// coordinates are doubles in PLY, counted from an offset in LAS (in its header) and PCD (in a comment). All formats
-/// say the number of points first, so the first pass counts and the second writes; one keyframe's cloud is in memory at
-/// a time. Clouds stored after the first pass are left out.
+/// The stored clouds of one component as binary little-endian PLY or PCD, or as LAS, in metres, coloured by robot; LAS
+/// tells the session and the time of each point too. Grid coordinates are doubles in PLY, counted from an offset in LAS
+/// (in its header) and PCD (in a comment). All formats say the number of points first, so the first pass counts and the
+/// second writes; one keyframe's cloud is in memory at a time. Clouds stored after the first pass are left out.
 class MapExport : public BodySource {
  public:
   MapExport(const Station& station, ExportRequest request) : station_(station), request_(request) {}
@@ -40,6 +40,8 @@ class MapExport : public BodySource {
     Pose T_frame_sensor = Pose::Identity();
     Colour colour{};
     std::size_t points = 0;
+    std::uint16_t source = 0;  // its session's place in the component, from 1 on
+    double stamp_s = 0;
   };
 
   Result<void> list_keyframes();
@@ -59,7 +61,8 @@ class MapExport : public BodySource {
   std::vector<Item> items_;
   std::vector<std::string> legend_;  // one line for each robot
   std::size_t at_ = 0;
-  Eigen::AlignedBox3d box_m_;  // of all points, for LAS
+  bool has_wall_clock_ = false;  // all stamps are of one
+  Eigen::AlignedBox3d box_m_;    // of all points, for LAS
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
   std::optional<std::uint64_t> total_bytes_;  // since the header
 };

@@ -82,7 +82,8 @@ void add_links(Page& page, const LinkHealth& links) {
 }  // namespace
 
 std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
-                         const Workload& work, const LinkHealth& links, double uptime_s) {
+                         const Workload& work, const LinkHealth& links, const std::vector<Survey>& surveys,
+                         double uptime_s) {
   const SessionTotals totals = totals_of(sessions);
   Page page;
   page.one("uptime_seconds", "gauge", "Since the operator API began.", uptime_s);
@@ -121,6 +122,11 @@ std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasVie
            work.merge_work_s);
   page.one("merge_stuck", "gauge", "1 while one piece of work takes longer than merge.stuck_s.",
            work.merge_stuck.empty() ? 0 : 1);
+  double worst_m = 0;
+  for (const Survey& survey : surveys)
+    for (const double residual_m : residuals_m(survey)) worst_m = std::max(worst_m, residual_m);
+  page.one("survey_worst_residual_m", "gauge", "The farthest that a control point lies from where its survey puts it.",
+           worst_m);
   add_links(page, links);
   add_effort(page, work.effort);
   return page.text();

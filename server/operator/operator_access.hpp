@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "server/station/robot_admin.hpp"
@@ -7,8 +8,9 @@
 namespace headframe {
 
 struct OperatorAccess {
-  std::string token = {};        // what every request but the public ones has to show; empty: none
-  RobotAdmin* robots = nullptr;  // must outlive the API; null: robots come in without enrolling
+  std::string token = {};          // what every request but the public ones has to show; empty: none
+  RobotAdmin* robots = nullptr;    // must outlive the API; null: robots come in without enrolling
+  std::filesystem::path log = {};  // where what happens is written down; empty: kept in memory alone
 };
 
 }  // namespace headframe

@@ -145,6 +145,7 @@ OperatorApi::~OperatorApi() { stop(); }
 Result<void> OperatorApi::listen(const std::string& host, std::uint16_t port) {
   auto opened = listener_->open(host, port);
   listener_->shared->serve_under(host);
+  if (opened) listener_->shared->events->start();
   if (opened) net::post(listener_->acceptor.get_executor(), [listener = listener_] { listener->accept(); });
   return opened;
 }

@@ -8,9 +8,10 @@
 namespace headframe {
 
 struct EventLimits {
-  std::size_t clients = 32;              // further ones are told 503
-  std::size_t queued_bytes = 4UL << 20;  // of one client; beyond it all is dropped and a new snapshot sent
-  std::chrono::milliseconds look{100};   // between two looks at the station; none without clients
+  std::size_t clients = 32;                    // further ones are told 503
+  std::size_t queued_bytes = 4UL << 20;        // of one client; beyond it all is dropped and a new snapshot sent
+  std::chrono::milliseconds look{100};         // between two looks at the station
+  std::chrono::milliseconds look_alone{1000};  // the same without clients, for the log alone
 };
 
 struct OperatorLimits {

@@ -54,7 +54,7 @@ Result<PlacedComponent> placed_component(const Station& station, SessionId id, O
     const Pose T_frame_session = *T_frame_component * placement.T_component_session;
     for (const Keyframe& keyframe : *keyframes)
       placed.keyframes.push_back(
-          {placed.sessions.size(), keyframe.sequence, T_frame_session * keyframe.T_local_sensor});
+          {placed.sessions.size(), keyframe.sequence, T_frame_session * keyframe.T_local_sensor, keyframe.stamp_s});
     placed.sessions.push_back(rows[placement.session]);
   }
   if (frame == OutputFrame::grid)

@@ -14,6 +14,7 @@ struct PlacedKeyframe {
   std::size_t session = 0;  // in PlacedComponent::sessions
   std::uint64_t sequence = 0;
   Pose T_frame_sensor = Pose::Identity();
+  double stamp_s = 0;  // by the robot's clock
 };
 
 struct PlacedComponent {

@@ -13,7 +13,8 @@ Json time_or_null(double seconds) { return seconds > 0 ? Json(seconds) : Json();
 
 }  // namespace
 
-std::string robots_json(const std::vector<RobotRow>& robots, const std::string& fingerprint) {
+std::string robots_json(const std::vector<RobotRow>& robots, const std::string& fingerprint,
+                        const std::string& address) {
   Json rows = Json::array();
   for (const RobotRow& row : robots)
     rows.push_back({{"robot", row.robot},
@@ -21,7 +22,9 @@ std::string robots_json(const std::vector<RobotRow>& robots, const std::string& 
                     {"enrolled_s", time_or_null(row.enrolled_s)},
                     {"code_expires_s", time_or_null(row.code_expires_s)},
                     {"rate_kib_s", row.rate_kib_s > 0 ? Json(row.rate_kib_s) : Json()}});
-  return text({{"fingerprint", fingerprint}, {"robots", std::move(rows)}});
+  return text({{"fingerprint", fingerprint},
+               {"address", address.empty() ? Json() : Json(address)},
+               {"robots", std::move(rows)}});
 }
 
 std::string enrolment_json(const std::string& robot, const std::string& enrolment) {

@@ -5,7 +5,8 @@
 
 namespace headframe {
 
-std::string robots_json(const std::vector<RobotRow>& robots, const std::string& fingerprint);
+std::string robots_json(const std::vector<RobotRow>& robots, const std::string& fingerprint,
+                        const std::string& address);
 std::string enrolment_json(const std::string& robot, const std::string& enrolment);
 
 }  // namespace headframe

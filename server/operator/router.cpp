@@ -4,6 +4,7 @@
 #include <array>
 
 #include "server/operator/api_json.hpp"
+#include "server/operator/log_lines.hpp"
 #include "server/operator/request_target.hpp"
 #include "server/operator/routes.hpp"
 
@@ -15,7 +16,7 @@ using namespace routes;
 struct Route {
   std::string_view method;
   std::string_view path;
-  std::array<std::string_view, 4> parameters;
+  std::array<std::string_view, 6> parameters;
   Result<Reply> (*handle)(const Query&, const Context&);
 };
 constexpr std::array all_routes =
@@ -31,6 +32,7 @@ constexpr std::array all_routes =
                           {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                           {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
                           {"GET", "/api/v1/events", {}, events},
+                          {"GET", "/api/v1/log", {"most"}, log},
                           {"GET", "/api/v1/overview", {"level", "most"}, overview},
                           {"GET", "/api/v1/sessions/{id}/points", {"level", "from", "most"}, points},
                           {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},
@@ -42,11 +44,11 @@ constexpr std::array all_routes =
                           {"POST", "/api/v1/sessions/{id}/release", {}, release},
                           {"DELETE", "/api/v1/sessions/{id}", {}, remove_session},
                           {"GET", "/api/v1/survey", {}, surveys},
-                          {"POST", "/api/v1/survey", {"session"}, set_survey},
+                          {"POST", "/api/v1/survey", {"session", "accept"}, set_survey},
                           {"DELETE", "/api/v1/survey", {"session"}, drop_survey},
                           {"POST", "/api/v1/merge", {}, merge},
                           {"GET", "/api/v1/export", {"component", "format", "voxel", "frame"}, map},
-                          {"GET", "/api/v1/plan", {"component", "frame"}, plan},
+                          {"GET", "/api/v1/plan", {"component", "frame", "format", "scale", "low", "high"}, plan},
                           {"GET", "/api/v1/trajectory", {"robot", "session", "format", "frame"}, trajectory},
                           {"GET", "/api/v1/robots", {}, robots},
                           {"POST", "/api/v1/robots/add", {"robot"}, add_robot},
@@ -87,6 +89,25 @@ Ready not_allowed(const std::string& path, const std::vector<const Route*>& ther
   return refusal;
 }
 
+/// Does what the route does, and notes what an operator changed once it is done.
+Result<Reply> noted(const Route& route, const Query& query, const Context& context) {
+  auto line = context.log ? operator_line(route.method, route.path, query, context.station) : std::nullopt;
+  auto reply = route.handle(query, context);
+  if (!line || !reply) return reply;
+  const auto note = [log = context.log, line = std::move(*line)](const Ready& ready) {
+    if (ready.status < 300) log->add(line);
+  };
+  if (const auto* ready = std::get_if<Ready>(&*reply)) note(*ready);
+  if (auto* later = std::get_if<Later>(&*reply))
+    later->start = [start = std::move(later->start), note](std::function<void(Ready)> answer) {
+      start([note, answer = std::move(answer)](Ready ready) {
+        note(ready);
+        answer(std::move(ready));
+      });
+    };
+  return reply;
+}
+
 Result<Reply> routed(const Request& request, const Context& context) {
   const auto target = parse_target(request.target);
   if (!target) return tl::unexpected(target.error());
@@ -110,7 +131,7 @@ Result<Reply> routed(const Request& request, const Context& context) {
     if (name.empty() || std::find(route.parameters.begin(), route.parameters.end(), name) == route.parameters.end())
       return failure(ErrorCode::invalid_argument, target->path + " has no parameter \"" + name + "\"");
   captured.insert(target->query.begin(), target->query.end());
-  return route.handle(captured, context);
+  return noted(route, captured, context);
 }
 
 }  // namespace
@@ -133,8 +154,8 @@ bool is_public(std::string_view target) {
 }
 
 Reply route(const Request& request, Station& station, PointTiles& tiles, const OperatorLimits& limits, double uptime_s,
-            RobotAdmin* robots) {
-  auto reply = routed(request, {station, tiles, limits, uptime_s, robots, request.body});
+            RobotAdmin* robots, const std::shared_ptr<EventLog>& log) {
+  auto reply = routed(request, {station, tiles, limits, uptime_s, robots, request.body, log});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
 }

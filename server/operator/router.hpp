@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "server/operator/body_source.hpp"
+#include "server/operator/event_log.hpp"
 #include "server/operator/operator_limits.hpp"
 #include "server/operator/point_tiles.hpp"
 #include "server/station/robot_admin.hpp"
@@ -47,9 +48,9 @@ struct Request {
 bool is_public(std::string_view target);
 
 /// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
-/// `robots`, which is null where none has to enrol.
+/// `robots`, which is null where none has to enrol. What changed something is written to `log`, if there is one.
 Reply route(const Request& request, Station& station, PointTiles& tiles, const OperatorLimits& limits, double uptime_s,
-            RobotAdmin* robots = nullptr);
+            RobotAdmin* robots = nullptr, const std::shared_ptr<EventLog>& log = nullptr);
 
 /// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
 struct RouteName {

@@ -41,14 +41,14 @@ Result<SessionRow> session_with(const std::string& text, const Context& context)
   if (const auto id = whole(text))
     for (SessionRow& row : context.station.sessions())
       if (row.id == *id) return std::move(row);
-  return failure(ErrorCode::not_found, "there is no session " + text + "; GET /api/v1/sessions lists their ids");
+  return failure(ErrorCode::not_found, "there is no session " + text + "; the list of sessions has those there are");
 }
 
 Result<AlignmentId> alignment_in_path(const Query& query) {
   const std::string& text = query.at("id");
   if (const auto id = whole(text)) return *id;
   return failure(ErrorCode::invalid_argument,
-                 "\"" + text + "\" is no alignment; give its number, GET /api/v1/alignments lists them");
+                 "\"" + text + "\" is no alignment; give its number, as the list of alignments has it");
 }
 
 }  // namespace headframe::routes

@@ -17,7 +17,8 @@ struct Context {
   const OperatorLimits& limits;
   double uptime_s;
   RobotAdmin* robots;
-  std::string_view body;  // of the request
+  std::string_view body;          // of the request
+  std::shared_ptr<EventLog> log;  // may be null
 };
 
 // routes.cpp: what several of them need.
@@ -42,6 +43,7 @@ Result<Reply> healthz(const Query&, const Context&);
 Result<Reply> readyz(const Query&, const Context&);
 Result<Reply> metrics(const Query&, const Context&);
 Result<Reply> events(const Query&, const Context&);
+Result<Reply> log(const Query&, const Context&);
 
 // view_routes.cpp
 Result<Reply> status(const Query&, const Context&);

@@ -22,7 +22,7 @@ Result<Reply> metrics(const Query&, const Context& context) {
   return Ready{200,
                "text/plain; version=0.0.4; charset=utf-8",
                metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(),
-                            station.link_health(), context.uptime_s),
+                            station.link_health(), station.surveys(), context.uptime_s),
                {}};
 }
 
@@ -35,6 +35,12 @@ Result<Reply> page(const Query&, const Context&) {
 }
 
 Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedded_file("/api/v1/openapi.json")); }
+
+Result<Reply> log(const Query& query, const Context& context) {
+  const auto most = whole_number(query, "most", 200, 1000);
+  if (!most) return tl::unexpected(most.error());
+  return json(log_json(context.log ? context.log->latest(*most) : std::vector<LogEntry>()));
+}
 
 Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "server/atlas/survey_check.hpp"
 #include "server/operator/api_json.hpp"
 
 namespace headframe {
@@ -58,6 +59,11 @@ Json survey_object(const Survey& survey, const Station& station) {
            {"T_grid_session", row_major(survey.T_grid_session)},
            {"points", std::move(points)},
            {"rms_m", survey.points.empty() ? Json() : Json(rms_m(residuals))}};
+  const auto blunder = blunder_of(survey.points);
+  out["suspect"] = blunder ? Json{{"name", survey.points[blunder->point].name},
+                                  {"off_m", blunder->off_m.norm()},
+                                  {"text", blunder_text(survey.points, *blunder) + "."}}
+                           : Json();
   for (const SessionRow& row : station.sessions())
     if (row.id == survey.session) out.update({{"robot", row.key.robot}, {"session", row.key.session}});
   const Atlas atlas = station.atlas().atlas;
@@ -73,7 +79,7 @@ Json survey_object(const Survey& survey, const Station& station) {
 
 }  // namespace
 
-Result<Survey> survey_from_json(std::string_view body, SessionId session) {
+Result<Survey> survey_from_json(std::string_view body, SessionId session, bool accept) {
   const Json json = Json::parse(body, nullptr, false);
   if (!json.is_object()) return broken("the body is no JSON object");
   const auto matrix = json.find("T_grid_session");
@@ -96,8 +102,14 @@ Result<Survey> survey_from_json(std::string_view body, SessionId session) {
     survey.points.push_back(std::move(*point));
   }
   const auto T = fit_survey(survey.points);
-  if (!T) return tl::unexpected(T.error());
+  if (!T) {
+    const auto blunder = blunder_of(survey.points);
+    return failure(T.error().code,
+                   T.error().message + (blunder ? "; " + blunder_text(survey.points, *blunder) : std::string()));
+  }
   survey.T_grid_session = *T;
+  if (!accept)
+    if (auto fits = check_fit(survey); !fits) return tl::unexpected(fits.error());
   return survey;
 }
 

@@ -17,7 +17,11 @@ Result<Reply> surveys(const Query&, const Context& context) { return json(survey
 Result<Reply> set_survey(const Query& query, const Context& context) {
   const auto row = session_in_query(query, context);
   if (!row) return tl::unexpected(row.error());
-  auto survey = survey_from_json(context.body, row->id);
+  const auto accept = query.find("accept");
+  if (accept != query.end() && accept->second != "true" && accept->second != "false")
+    return failure(ErrorCode::invalid_argument,
+                   "parameter \"accept\" is \"" + accept->second + "\"; give true or false");
+  auto survey = survey_from_json(context.body, row->id, accept != query.end() && accept->second == "true");
   if (!survey) return tl::unexpected(survey.error());
   return Later{[&station = context.station, survey = std::move(*survey)](auto answer) {
     station.set_survey(survey, [&station, survey, answer = std::move(answer)](const Result<void>& done) {

@@ -47,8 +47,8 @@ Result<std::string> TrajectoryExport::text() const {
   const auto row =
       std::find_if(sessions.begin(), sessions.end(), [&](const SessionRow& other) { return other.key == key_; });
   if (row == sessions.end())
-    return failure(ErrorCode::not_found,
-                   "there is no session \"" + key_.robot + "/" + key_.session + "\"; GET /api/v1/sessions lists them");
+    return failure(ErrorCode::not_found, "there is no session \"" + key_.robot + "/" + key_.session +
+                                             "\"; the list of sessions has those there are");
   const auto session = placed(station_, row->id, frame_);
   if (!session) return tl::unexpected(session.error());
   const auto keyframes = station_.trajectory(row->id);

@@ -88,7 +88,7 @@ Result<Reply> overlay(const Query& query, const Context& context) {
     return Stream{"application/json", std::make_unique<OverlayJson>(context.station, row.alignment, *most)};
   }
   return failure(ErrorCode::not_found,
-                 "there is no alignment " + std::to_string(*id) + "; GET /api/v1/alignments lists them");
+                 "there is no alignment " + std::to_string(*id) + "; the list of alignments has those there are");
 }
 
 }  // namespace headframe::routes

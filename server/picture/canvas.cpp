@@ -73,14 +73,18 @@ Result<std::string> Canvas::png() const {
   for (const Colour& pixel : pixels_)
     for (const float value : {pixel[0], pixel[1], pixel[2]})
       bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(value, 0.0F, 1.0F))));
+  return png_of(width_, height_, bytes);
+}
+
+Result<std::string> png_of(int columns, int rows, const std::vector<std::uint8_t>& rgb) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width_);
-  image.height = static_cast<png_uint_32>(height_);
+  image.width = static_cast<png_uint_32>(columns);
+  image.height = static_cast<png_uint_32>(rows);
   image.format = PNG_FORMAT_RGB;
   std::string out(PNG_IMAGE_PNG_SIZE_MAX(image), '\0');
   png_alloc_size_t size = out.size();
-  if (png_image_write_to_memory(&image, out.data(), &size, 0, bytes.data(), 0, nullptr) == 0)
+  if (png_image_write_to_memory(&image, out.data(), &size, 0, rgb.data(), 0, nullptr) == 0)
     return failure(ErrorCode::internal, std::string("cannot make the picture: ") + image.message);
   out.resize(size);
   return out;

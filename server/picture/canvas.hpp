@@ -2,6 +2,7 @@
 // A picture in memory: pixels, lines, text; written as PNG.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -47,5 +48,8 @@ class Canvas {
   int height_;
   std::vector<Colour> pixels_;
 };
+
+/// The bytes of a PNG file of red, green, blue, row by row from the top.
+Result<std::string> png_of(int columns, int rows, const std::vector<std::uint8_t>& rgb);
 
 }  // namespace headframe::picture

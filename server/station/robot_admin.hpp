@@ -25,6 +25,8 @@ class RobotAdmin {
   virtual std::vector<RobotRow> robots() const = 0;
   /// Of the certificate, hexadecimal.
   virtual std::string fingerprint() const = 0;
+  /// HOST:PORT where robots come; empty: not known.
+  virtual std::string address() const { return {}; }
   /// Gives the one string that the robot needs to enrol.
   virtual void add(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) = 0;
   virtual void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done) = 0;

@@ -9,10 +9,12 @@ namespace headframe {
 class RobotDesk : public RobotAdmin {
  public:
   /// fingerprint: 32 bytes.
-  RobotDesk(RobotGate& gate, std::string fingerprint) : gate_(gate), fingerprint_(std::move(fingerprint)) {}
+  RobotDesk(RobotGate& gate, std::string fingerprint, std::string address)
+      : gate_(gate), fingerprint_(std::move(fingerprint)), address_(std::move(address)) {}
 
   std::vector<RobotRow> robots() const override;
   std::string fingerprint() const override;
+  std::string address() const override { return address_; }
   void add(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) override;
   void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done) override;
   void set_rate(const std::string& robot, std::uint64_t kib_s,
@@ -21,6 +23,7 @@ class RobotDesk : public RobotAdmin {
  private:
   RobotGate& gate_;
   const std::string fingerprint_;
+  const std::string address_;  // where robots come
 };
 
 }  // namespace headframe

@@ -149,7 +149,11 @@ int main(int argc, char** argv) {
   live->add_option("--seed", options.live.first_seed, "of the first drawn mine");
   live->add_option("--before", options.live.before, "live-drives.jsonl of another version, to compare with");
   live->callback([&options] { options.what = "live"; });
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
   try {
     return run(options);
   } catch (const std::exception& error) {

@@ -10,7 +10,7 @@
 #include "server/merge/merge_pipeline.hpp"
 #include "server/operator/map_export.hpp"
 #include "server/operator/overlay.hpp"
-#include "server/operator/plan_png.hpp"
+#include "server/operator/plan.hpp"
 #include "server/operator/point_tiles.hpp"
 #include "server/operator/trajectory_export.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -252,6 +252,7 @@ class Base {
     for (const Component& component : pipeline_.atlas().components) {
       for (const CloudFormat format : {CloudFormat::ply, CloudFormat::pcd, CloudFormat::las})
         drain(MapExport(station, {component.id, format, 0.1, OutputFrame::component}));
+      drain(Plan(station, {.component = component.id, .format = PlanFormat::svg}));
       for (const Placement& placement : component.placements)
         require(placement.T_component_session.matrix().allFinite());
     }

@@ -13,6 +13,7 @@
 #include "server/operator/event_queue.hpp"
 #include "server/operator/http_rules.hpp"
 #include "tests/support/operator_server.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace headframe {
 namespace {
@@ -29,11 +30,15 @@ class Listener {
     socket_.handshake(server.where(), "/api/v1/events", code_);
     EXPECT_FALSE(code_) << code_.message();
   }
-  /// The next event; null when the connection has ended.
-  Json next() {
-    beast::flat_buffer buffer;
-    socket_.read(buffer, code_);
-    return code_ ? Json() : Json::parse(beast::buffers_to_string(buffer.data()));
+  /// The next event that is no line of the log, or the next line; null when the connection has ended.
+  Json next(bool of_log = false) {
+    for (;;) {
+      beast::flat_buffer buffer;
+      socket_.read(buffer, code_);
+      if (code_) return {};
+      Json event = Json::parse(beast::buffers_to_string(buffer.data()));
+      if ((event["type"] == "log") == of_log) return event;
+    }
   }
 
  private:
@@ -77,6 +82,34 @@ TEST(EventFeed, ASnapshotThenWhatHappens) {
   EXPECT_EQ(first.next()["revision"], 8);
   Listener late(server);
   EXPECT_EQ(late.next()["atlas"]["revision"], 8);
+}
+
+TEST(EventFeed, TheLogIsToldAndCanBeReadLater) {
+  OperatorServer server(quick());
+  Listener listener(server);
+  EXPECT_EQ(listener.next()["type"], "snapshot");
+  server.station.change([&] { server.station.rows[0].connected = true; });
+  EXPECT_EQ(listener.next(true)["entry"]["text"], "alpha/run/1 connected.");
+  HttpClient client(*parse_http_endpoint(server.where()));
+  ASSERT_EQ(client.post("/api/v1/alignments/1/retract")->status, 200);
+  EXPECT_EQ(client.post("/api/v1/alignments/9/retract")->status, 404);
+  const Json told = listener.next(true)["entry"];
+  EXPECT_EQ(told["text"], "An operator took alpha/run/1 and beta/run/1 apart.");
+  EXPECT_EQ(told["alignment_id"], 1);
+  const Json entries = Json::parse(client.get("/api/v1/log?most=2")->body)["entries"];
+  ASSERT_EQ(entries.size(), 2U) << "what was not done is not written down";
+  EXPECT_EQ(entries[1], told);
+  EXPECT_EQ(entries[0]["kind"], "connected");
+}
+
+TEST(EventFeed, WhatHappenedJustBeforeTheEndIsWrittenDownToo) {
+  const TempDir folder;
+  const auto file = folder.path() / "events.jsonl";
+  {
+    OperatorServer server({}, {.log = file});
+    server.station.change([&] { server.station.rows[1].complete = true; });
+  }
+  EXPECT_EQ(EventLog(file).latest(1).at(0).text, "beta/run/1 finished: 3 keyframes.");
 }
 
 TEST(EventQueue, TooMuchIsReplacedByOneSnapshot) {

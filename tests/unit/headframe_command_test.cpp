@@ -147,6 +147,9 @@ TEST_F(HeadframeCommand, MergeTriggersAndShowsProgressUntilItIsSettled) {
 TEST_F(HeadframeCommand, ExportsAndTrajectoriesBecomeFiles) {
   EXPECT_EQ(run("export --component 1 " + path("map.ply")).code, 0);
   EXPECT_EQ(run("export --component 1 --voxel 0 " + path("map.pcd")).code, 0);
+  EXPECT_EQ(run("export --component beta " + path("map.ply")).out.rfind(path("map.ply") + ": component 1, ", 0), 0U)
+      << "a component is known by any of its sessions";
+  expect_fault(run("export --component delta " + path("map.ply")), 1, "there is no session \"delta\"");
   EXPECT_EQ(contents(path("map.ply")).substr(0, 4), "ply\n");
   EXPECT_NE(contents(path("map.pcd")).find("POINTS 40\n"), std::string::npos);
   EXPECT_EQ(run("trajectory beta " + path("by_robot.txt")).code, 0);
@@ -157,7 +160,15 @@ TEST_F(HeadframeCommand, ExportsAndTrajectoriesBecomeFiles) {
 }
 
 TEST_F(HeadframeCommand, DecisionsAreOneLine) {
-  EXPECT_EQ(run("confirm 2").out, "alignment 2, alpha/run/1 and gamma \"3\"/run/1: published, confirmed; revision 7\n");
+  expect_fault(run("confirm 2"), 1, "its probability is 0.000, and a wrong merge");
+  EXPECT_TRUE(server.station.decided.empty());
+  server.station.change([&] {
+    server.station.view.alignments[1].alignment.state = AlignmentState::verified;
+    server.station.view.alignments[1].alignment.evidence.probability = 0.99;
+  });
+  expect_fault(run("confirm 2"), 1, "other sessions contradict it");
+  EXPECT_EQ(run("confirm --yes 2").out,
+            "alignment 2, alpha/run/1 and gamma \"3\"/run/1: published, confirmed; revision 7\n");
   EXPECT_NE(run("alignments").out.find("published, confirmed"), std::string::npos);
   EXPECT_EQ(run("undo 2").code, 0);
   EXPECT_EQ(server.station.decided.back(), std::pair(AlignmentId{2}, Decision::undo));
@@ -211,6 +222,16 @@ TEST_F(HeadframeCommand, SurveysComeFromFilesOfControlPoints) {
   EXPECT_NE(set.out.find("  P2     1050.000  2000.020     3.000"), std::string::npos) << set.out;
   EXPECT_EQ(run("survey list").out, set.out);
   EXPECT_EQ(Json::parse(run("survey list --json").out)["surveys"].size(), 1U);
+  std::ofstream(path("points.csv"))
+      << "Punkt;x;y;z;Ost;Nord;H\r\nP1;0;0;0;1000;2000;3\r\nP2;50;0;0;1050;2000,02;3\r\nP3;0;50;0;1000;2050;3\r\n";
+  EXPECT_EQ(run("survey set beta " + path("points.csv")).out, set.out) << "semicolons and decimal commas";
+  std::ofstream(path("points.csv"))
+      << "P1 0 0 0 1000 2000 3\nP2\t50\t0\t0\t1050\t2000.02\t3\nP3 0 50 0   1000 2050 3\n";
+  EXPECT_EQ(run("survey set beta " + path("points.csv")).out, set.out) << "blanks and tabs";
+  std::ofstream(path("points.csv"), std::ios::app) << "P4 50 50 0 1050 2050 5\n";
+  expect_fault(run("survey set beta " + path("points.csv")), 1, "P4 is likely wrong");
+  expect_fault(run("survey set beta " + path("points.csv")), 1, "--accept");
+  EXPECT_NE(run("survey set beta --accept " + path("points.csv")).out.find("P4 is likely wrong"), std::string::npos);
   EXPECT_EQ(run("export --component 1 --frame grid " + path("map.las")).code, 0);
   EXPECT_EQ(run("export --component 1 --frame grid --format png " + path("plan")).code, 0);
   EXPECT_EQ(contents(path("plan")).substr(1, 3), "PNG");
@@ -224,7 +245,7 @@ TEST_F(HeadframeCommand, SurveysComeFromFilesOfControlPoints) {
   std::ofstream(path("bad.json")) << "{}";
   expect_fault(run("survey set beta " + path("bad.json")), 1, "one of T_grid_session and points");
   expect_fault(run("survey set beta " + path("none.csv")), 1, "there is no file");
-  expect_fault(run("survey"), 2, "subcommand");
+  expect_fault(run("survey"), 2, "headframe survey has list, set, drop");
 }
 
 TEST_F(HeadframeCommand, AnOverlayIsAHistogram) {
@@ -313,11 +334,14 @@ TEST_F(HeadframeCommand, WrongUseIsStatus2) {
   expect_fault(run("completion csh"), 2, "csh");
   expect_fault(run("atlas --wait soon"), 2, "soon");
   expect_fault(run("atlas --wait -1"), 2, "-1");
-  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd, .las and .png");
+  expect_fault(run("export --component 1 " + path("map.stl")), 2, ".ply, .pcd, .las, .pdf, .svg and .png");
   expect_fault(run("export " + path("map.ply")), 2, "--component");
   expect_fault(run_at("nowhere", "status"), 2, "HOST:PORT");
   expect_fault(run_at("127.0.0.1:0", "status"), 2, "HOST:PORT");
   expect_fault(run_at("127.0.0.1:65536", "status"), 2, "HOST:PORT");
+  expect_fault(run("robot"), 2, "headframe robot has list, add, rate, revoke");
+  expect_fault(run("robot rate r1 -5"), 2, "-5 not in range");
+  EXPECT_EQ(run("--version").out.rfind("headframe ", 0), 0U);
   EXPECT_EQ(run("--help").code, 0);
 }
 

@@ -63,6 +63,17 @@ TEST_F(OperatorApiTest, EveryMetricOfTheDashboardIsServed) {
   for (const std::string& name : asked) EXPECT_TRUE(served.contains(name)) << name;
 }
 
+TEST_F(OperatorApiTest, AlertsAskForMetricsThatThereAre) {
+  std::ifstream file(HEADFRAME_SOURCE_DIR "/docker/prometheus/headframe.rules.yml");
+  std::set<std::string> asked;
+  const std::set<std::string> served = metrics_named_in(get("/metrics").body);
+  for (std::string line; std::getline(file, line);)
+    if (const auto at = line.find("expr: "); at != std::string::npos)
+      asked.merge(metrics_named_in(line.substr(at + 6)));
+  EXPECT_GT(asked.size(), 7U);
+  for (const std::string& name : asked) EXPECT_TRUE(served.contains(name)) << name;
+}
+
 TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
   server.station.work.effort.attempts = 5;
   server.station.work.effort.withdrawn = 2;

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <set>
 
 #include "server/cli/http_client.hpp"
+#include "server/operator/las.hpp"
 #include "tests/support/operator_server.hpp"
 
 namespace headframe {
@@ -94,21 +96,34 @@ TEST_F(OperatorExportTest, LasHasTheSamePointsToAMillimetre) {
   EXPECT_EQ(las[24] * 10 + las[25], 12) << "version 1.2";
   EXPECT_EQ(value_at<std::uint16_t>(las, 94), 227) << "bytes of the header";
   EXPECT_EQ(value_at<std::uint32_t>(las, 96), 227U) << "where the points begin";
-  EXPECT_EQ(las[104], 2) << "point format";
+  EXPECT_EQ(las[104], 3) << "point format: with time and colour";
+  EXPECT_EQ(value_at<std::uint16_t>(las, 4), 1U) << "source: the component";
+  EXPECT_EQ(value_at<std::uint16_t>(las, 6), 0U) << "stamps count from a start of the robot's own";
+  EXPECT_TRUE(value_at<std::uint16_t>(las, 90) >= 1 && value_at<std::uint16_t>(las, 90) <= 366) << "day of making";
+  EXPECT_GE(value_at<std::uint16_t>(las, 92), 2024U);
   ASSERT_EQ(value_at<std::uint32_t>(las, 107), ply.declared);
-  ASSERT_EQ(las.size(), 227 + 26 * ply.declared);
+  ASSERT_EQ(las.size(), 227 + 34 * ply.declared);
   double most_x = -1e9, least_x = 1e9;
   for (std::size_t i = 0; i < ply.declared; ++i) {
-    const std::size_t at = 227 + 26 * i;
+    const std::size_t at = 227 + 34 * i;
     const double x = value_at<std::int32_t>(las, at) * value_at<double>(las, 131);
     EXPECT_NEAR(x, ply.vertices[i].x, 6e-4);
     EXPECT_NEAR(value_at<std::int32_t>(las, at + 8) * 0.001, ply.vertices[i].z, 6e-4);
-    EXPECT_EQ(value_at<std::uint16_t>(las, at + 20) / 257U, ply.vertices[i].colour >> 16) << "red";
+    EXPECT_EQ(value_at<std::uint16_t>(las, at + 28) / 257U, ply.vertices[i].colour >> 16) << "red";
     most_x = std::max(most_x, x);
     least_x = std::min(least_x, x);
   }
-  EXPECT_NEAR(value_at<double>(las, 179), most_x, 6e-4);
-  EXPECT_NEAR(value_at<double>(las, 187), least_x, 6e-4);
+  EXPECT_NEAR(value_at<double>(las, 179), most_x, 1e-9) << "the box holds the points as they are written";
+  EXPECT_NEAR(value_at<double>(las, 187), least_x, 1e-9);
+  std::set<std::uint16_t> sources;
+  for (std::size_t i = 0; i < ply.declared; ++i) sources.insert(value_at<std::uint16_t>(las, 227 + 34 * i + 18));
+  EXPECT_EQ(sources, (std::set<std::uint16_t>{1, 2})) << "a session each";
+}
+
+TEST(Las, TimeIsThatOfTheSatellites) {
+  EXPECT_EQ(adjusted_gps_s(315964800 + 1e9 - 15), 0) << "a billion seconds of GPS, when UTC was 15 s behind";
+  EXPECT_EQ(adjusted_gps_s(1483228799), 1483228799 - 315964800 + 17 - 1e9) << "before the leap second";
+  EXPECT_EQ(adjusted_gps_s(1483228800), 1483228800 - 315964800 + 18 - 1e9);
 }
 
 /// An anchor that counts from far away: points 1 m apart stay 1 m apart, whatever the format.
@@ -158,11 +173,11 @@ TEST_F(OperatorExportTest, TheGridIsKeptToAMillimetreInEveryFormat) {
     return Eigen::Vector3d(value_at<double>(ply, at), value_at<double>(ply, at + 8), value_at<double>(ply, at + 16));
   });
   const std::string las = get("component=1&frame=grid&format=las");
-  ASSERT_EQ(las.size(), 227 + 26 * wanted.size());
+  ASSERT_EQ(las.size(), 227 + 34 * wanted.size());
   const Eigen::Vector3d offset(value_at<double>(las, 155), value_at<double>(las, 163), value_at<double>(las, 171));
   EXPECT_GT(offset.y(), 6e6);
   expect_points("las", [&](std::size_t i) -> Eigen::Vector3d {
-    const std::size_t at = 227 + 26 * i;
+    const std::size_t at = 227 + 34 * i;
     return offset + 0.001 * Eigen::Vector3d(value_at<std::int32_t>(las, at), value_at<std::int32_t>(las, at + 4),
                                             value_at<std::int32_t>(las, at + 8));
   });

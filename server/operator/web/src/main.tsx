@@ -41,11 +41,11 @@ function drawSoon(): void {
 }
 station.onChange(drawSoon);
 
-let measuring = ui.now.measuring;
+let { measuring, measureOf } = ui.now;
 ui.onChange(() => {
   view?.stage.show(ui.now.way);
-  if (measuring && !ui.now.measuring) view?.measure.clear();
-  measuring = ui.now.measuring;
+  if (measuring && (!ui.now.measuring || measureOf !== ui.now.measureOf)) view?.measure.clear();
+  ({ measuring, measureOf } = ui.now);
   draw();
 });
 

@@ -1,9 +1,12 @@
 // What the operator has chosen to look at. Theme and panels only; nothing of the server.
 
 import type { ColourBy } from './view/cloud_material';
+import type { MeasureOf } from './view/measure';
 import type { Way } from './view/stage';
 
 export type Tab = 'merges' | 'sessions' | 'log';
+/** What lies over the map where there is room for one thing only. */
+export type Sheet = 'robots' | 'side' | 'tools';
 export type Theme = 'auto' | 'dark' | 'light';
 
 const themeKey = 'headframe.theme';
@@ -21,6 +24,11 @@ export interface Choices {
   /** Heights between which points are drawn; null: all. */
   slice_m: [number, number] | null;
   measuring: boolean;
+  measureOf: MeasureOf;
+  grid: boolean;
+  /** The session whose survey is worked on. */
+  survey: number | null;
+  sheet: Sheet | null;
   showRejected: boolean;
 }
 
@@ -35,6 +43,10 @@ export class Ui {
     roof_m: 1,
     slice_m: null,
     measuring: false,
+    measureOf: 'distance',
+    grid: true,
+    survey: null,
+    sheet: null,
     showRejected: false,
   };
   private readonly listeners: (() => void)[] = [];

@@ -5,8 +5,8 @@ import { test } from 'node:test';
 import { Box2, Box3, Matrix4, Vector2, Vector3 } from 'three';
 import { load } from './module.mjs';
 
-const { Reach } = await load('reach');
-const { extentOf, layOut } = await load('layout');
+const { Reach } = await load('view/reach');
+const { extentOf, layOut } = await load('view/layout');
 
 /** A drift of so many metres, and some side drifts: no circle, no rectangle. */
 function driftPoints() {
@@ -50,4 +50,14 @@ test('the plot of a map that is seen far into a side drift holds it, and plots d
   assert.ok(new Box2(plots.get(1).box.min, plots.get(1).box.max).containsBox(inside.translate(plots.get(1).offset)));
   const boxes = [...plots.values()].map(({ box }) => new Box2(box.min, box.max));
   for (const [at, box] of boxes.entries()) for (const other of boxes.slice(at + 1)) assert.ok(!box.intersectsBox(other));
+});
+
+test('maps that are not merged fill a picture, and do not lie in one row', () => {
+  const box = () => ({ path: new Box3(new Vector3(0, 0, 0), new Vector3(100, 100, 0)), points: new Box3() });
+  for (const count of [4, 6, 9, 12]) {
+    const plots = [...layOut(Array.from({ length: count }, (_, at) => extentOf(at + 1, [box()]))).values()];
+    const all = plots.reduce((sum, plot) => sum.union(new Box2(plot.box.min, plot.box.max)), new Box2()).getSize(new Vector2());
+    assert.ok(all.x < 3 * all.y, `${count} maps span ${all.x} by ${all.y} m`);
+    for (const [at, { box: one }] of plots.entries()) for (const { box: other } of plots.slice(at + 1)) assert.ok(!new Box2(one.min, one.max).intersectsBox(new Box2(other.min, other.max)));
+  }
 });

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { load } from './module.mjs';
 
-const { moving, Pace } = await load('pace');
+const { moving, Pace } = await load('view/pace');
 const [least, most] = [200_000, 3_000_000];
 
 /** Frames of a map of ten million points, each as long as the card takes for it. */

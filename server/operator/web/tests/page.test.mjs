@@ -51,6 +51,10 @@ test('keyframes and points appear while a robot drives, and a merge brings two m
   await until('more of them', async () => (await shown(page)).keyframes[0] > early);
   await until('points', async () => (await shown(page)).points > 0);
   await picture(page, 'driving');
+  // A robot that came after the page was opened, without a revision since.
+  await press('Export');
+  await page.locator('select[name=component] option', { hasText: 'a' }).waitFor({ state: 'attached' });
+  await agree('Cancel');
   const b = station.replay('b', join(drives, 'b'));
   await finished(b);
   await stateIs('published');
@@ -89,7 +93,7 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   await press('Take apart…');
   await agree('Take apart');
   await page.locator('.toast-offer').click();
-  await page.getByText('your decision was undone', { exact: false }).waitFor();
+  await page.getByText('the decision was undone', { exact: false }).waitFor();
   await stateIs('published');
 
   await press('Take apart…');
@@ -97,13 +101,13 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   await stateIs('retracted');
   await page.getByText('own frame, not merged').first().waitFor();
   await picture(page, 'apart');
-  await press('Undo your decision');
+  await press('Undo the decision');
   await stateIs('published');
 
   await press('Confirm…');
   await agree('Confirm');
   await until('the decision', async () => (await alignment()).decision === 'confirmed');
-  await press('Undo your decision');
+  await press('Undo the decision');
   await until('no decision', async () => (await alignment()).decision === 'none');
   assert.equal(await page.getByRole('button', { name: 'Refuse…' }).count(), 0, 'what is in force is not refused');
 
@@ -122,10 +126,16 @@ test('a merge is taken apart, and that is undone with one click; refused, confir
   await page.locator('.toast-offer').last().click();
   await until('the decision before it', async () => (await alignment()).decision === 'retracted');
   await until('no offer to undo it again', async () => (await page.locator('.toast-offer').count()) === 0);
-  await press('Undo your decision');
+  await press('Undo the decision');
   await stateIs('published');
   await page.getByRole('tab', { name: /Events/ }).click();
-  await page.getByText('You: a and b taken apart.').first().waitFor();
+  const line = page.getByText('An operator took a and b apart.').first();
+  await line.waitFor();
+  await page.reload();
+  await page.getByRole('tab', { name: /Events/ }).click();
+  await line.waitFor();
+  await page.getByText('a and b are merged.').first().waitFor();
+  assert.equal(await page.getByText('withdrawn').count(), 0, 'what an operator took apart is no alarm');
   await picture(page, 'events');
   await audit(page);
   clean(page);
@@ -140,6 +150,7 @@ test('the session that is asked for merges goes through the dialog too', async (
 
 test('an export opens and has as many points as it says', async () => {
   await press('Export');
+  await page.locator('#export-progress').waitFor({ state: 'attached' });
   await page.evaluate(() => {
     window.progress = [];
     const words = document.querySelector('#export-progress output');
@@ -182,14 +193,31 @@ test('an export that is cancelled ends, and leaves no file', async () => {
   clean(page);
 });
 
-test('a plan from above is a picture', async () => {
+test('a plan from above is a page to scale', async () => {
+  for (const [format, begins] of [['pdf', '%PDF-'], ['svg', '<?xml'], ['png', '\x89PNG']]) {
+    await press('Export');
+    await page.locator('select[name=format]').selectOption(format);
+    await page.locator('select[name=scale]').selectOption('500');
+    const download = page.waitForEvent('download');
+    await agree('Export');
+    const file = join(scratch, `plan.${format}`);
+    await (await download).saveAs(file);
+    assert.equal(readFileSync(file).subarray(0, begins.length).toString('latin1'), begins);
+    await closed();
+  }
+  assert.match(readFileSync(join(scratch, 'plan.svg'), 'utf8'), />1:500</);
+  clean(page);
+});
+
+test('an export that the server can not give says why, and nothing goes on', async () => {
+  await page.route('**/api/v1/export?*', (route) => route.fulfill({ status: 400, json: { error: { message: 'no such thing' } } }));
+  page.allowed = /400 \(Bad Request\)/;
   await press('Export');
-  await page.getByLabel('Format').selectOption('png');
-  const download = page.waitForEvent('download');
   await agree('Export');
-  const file = join(scratch, 'plan.png');
-  await (await download).saveAs(file);
-  assert.equal(readFileSync(file).subarray(1, 4).toString(), 'PNG');
+  await page.getByRole('dialog').getByText('no such thing').waitFor();
+  assert.ok(!(await page.locator('#export-progress').isVisible()));
+  await agree('Cancel');
+  await page.unroute('**/api/v1/export?*');
   clean(page);
 });
 
@@ -215,36 +243,104 @@ test('a session gets a name and its map another anchor; both are taken back with
   clean(page);
 });
 
+test('a merge that was withdrawn stays over the page until somebody has seen it', async () => {
+  const { id, a, b } = await alignment();
+  const withdrawn = { id: 900, at_s: Date.now() / 1000, kind: 'withdrawn', text: `The merge of ${a.robot}/${a.session} and ${b.robot}/${b.session} was withdrawn: other sessions contradict it. The robots were told.`, session_id: null, alignment_id: id };
+  const alarmed = await open(browser, station.url, { before: (opened) => opened.route('**/api/v1/log?*', (route) => route.fulfill({ json: { entries: [withdrawn] } })) });
+  await alarmed.getByRole('alert').getByText('The merge of a and b was withdrawn: other sessions contradict it.').waitFor();
+  await picture(alarmed, 'withdrawn');
+  await audit(alarmed);
+  await alarmed.reload();
+  await alarmed.getByRole('button', { name: 'Why', exact: true }).click();
+  await alarmed.getByText('What was measured').waitFor();
+  await alarmed.getByRole('button', { name: 'Seen', exact: true }).click();
+  await until('no alarm', async () => (await alarmed.getByRole('alert').filter({ hasText: 'withdrawn' }).count()) === 0);
+  await alarmed.reload();
+  await alarmed.getByText('Live', { exact: true }).waitFor();
+  assert.equal(await alarmed.getByRole('alert').filter({ hasText: 'withdrawn' }).count(), 0);
+  clean(alarmed);
+  await alarmed.context().close();
+});
+
+const surveys = async () => (await station.json('api/v1/survey')).surveys;
+const place = () => press('Place in the mine grid');
+
+async function paste(lines) {
+  if (!(await page.locator('.survey textarea').isVisible())) await page.getByText('Paste lines').click();
+  await page.locator('.survey textarea').fill(lines.join('\n'));
+  await press('Take over');
+}
+
 test('control points place a session in the mine grid; too few are refused where they were typed', async () => {
-  const points = ['S1 0 0 0  1000 2000 -400', 'S2 10 0 0  1000 2010.1 -400', 'S3 0 10 0  990 2000 -400'];
-  const surveys = async () => (await station.json('api/v1/survey')).surveys;
   await press('Survey…');
-  await page.locator('textarea').fill(points.slice(0, 2).join('\n'));
-  await agree('Place in the mine grid');
-  await page.getByText('Three control points are needed; there are 2.').waitFor();
-  await page.locator('textarea').fill(points.join('\n'));
-  await agree('Place in the mine grid');
+  await paste(['point;x;y;z;east;north;height', 'S1;0;0;0;1000;2000;-400', 'S2;10;0;0;1000;2010,1;-400']);
+  await until('two rows', async () => (await page.locator('.control').count()) === 2);
+  await place();
+  await page.getByText('Three control points are needed; there are 2.', { exact: false }).waitFor();
+  await paste(['S3, 0, 10, 0, 990, 2000, -400']);
+  await place();
   await page.getByText(/The points fit within \d+\.\d cm \(rms\); the worst is S2, off by [5-9]\.\d cm\./).first().waitFor();
   const [survey] = await surveys();
   const at_m = [3, 7, 11].map((at) => Math.round(survey.T_grid_session[at]));
   assert.deepEqual(at_m, [1000, 2000, -400]);
+  await page.locator('.label-control', { hasText: 'S2' }).waitFor({ state: 'attached' });
+  await page.locator('.robot-open .facts', { hasText: 'surveyed' }).waitFor();
+  await picture(page, 'surveyed');
+  await audit(page);
   await page.locator('.toast-offer').last().click();
   await until('no survey', async () => (await surveys()).length === 0);
+  clean(page);
+});
 
+test('a point that does not fit the others is named, and placed only when it is said to be right', async () => {
+  page.allowed = /403 \(Forbidden\)/;
+  const fill = (name, value) => page.getByLabel(name, { exact: true }).fill(value);
+  for (const [name, value] of Object.entries({ 'East of S2 in the mine grid': '1000', 'North of S2 in the mine grid': '2010', 'Height of S2 in the mine grid': '-400' })) await fill(name, value);
+  await paste(['S4 -10 -10 0 1010 1990 -398']);
+  await place();
+  await page.getByText(/S4 is likely wrong: .* put it 2\.00 m below/).waitFor();
+  assert.equal((await surveys()).length, 0);
+  await picture(page, 'blunder');
+  await press('Place all the same');
+  await page.locator('.control-suspect', { hasText: 'likely wrong' }).waitFor();
+  await fill('Height of S4 in the mine grid', '-400');
+  await place();
+  await page.getByText(/The points fit within 0\.\d cm/).first().waitFor();
+  assert.equal((await surveys())[0].suspect, null);
+  await press('Pick on the map');
+  const stage = await page.locator('canvas').first().boundingBox();
+  await until('a point that was picked', async () => {
+    await page.locator('canvas').first().click({ position: { x: stage.width * (0.2 + 0.6 * Math.random()), y: stage.height * (0.25 + 0.5 * Math.random()) }, force: true });
+    return (await page.locator('.control').count()) === 5;
+  });
+  assert.match(await page.getByLabel('x of P5 on the map').inputValue(), /^-?\d+\.\d{3}$/);
+  await press('Remove P5');
+  await press('Pick on the map');
+  await page.getByRole('button', { name: 'Back', exact: true }).click();
+  await page.locator('.label-control', { hasText: 'S4' }).waitFor({ state: 'attached' });
   await press('Survey…');
-  await page.locator('textarea').fill(points.join('\n'));
-  await agree('Place in the mine grid');
-  await closed();
-  await until('a survey', async () => (await surveys()).length === 1);
-  await press('Survey…');
-  assert.match(await page.locator('textarea').inputValue(), /^S1 0 0 0 1000 2000 -400\nS2 10 0 0 1000 2010.1 -400\n/, 'the survey that there is');
-  await page.locator('textarea').fill('0 -1 0 500\n1 0 0 600\n0 0 1 7\n0 0 0 1');
-  await agree('Place in the mine grid');
-  await closed();
+  await paste(['0 -1 0 500\n1 0 0 600\n0 0 1 7\n0 0 0 1']);
   await until('the transform itself', async () => (await surveys())[0].points.length === 0);
   assert.equal((await surveys())[0].T_grid_session[3], 500);
   await page.locator('.toast-offer').last().click();
-  await until('the survey before it', async () => (await surveys())[0].points.length === 3);
+  await until('the survey before it', async () => (await surveys())[0].points.length === 4);
+  await page.getByRole('button', { name: 'Back', exact: true }).click();
+  clean(page);
+});
+
+test('coordinates of a point are held by a click, in the mine grid too, and can be copied', async () => {
+  await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+  const stage = await page.locator('canvas').first().boundingBox();
+  const readout = page.locator('.readout');
+  await until('a point that is held', async () => {
+    await page.locator('canvas').first().click({ position: { x: stage.width * (0.2 + 0.6 * Math.random()), y: stage.height * (0.25 + 0.5 * Math.random()) }, force: true });
+    return (await readout.getByRole('button', { name: 'Copy' }).isVisible()) && /z .* m in the frame of the map of 2 sessions\nE .* N .* H .* m in the mine grid/.test(await readout.locator('output').textContent());
+  });
+  await readout.getByRole('button', { name: 'Copy' }).click();
+  await page.getByText('The coordinates were copied.').waitFor();
+  const [east, north, height] = (await page.evaluate(() => navigator.clipboard.readText())).split('\t').map(Number);
+  const words = (await readout.locator('output').textContent()).replaceAll('−', '-');
+  assert.ok(words.includes(`E ${east.toFixed(2)} N ${north.toFixed(2)} H ${height.toFixed(2)} m`), words);
   clean(page);
 });
 
@@ -295,6 +391,31 @@ test('everything that can be pressed has a name, in both colours and on a tablet
   await tablet.context().close();
 });
 
+test('on a phone the map comes first, and each panel is laid over it', async () => {
+  for (const [width, height, least] of [[390, 844, 600], [844, 390, 250]]) {
+    const phone = await open(browser, station.url, { viewport: { width, height }, hasTouch: true });
+    await until('points', async () => (await shown(phone)).points > 0);
+    const map = await phone.locator('canvas').first().boundingBox();
+    assert.ok(map.height >= least && map.width === width, `the map is ${map.width} x ${map.height} on ${width} x ${height}`);
+    assert.deepEqual(await phone.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]), [width, height], 'nothing hangs over');
+    await picture(phone, `phone_${width}`);
+    await audit(phone);
+    const bar = phone.getByRole('navigation');
+    for (const [name, inside] of [['Robots', '.robot'], ['Merges', '.pair'], ['Sessions', '.span'], ['Events', '.log li']]) {
+      await bar.getByRole('button', { name, exact: true }).click();
+      await phone.locator(inside).first().waitFor();
+      const { x, y } = await phone.locator('.panel:visible').boundingBox();
+      assert.ok(x > 0 || y > 0.25 * height, `${name} leaves some of the map`);
+    }
+    await picture(phone, `phone_${width}_events`);
+    await audit(phone);
+    await bar.getByRole('button', { name: 'Map', exact: true }).click();
+    await until('the map alone', async () => (await phone.locator('.panel:visible').count()) === 0);
+    clean(phone);
+    await phone.context().close();
+  }
+});
+
 test('after the server was killed the page comes back by itself, with all that it knew', async () => {
   const { http, robots } = station;
   const known = await shown(page);
@@ -332,6 +453,21 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
   await locked.locator('input[name=robot]').fill('r1');
   await agreeOn(locked, 'Invite');
   await locked.getByText('r1 is invited').waitFor();
+  await locked.getByText(/It is good until \d\d:\d\d, for an hour/).waitFor();
+  await locked.getByText(`headframe-replay --server ${guarded.robots} --robot r1 --enrol `, { exact: false }).waitFor();
+  assert.ok(guarded.process.text.includes(`operators: ${guarded.url}, with the token in ${join(guarded.data, 'operator.token')}`), guarded.process.text);
+  await agreeOn(locked, 'Close');
+  await locked.getByText('Who may come in').click();
+  await locked.getByText(/invited, its code is good until/).waitFor();
+  await locked.getByRole('button', { name: 'Rate…' }).click();
+  await locked.locator('input[name=rate]').fill('64');
+  await agreeOn(locked, 'Set');
+  await locked.getByText('sends 64 KiB/s at most').waitFor();
+  await locked.getByRole('button', { name: 'Revoke…' }).click();
+  await agreeOn(locked, 'Revoke');
+  await locked.getByText('revoked: it can not come in').waitFor();
+  await picture(locked, 'fleet');
+  await audit(locked);
   clean(locked);
   await locked.context().close();
   await guarded.kill();
@@ -351,6 +487,11 @@ test('a robot that keeps its clouds back is asked for them', async () => {
     const [row] = (await thin.json('api/v1/sessions')).sessions;
     return row.clouds > 0 && row.clouds === row.keyframes;
   });
+  // It stays connected: out of sight its name stands at the edge, and a click goes there.
+  await asking.locator('canvas').first().focus();
+  for (let at = 0; at < 12; at++) await asking.keyboard.press('ArrowRight');
+  await asking.locator('button.label-robot[data-off]', { hasText: 'careful' }).click();
+  await asking.locator('button.label-robot:not([data-off])', { hasText: 'careful' }).waitFor();
   clean(asking);
   careful.kill();
   await asking.context().close();
@@ -369,6 +510,19 @@ test('fifty robots fit on the page', async () => {
   await until('their points', async () => (await shown(crowd)).points > 5000);
   await until('all fifty in the list', async () => (await crowd.locator('.robot').count()) === 50);
   assert.ok((await shown(crowd)).points <= mostPoints);
+  await crowd.getByRole('button', { name: 'Measure' }).click();
+  const [crowded, said] = [await crowd.locator('canvas').first().boundingBox(), crowd.locator('.tools-measure output')];
+  const wanted = [/^No point of a map is there/, /not merged: where they lie to each other is not known/];
+  await until('a click on nothing, and a point of another map', async () => {
+    await crowd.locator('canvas').first().click({ position: { x: crowded.width * (0.1 + 0.8 * Math.random()), y: crowded.height * (0.2 + 0.6 * Math.random()) }, force: true });
+    const words = await said.textContent();
+    assert.doesNotMatch(words, /\d m · level/, 'no metres between maps that are not merged');
+    const at = wanted.findIndex((pattern) => pattern.test(words));
+    if (at >= 0) wanted.splice(at, 1);
+    if ((await crowd.locator('.label-measure').count()) > 2) await crowd.getByRole('button', { name: 'Clear' }).click();
+    return wanted.length === 0;
+  });
+  await crowd.keyboard.press('Escape');
   await picture(crowd, 'fifty');
   clean(crowd);
   await crowd.context().close();

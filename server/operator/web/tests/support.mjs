@@ -37,7 +37,7 @@ export function needs(...programs) {
 }
 
 const between_ms = 50; // of two looks: what is waited for needs the processor itself
-export const patience_ms = 150_000; // for machines that are busy; nothing waits longer than it has to
+export const patience_ms = Number(process.env.PATIENCE_MS ?? 150_000); // for machines that are busy; nothing waits longer than it has to
 
 /** A folder that goes with the process. */
 export function scratchFolder() {
@@ -127,15 +127,18 @@ export const browserArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=
 
 export const launch = () => chromium.launch({ executablePath: browserPath, args: browserArguments });
 
-/** A page whose faults are kept: whatever the console calls an error, but what matches `allowed`. */
-export async function open(browser, url, { allowed, ...options } = {}) {
+/** A page whose faults are kept: whatever the console calls an error, but what matches `allowed`. `before` runs before it is
+ * fetched. */
+export async function open(browser, url, { allowed, before, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: 'reduce', ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(patience_ms);
   page.faults = [];
-  const fault = (text) => allowed?.test(text) || page.faults.push(text);
+  page.allowed = allowed;
+  const fault = (text) => page.allowed?.test(text) || page.faults.push(text);
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && fault(message.text()));
   page.on('pageerror', (error) => fault(error.stack));
+  await before?.(page);
   await page.goto(url);
   return page;
 }

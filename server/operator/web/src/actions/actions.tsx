@@ -4,11 +4,13 @@ import { ask as confirmed } from '../parts/dialog';
 import { bytes } from '../parts/format';
 import { toast, told } from '../parts/toast';
 import { ask, askJson } from '../station/api';
+import { doubtOf } from '../station/pairs';
 import type { Station } from '../station/station';
-import type { Alignment, Session, Survey, SurveyBody } from '../station/types';
-import { ExportForm, exportPath, showProgress } from './export_form';
+import type { Alignment, RobotList, RobotRow, Session, Survey, SurveyBody } from '../station/types';
+import { ExportForm, exportPath, hideProgress, showProgress } from './export_form';
 import { Enrolment } from './enrolment';
-import { bodyOf, SurveyForm, surveyBody, surveyText } from './survey_form';
+import { robotAddress } from './invitation';
+import { fitText } from './survey_text';
 import { download } from './download';
 
 export type Decision = 'confirm' | 'refuse' | 'retract';
@@ -24,6 +26,8 @@ export const routes = {
   plan: 'GET /api/v1/plan',
   overlay: 'GET /api/v1/alignments/{id}/overlay',
   invite: 'POST /api/v1/robots/add',
+  rate: 'POST /api/v1/robots/rate',
+  revoke: 'POST /api/v1/robots/revoke',
 };
 
 /** Which decisions the server will take, by its own rules. */
@@ -69,13 +73,15 @@ export class Actions {
   async decide(alignment: Alignment, decision: Decision): Promise<void> {
     const { title, action, what, done, tone } = decisions[decision];
     const pair = this.pairOf(alignment);
+    const doubt = decision === 'confirm' ? doubtOf(alignment) : '';
     const acted = await confirmed({
       title,
       action,
-      tone,
+      tone: doubt ? 'danger' : tone,
       body: (
         <>
           <p class="dialog-pair">{pair}</p>
+          {doubt && <p class="dialog-fault">{doubt}</p>}
           <p>{what}</p>
         </>
       ),
@@ -85,7 +91,6 @@ export class Actions {
       },
     });
     if (!acted) return;
-    this.note(`You: ${pair} ${done}.`, { alignment: alignment.id });
     this.offers.get(alignment.id)?.();
     this.offers.set(alignment.id, toast(`${pair}: ${done}.`, { offer: { word: 'Undo', run: () => void this.undo(alignment) } }));
   }
@@ -96,8 +101,7 @@ export class Actions {
       await ask(`/api/v1/alignments/${alignment.id}/undo`, { method: 'POST' });
       await this.station.refreshAtlas();
       this.offers.get(alignment.id)?.();
-      this.note(`You: the decision on ${this.pairOf(alignment)} was undone.`, { alignment: alignment.id });
-      toast(`${this.pairOf(alignment)}: your decision was undone.`);
+      toast(`${this.pairOf(alignment)}: the decision was undone.`);
     });
   }
 
@@ -109,7 +113,6 @@ export class Actions {
       run: async () => void (await ask('/api/v1/merge', { method: 'POST' })),
     });
     if (!acted) return;
-    this.note('You: look for merges now.');
     toast('The server looks for merges. What it finds appears here.');
   }
 
@@ -124,7 +127,6 @@ export class Actions {
       run: () => this.setAnchor(session.id),
     });
     if (!acted) return;
-    this.note(`You: the map is anchored to ${title}.`, { session: session.id });
     const old = before && this.station.sessionOf(before);
     const undo = old && old.id !== session.id ? { word: 'Undo', run: () => void told(() => this.setAnchor(old.id)) } : undefined;
     toast(`The map is anchored to ${title}.`, { offer: undo });
@@ -132,7 +134,6 @@ export class Actions {
 
   async rename(session: Session): Promise<void> {
     const old = session.label ?? '';
-    let name = '';
     const acted = await confirmed({
       title: `Rename ${session.robot}/${session.session}`,
       action: 'Rename',
@@ -142,10 +143,9 @@ export class Actions {
           <input name="name" value={old} maxLength={60} autocomplete="off" data-first />
         </label>
       ),
-      run: async (form) => this.setName(session.id, (name = String(form.get('name')).trim())),
+      run: async (form) => this.setName(session.id, String(form.get('name')).trim()),
     });
     if (!acted) return;
-    this.note(`You: ${session.robot}/${session.session} is called “${name || session.robot}”.`, { session: session.id });
     toast('Renamed.', { offer: { word: 'Undo', run: () => void told(() => this.setName(session.id, old)) } });
   }
 
@@ -159,12 +159,12 @@ export class Actions {
       run: async () => void (await ask(`/api/v1/sessions/${session.id}/request-clouds`, { method: 'POST' })),
     });
     if (!acted) return;
-    this.note(`You: asked ${title} for its clouds.`, { session: session.id });
     toast(`${title} was asked for its clouds.`);
   }
 
   async export(component?: number): Promise<void> {
     let done = '';
+    await told(() => this.station.refreshAtlas());
     const acted = await confirmed({
       title: 'Export a map',
       action: 'Export',
@@ -172,7 +172,12 @@ export class Actions {
       run: async (form, left) => {
         const { path, name } = exportPath(form, this.station);
         showProgress(null);
-        done = `${name}: ${bytes(await download(path, name, showProgress, left))}`;
+        try {
+          done = `${name}: ${bytes(await download(path, name, showProgress, left))}`;
+        } catch (error) {
+          hideProgress();
+          throw error;
+        }
       },
     });
     if (!acted) return;
@@ -180,27 +185,18 @@ export class Actions {
     toast(`Exported ${done}.`);
   }
 
-  async survey(session: Session): Promise<void> {
+  /** Throws what the server has against it; refused (403): the points do not fit each other, unless `accept`. */
+  async placeInGrid(session: Session, body: SurveyBody, before: Survey | undefined, accept: boolean): Promise<Survey> {
+    const survey = await this.setSurvey(session.id, body, accept);
+    await this.station.refreshSurveys();
     const title = this.station.titleOf(session);
-    let done = '';
-    await told(async () => {
-      const { surveys } = await askJson<{ surveys: Survey[] }>('/api/v1/survey');
-      const before = surveys.find(({ session_id }) => session_id === session.id);
-      const acted = await confirmed({
-        title: `Survey of ${title}`,
-        action: 'Place in the mine grid',
-        wide: true,
-        body: <SurveyForm before={before} />,
-        run: async (form) => void (done = surveyText(await this.setSurvey(session.id, surveyBody(form)))),
-      });
-      if (!acted) return;
-      this.note(`You: ${title} was placed in the mine grid. ${done}`, { session: session.id });
-      const undo = () => void told(() => this.restoreSurvey(session.id, before));
-      toast(`${title} lies in the mine grid. ${done}`, { offer: { word: 'Undo', run: undo } });
-    });
+    const fit = fitText(survey);
+    const undo = () => void told(() => this.restoreSurvey(session.id, before));
+    toast(`${title} lies in the mine grid. ${fit}`, { offer: { word: 'Undo', run: undo } });
+    return survey;
   }
 
-  async invite(): Promise<void> {
+  async invite(known = ''): Promise<void> {
     let robot = '';
     let enrolment = '';
     const acted = await confirmed({
@@ -209,26 +205,57 @@ export class Actions {
       body: (
         <label class="field">
           Name of the robot
-          <input name="robot" required maxLength={60} pattern="[A-Za-z0-9_.\-]+" title="letters, digits, dot, dash, underscore" autocomplete="off" data-first />
+          <input name="robot" required maxLength={128} autocomplete="off" value={known} data-first />
         </label>
       ),
       run: async (form) => {
-        robot = String(form.get('robot'));
+        robot = String(form.get('robot')).trim();
         enrolment = (await askJson<{ enrolment: string }>(`/api/v1/robots/add?robot=${encodeURIComponent(robot)}`, { method: 'POST' })).enrolment;
       },
     });
     if (!acted) return;
-    this.note(`You: invited ${robot}.`);
-    await confirmed({ title: `${robot} is invited`, body: <Enrolment robot={robot} enrolment={enrolment} />, wide: true });
+    const { robots, address } = await askJson<RobotList>('/api/v1/robots').catch(() => ({ robots: [], address: null }));
+    const expires_s = robots.find((row) => row.robot === robot)?.code_expires_s ?? null;
+    const body = <Enrolment robot={robot} enrolment={enrolment} server={robotAddress(address, location.hostname)} expires_s={expires_s} />;
+    await confirmed({ title: `${robot} is invited`, body, wide: true });
   }
 
-  private setSurvey(session: number, body: SurveyBody): Promise<Survey> {
-    return askJson(`/api/v1/survey?session=${session}`, { method: 'POST', body });
+  async limitRate({ robot, rate_kib_s }: RobotRow): Promise<void> {
+    const acted = await confirmed({
+      title: `What ${robot} may send`,
+      action: 'Set',
+      body: (
+        <label class="field">
+          KiB per second at most, from now on; 0: what its link carries
+          <input name="rate" type="number" min={0} max={1e9} step={1} required value={rate_kib_s ?? 0} data-first />
+        </label>
+      ),
+      run: async (form) => void (await ask(`/api/v1/robots/rate?robot=${encodeURIComponent(robot)}&kib_s=${Number(form.get('rate'))}`, { method: 'POST' })),
+    });
+    if (acted) toast(`The rate of ${robot} was set.`);
+  }
+
+  async revoke(robot: string): Promise<void> {
+    const acted = await confirmed({
+      title: `Revoke ${robot}?`,
+      action: 'Revoke',
+      tone: 'danger',
+      body: <p>It is cut off now, and comes in again only after it was invited anew. What it has mapped stays.</p>,
+      run: async () => void (await ask(`/api/v1/robots/revoke?robot=${encodeURIComponent(robot)}`, { method: 'POST' })),
+    });
+    if (acted) toast(`${robot} is cut off.`);
+  }
+
+  private setSurvey(session: number, body: SurveyBody, accept: boolean): Promise<Survey> {
+    return askJson(`/api/v1/survey?session=${session}${accept ? '&accept=true' : ''}`, { method: 'POST', body });
   }
 
   private async restoreSurvey(session: number, before: Survey | undefined): Promise<void> {
-    if (before) await this.setSurvey(session, bodyOf(before));
+    const { points, T_grid_session } = before ?? { points: [], T_grid_session: [] };
+    const body = points.length > 0 ? { points: points.map(({ name, p_session, p_grid }) => ({ name, p_session, p_grid })) } : { T_grid_session };
+    if (before) await this.setSurvey(session, body, true);
     else await ask(`/api/v1/survey?session=${session}`, { method: 'DELETE' });
+    await this.station.refreshSurveys();
   }
 
   private async setAnchor(session: number): Promise<void> {

@@ -10,19 +10,53 @@ const formats: Record<string, string> = {
   ply: 'PLY cloud',
   pcd: 'PCD cloud',
   las: 'LAS cloud',
-  png: 'PNG plan from above',
+  pdf: 'Plan to scale, PDF',
+  svg: 'Plan to scale, SVG',
+  png: 'Plan to scale, PNG',
   atlas: 'Atlas as JSON',
   tum: 'Trajectory, TUM',
   csv: 'Trajectory, CSV',
 };
 const clouds = ['ply', 'pcd', 'las'];
+const plans = ['pdf', 'svg', 'png'];
+const scales = [100, 200, 250, 500, 1000, 2000, 5000];
+
+const isOfMap = (format: string) => !['atlas', 'tum', 'csv'].includes(format);
 
 /** The formats that this server writes. */
 function available(station: Station): string[] {
   return Object.keys(formats).filter((format) => {
-    if (format === 'png') return station.can('GET /api/v1/plan');
+    if (plans.includes(format)) return station.can(`GET /api/v1/plan?format=${format}`);
     return !clouds.includes(format) || station.can(`GET /api/v1/export?format=${format}`);
   });
+}
+
+function PlanFields() {
+  return (
+    <>
+      <label class="field">
+        Scale
+        <select name="scale">
+          <option value="0">the largest that fits A3</option>
+          {scales.map((scale) => (
+            <option key={scale} value={scale}>
+              1:{scale}, on the smallest paper that holds it
+            </option>
+          ))}
+        </select>
+      </label>
+      <div class="field-row">
+        <label class="field">
+          Heights from (m)
+          <input name="low" type="number" step="any" placeholder="lowest" />
+        </label>
+        <label class="field">
+          to (m)
+          <input name="high" type="number" step="any" placeholder="highest" />
+        </label>
+      </div>
+    </>
+  );
 }
 
 export function ExportForm({ station, component }: { station: Station; component?: number }) {
@@ -54,7 +88,7 @@ export function ExportForm({ station, component }: { station: Station; component
           </select>
         </label>
       )}
-      {!trajectory && format !== 'atlas' && (
+      {isOfMap(format) && (
         <label class="field">
           Map
           <select name="component" value={String(component ?? largestFirst[0]?.id ?? '')}>
@@ -66,11 +100,11 @@ export function ExportForm({ station, component }: { station: Station; component
           </select>
         </label>
       )}
+      {plans.includes(format) && <PlanFields />}
       {clouds.includes(format) && (
         <label class="field">
           One point per cube of
           <select name="voxel" defaultValue="0.1">
-            <option value="0.02">2 cm</option>
             <option value="0.05">5 cm</option>
             <option value="0.1" selected>
               10 cm
@@ -86,7 +120,11 @@ export function ExportForm({ station, component }: { station: Station; component
           Frame
           <select name="frame">
             <option value="component">the map's own</option>
-            <option value="grid">the mine grid (surveyed)</option>
+            {station.surveys.length > 0 && (
+              <option value="grid" selected={format !== 'tum' && format !== 'csv'}>
+                the mine grid (surveyed)
+              </option>
+            )}
           </select>
         </label>
       )}
@@ -96,6 +134,12 @@ export function ExportForm({ station, component }: { station: Station; component
       </div>
     </div>
   );
+}
+
+/** After a fault nothing goes on. */
+export function hideProgress(): void {
+  const row = document.querySelector<HTMLElement>('#export-progress');
+  if (row) row.hidden = true;
 }
 
 /** Nothing came yet: the server counts the points, for a file's head says how many there are. */
@@ -112,6 +156,7 @@ export function showProgress(at: Progress | null): void {
 
 export function exportPath(form: FormData, station: Station): { path: string; name: string } {
   const format = String(form.get('format'));
+  if (form.get('component') === '' || (isOfMap(format) && !form.has('component'))) throw new Error('There is no map yet: it appears with the first keyframe of a robot.');
   const frame = form.get('frame') === 'grid' ? '&frame=grid' : '';
   const component = String(form.get('component'));
   if (format === 'atlas') return { path: '/api/v1/atlas', name: 'atlas.json' };
@@ -123,7 +168,11 @@ export function exportPath(form: FormData, station: Station): { path: string; na
       name: `${nameOf(session).replace(/[^A-Za-z0-9_.-]+/g, '_')}.${format === 'tum' ? 'txt' : 'csv'}`,
     };
   }
-  if (format === 'png') return { path: `/api/v1/plan?component=${component}${frame}`, name: `mine-${component}.png` };
+  if (plans.includes(format)) {
+    const cut = ['low', 'high'].map((name) => (form.get(name) ? `&${name}=${String(form.get(name))}` : '')).join('');
+    const scale = Number(form.get('scale'));
+    return { path: `/api/v1/plan?component=${component}&format=${format}${scale ? `&scale=${scale}` : ''}${cut}${frame}`, name: `plan-${component}.${format}` };
+  }
   return {
     path: `/api/v1/export?component=${component}&format=${format}&voxel=${String(form.get('voxel'))}${frame}`,
     name: `mine-${component}.${format}`,

@@ -9,6 +9,8 @@ import { Icon } from '../parts/icons';
 import { askJson } from '../station/api';
 import { nameOf } from '../station/station';
 import type { Alignment, Explanation, Overlay } from '../station/types';
+import { sureness } from '../station/pairs';
+import { contradiction } from './merges';
 import { OverlayPicture, ResidualHistogram } from './evidence_pictures';
 
 const words: Record<Decision, string> = { confirm: 'Confirm…', refuse: 'Refuse…', retract: 'Take apart…' };
@@ -35,13 +37,6 @@ function useAnswer<T>(path: string | null, basis: string): { answer: T | null; f
   return state;
 }
 
-/** The server names sessions in full; here they are called as everywhere on the page. */
-function named(text: string, desk: Desk): string {
-  let out = text;
-  for (const session of desk.station.sessions.values()) out = out.replaceAll(nameOf(session), desk.station.titleOf(session));
-  return out;
-}
-
 function Findings({ explanation }: { explanation: Explanation }) {
   return (
     <ul class="findings">
@@ -60,6 +55,29 @@ function Findings({ explanation }: { explanation: Explanation }) {
   );
 }
 
+/** Of a pair that is held back: the merges that it stands against, each a click away. */
+function Rivals({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
+  const against = contradiction(desk, alignment);
+  if (alignment.state !== 'verified') return null;
+  const { station, ui } = desk;
+  const { objection } = alignment;
+  const ids = new Set([station.idOf(alignment.a), station.idOf(alignment.b), objection?.a, objection?.b]);
+  const rivals = [...station.alignments.values()].filter((other) => other.state === 'published' && [other.a, other.b].every((name) => ids.has(station.idOf(name))));
+  return (
+    <div class="rivals">
+      <p>
+        Held back: {against ? `it is ${against}, who would lie on each other` : 'merges that are better founded contradict it'}
+        {objection ? ` where ${percent(objection.violation)} of the points lie in what the other saw to be free` : ''}. Most such pairs are look-alikes.
+      </p>
+      {rivals.map((rival) => (
+        <button key={rival.id} class="log-link" onClick={() => ui.set({ alignment: rival.id })}>
+          It stands against: {station.titleOfName(rival.a)} and {station.titleOfName(rival.b)}, merged
+        </button>
+      ))}
+    </div>
+  );
+}
+
 export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
   const { station, ui, colours } = desk;
   const basis = `${alignment.state} ${alignment.decision} ${alignment.evidence.probability} ${alignment.T_a_b.join()}`;
@@ -70,7 +88,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
     basis,
   );
   const names = [station.titleOfName(alignment.a), station.titleOfName(alignment.b)];
-  const inks = [alignment.a, alignment.b].map(({ robot }) => colours.of(robot, ui.isDark));
+  const inks = [alignment.a, alignment.b].map((name) => colours.of(name, ui.isDark));
   const runnerUp = alignment.evidence.runner_up;
   return (
     <article class="evidence" aria-label={`Evidence: ${names.join(' and ')}`}>
@@ -86,17 +104,17 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
         ))}
       </h3>
       <p class="pair-facts">
-        <Chip state={alignment.state} isDark={ui.isDark} />
+        <Chip alignment={alignment} isDark={ui.isDark} />
         <span class="meter">
           <i style={{ width: `${100 * (alignment.evidence.probability ?? 0)}%` }} />
         </span>
-        <span class="figure">{percent(alignment.evidence.probability ?? 0)} sure</span>
+        <span class="figure">{sureness(alignment)}</span>
       </p>
       <div class="actions">
         {fitting(alignment).map((decision) => (
           <button
             key={decision}
-            class={`button ${decision !== 'confirm' ? 'button-danger' : alignment.state === 'published' ? '' : 'button-main'}`}
+            class={`button ${decision !== 'confirm' ? 'button-danger' : alignment.state === 'candidate' ? 'button-main' : ''}`}
             onClick={() => void desk.actions.decide(alignment, decision)}
           >
             {words[decision]}
@@ -104,21 +122,22 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
         ))}
         {alignment.decision !== 'none' && (
           <button class="button" onClick={() => void desk.actions.undo(alignment)}>
-            Undo your decision
+            Undo the decision
           </button>
         )}
       </div>
+      <Rivals desk={desk} alignment={alignment} />
       {fault && <p class="fault">{fault}</p>}
       {explanation && (
         <>
-          <p class="outcome">{named(explanation.outcome, desk)}.</p>
+          <p class="outcome">{station.titled(explanation.outcome)}.</p>
           {explanation.decision && <p class="by-hand">{explanation.decision}</p>}
           {explanation.missing.length > 0 && (
             <>
               <h4>What keeps them apart</h4>
               <ul class="missing">
                 {explanation.missing.map((line) => (
-                  <li key={line}>{named(line, desk)}</li>
+                  <li key={line}>{station.titled(line)}</li>
                 ))}
               </ul>
             </>

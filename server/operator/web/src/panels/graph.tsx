@@ -2,8 +2,8 @@
 
 import { useMemo } from 'preact/hooks';
 import type { Desk } from '../context';
-import { verdicts } from '../view/palette';
-import { graphLayout } from './graph_layout';
+import { lookOf } from '../view/palette';
+import { bend, graphLayout } from './graph_layout';
 
 const width = 340;
 const height = 190;
@@ -38,7 +38,10 @@ export function MergeGraph({ desk }: { desk: Desk }) {
         const [i, j] = ends[at];
         if (i === undefined || j === undefined) return null;
         const [p, q] = [places[i], places[j]];
-        const look = verdicts[alignment.state];
+        const look = lookOf(alignment);
+        const middle = bend(p, q, places.filter((_, other) => other !== i && other !== j), radius + 8);
+        // A quadratic curve passes half as far beside the line as its control point.
+        const curve = `M${p.x} ${p.y}Q${2 * middle.x - (p.x + q.x) / 2} ${2 * middle.y - (p.y + q.y) / 2} ${q.x} ${q.y}`;
         const open = () => ui.set({ alignment: alignment.id, session: null });
         const words = `${station.titleOfName(alignment.a)} and ${station.titleOfName(alignment.b)}: ${look.word}`;
         return (
@@ -53,9 +56,9 @@ export function MergeGraph({ desk }: { desk: Desk }) {
             onKeyDown={press(open)}
           >
             <title>{words}</title>
-            <line class="graph-reach" x1={p.x} y1={p.y} x2={q.x} y2={q.y} />
-            <line class="graph-line" x1={p.x} y1={p.y} x2={q.x} y2={q.y} stroke-dasharray={look.dash ? look.dash.map((m) => 2.4 * m).join(' ') : undefined} />
-            <g transform={`translate(${(p.x + q.x) / 2} ${(p.y + q.y) / 2})`}>
+            <path class="graph-reach" d={curve} />
+            <path class="graph-line" d={curve} stroke-dasharray={look.dash ? look.dash.map((m) => 2.4 * m).join(' ') : undefined} />
+            <g transform={`translate(${middle.x} ${middle.y})`}>
               <circle class="graph-badge" r="7" />
               <text class="graph-glyph" dy="3.2">
                 {look.glyph}
@@ -74,7 +77,7 @@ export function MergeGraph({ desk }: { desk: Desk }) {
           <g
             key={session.id}
             class={ui.now.session === session.id ? 'graph-node graph-open' : 'graph-node'}
-            style={{ '--mark': colours.of(session.robot, ui.isDark) }}
+            style={{ '--mark': colours.of(session, ui.isDark) }}
             transform={`translate(${x} ${y})`}
             role="button"
             tabIndex={0}

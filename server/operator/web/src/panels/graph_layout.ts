@@ -39,3 +39,21 @@ export function graphLayout(nodes: number, links: [number, number][]): Place[] {
   const [width, height] = [Math.max(...xs) - left, Math.max(...ys) - top];
   return places.map(({ x, y }) => ({ x: width > 1e-6 ? (x - left) / width : 0.5, y: height > 1e-6 ? (y - top) / height : 0.5 }));
 }
+
+/** The middle of a curve from p to q, as far beside the straight line as it takes to keep clear of the other nodes. */
+export function bend(p: Place, q: Place, others: Place[], clear: number): Place {
+  const [dx, dy] = [q.x - p.x, q.y - p.y];
+  const length = Math.max(Math.hypot(dx, dy), 1e-6);
+  const [nx, ny] = [-dy / length, dx / length];
+  const middle = { x: (p.x + q.x) / 2, y: (p.y + q.y) / 2 };
+  const beside = [0, 1, -1, 2, -2, 3, -3].map((steps) => 0.8 * clear * steps);
+  const free = beside.find((off) =>
+    others.every((other) => {
+      const along = ((other.x - p.x) * dx + (other.y - p.y) * dy) / (length * length);
+      if (along <= 0 || along >= 1) return true;
+      const side = (other.x - p.x) * nx + (other.y - p.y) * ny;
+      return Math.abs(side - 4 * off * along * (1 - along)) >= clear;
+    }),
+  );
+  return { x: middle.x + (free ?? 0) * nx, y: middle.y + (free ?? 0) * ny };
+}

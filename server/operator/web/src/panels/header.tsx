@@ -48,7 +48,7 @@ export function Header({ desk }: { desk: Desk }) {
     <header class="top">
       <h1>
         <Logo />
-        headframe
+        <span>headframe</span>
       </h1>
       <Link desk={desk} />
       <dl class="glance">

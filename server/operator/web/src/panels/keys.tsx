@@ -10,7 +10,8 @@ const keys: [string, string][] = [
   ['T', 'top view or free view'],
   ['C', 'colour by robot, height, age'],
   ['R', 'roof on or off'],
-  ['M', 'measure; Enter takes the point under the cross'],
+  ['G', 'lines of coordinates'],
+  ['M', 'measure; Enter takes the point under the cross, Backspace the last one back'],
   ['1 2 3', 'merges, sessions, events'],
   ['Esc', 'let go of what is selected'],
   ['?', 'this list'],
@@ -55,7 +56,10 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
     view?.stage.pan(step * right, step * up);
     return true;
   }
-  if (onMap && key === 'Enter' && ui.now.measuring) return view?.takePoint() ?? false;
+  if (onMap && key === 'Enter' && (ui.now.measuring || view?.giving)) {
+    view?.takePoint();
+    return true;
+  }
   switch (key) {
     case '+':
     case '=':
@@ -76,6 +80,14 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
     case 'r':
       ui.set({ roof_m: ui.now.roof_m === null ? 1 : null });
       return true;
+    case 'g':
+      ui.set({ grid: !ui.now.grid });
+      return true;
+    case 'Backspace':
+      if (!ui.now.measuring) return false;
+      view?.measure.back();
+      ui.set({});
+      return true;
     case 'm':
       ui.set({ measuring: !ui.now.measuring });
       return true;
@@ -85,7 +97,7 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
       ui.set({ tab: (['merges', 'sessions', 'log'] as const)[Number(key) - 1] });
       return true;
     case 'Escape':
-      ui.set({ measuring: false, session: null, alignment: null });
+      ui.set(ui.now.measuring ? { measuring: false } : { session: null, alignment: null, survey: null, sheet: null });
       return true;
     case '?':
       void showKeys();

@@ -1,24 +1,29 @@
-// What happened since the page was opened.
+// What happened, also before the page was opened.
 
 import type { Desk } from '../context';
-import { clock } from '../parts/format';
+import { clock, day } from '../parts/format';
+
+const shown = 300; // newest; the rest is in the server's file
 
 export function LogPanel({ desk }: { desk: Desk }) {
   const { entries } = desk.station.log;
   if (entries.length === 0)
     return (
       <div class="empty">
-        <p>Nothing has happened since this page was opened.</p>
-        <p class="muted">Robots that come and go, what the server finds and what you decide is written down here.</p>
+        <p>Nothing has happened yet.</p>
+        <p class="muted">Robots that come and go, what the server finds and what operators decide is written down here, and stays over a restart of the server.</p>
       </div>
     );
   return (
     <div role="log" aria-label="Events, newest first">
       <ol class="log">
-        {entries.map(({ id, at, tone, text, session, alignment }) => {
+        {entries.slice(0, shown).map(({ key, at, tone, text: full, session, alignment }, index) => {
+          const text = desk.station.titled(full);
+          const dated = index === 0 || day(entries[index - 1].at) !== day(at);
           const known = alignment !== undefined ? desk.station.alignments.has(alignment) : session !== undefined && desk.station.sessions.has(session);
           return (
-            <li key={id} class={`tone-${tone}`}>
+            <li key={key} class={`tone-${tone}`}>
+              {dated && <span class="log-day">{day(at)}</span>}
               <time>{clock(at)}</time>
               {known ? (
                 <button class="log-link" onClick={() => desk.ui.set(alignment !== undefined ? { alignment, session: null, tab: 'merges' } : { session, alignment: null })}>

@@ -2,35 +2,44 @@
 
 import type { Desk } from '../context';
 import { Chip } from '../parts/chip';
-import { percent } from '../parts/format';
+import { sureness } from '../station/pairs';
 import type { Alignment, State } from '../station/types';
 import { Evidence } from './evidence';
 import { MergeGraph } from './graph';
+
+/** Whom it would lay on each other against what they saw. */
+export function contradiction(desk: Desk, { objection }: Alignment): string {
+  const [a, b] = [objection?.a, objection?.b].map((id) => desk.station.sessions.get(id ?? -1));
+  return a && b ? `contradicted by ${desk.station.titleOf(a)} and ${desk.station.titleOf(b)}` : '';
+}
 
 const order: State[] = ['candidate', 'retracted', 'verified', 'published', 'rejected'];
 
 function Row({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
   const { station, ui, colours } = desk;
   const probability = alignment.evidence.probability ?? 0;
+  const words = sureness(alignment);
+  const against = contradiction(desk, alignment);
   return (
     <li>
       <button class="pair" onClick={() => ui.set({ alignment: alignment.id, session: null })}>
         <span class="pair-names">
           {[alignment.a, alignment.b].map((name, at) => (
             <span key={at} class="pair-name">
-              <span class="swatch" style={{ '--mark': colours.of(name.robot, ui.isDark) }} aria-hidden="true" />
+              <span class="swatch" style={{ '--mark': colours.of(name, ui.isDark) }} aria-hidden="true" />
               {station.titleOfName(name)}
             </span>
           ))}
         </span>
         <span class="pair-facts">
-          <Chip state={alignment.state} isDark={ui.isDark} />
-          {alignment.decision !== 'none' && <span class="by-hand">by you: {alignment.decision}</span>}
-          <span class="meter" title="probability that the placement is right">
+          <Chip alignment={alignment} isDark={ui.isDark} />
+          {alignment.decision !== 'none' && <span class="by-hand">by an operator: {alignment.decision}</span>}
+          <span class="meter" title={words}>
             <i style={{ width: `${100 * probability}%` }} />
           </span>
-          <span class="figure">{percent(probability)}</span>
+          <span class="figure">{words}</span>
         </span>
+        {against && <span class="against">{against}</span>}
       </button>
     </li>
   );

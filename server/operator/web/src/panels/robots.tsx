@@ -5,6 +5,7 @@ import { routes } from '../actions/actions';
 import { bytes, compact, duration, metres } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { Session } from '../station/types';
+import { Fleet } from './fleet';
 
 /** Heard within so many seconds: four bars, three, two; later one; away none. */
 const heard_s = [4, 10, 20];
@@ -34,7 +35,7 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
   const placed = station.placed.get(session.id);
   const together = station.components.find(({ id }) => id === placed?.component)?.sessions.length ?? 1;
   return (
-    <li class={open ? 'robot robot-open' : 'robot'} style={{ '--mark': colours.of(session.robot, ui.isDark) }}>
+    <li class={open ? 'robot robot-open' : 'robot'} style={{ '--mark': colours.of(session, ui.isDark) }}>
       <button
         class="robot-head"
         aria-expanded={open}
@@ -72,7 +73,10 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
             <dt>Driven</dt>
             <dd>{(session.distance_m ?? 0).toFixed(0)} m</dd>
             <dt>Map</dt>
-            <dd>{together > 1 ? `merged, ${together} sessions` : 'own frame'}</dd>
+            <dd>
+              {together > 1 ? `merged, ${together} sessions` : 'own frame'}
+              {placed && station.gridOf(placed.component) ? ', surveyed' : ''}
+            </dd>
           </dl>
           <div class="actions">
             {station.can(routes.rename) && <button class="button button-small" onClick={() => void desk.actions.rename(session)}>Rename…</button>}
@@ -84,7 +88,7 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
                 Request clouds…
               </button>
             )}
-            {station.can(routes.survey) && <button class="button button-small" onClick={() => void desk.actions.survey(session)}>Survey…</button>}
+            {station.can(routes.survey) && <button class="button button-small" onClick={() => ui.set({ survey: session.id, sheet: 'side' })}>Survey…</button>}
             {placed && <button class="button button-small" onClick={() => void desk.actions.export(placed.component)}>Export…</button>}
           </div>
         </div>
@@ -132,6 +136,7 @@ export function RobotsPanel({ desk }: { desk: Desk }) {
           ))}
         </ul>
       )}
+      <Fleet desk={desk} />
     </section>
   );
 }

@@ -1,10 +1,8 @@
 // Sessions over time, by the robots' own clocks.
 
 import type { Desk } from '../context';
-import { duration, metres } from '../parts/format';
+import { dayAndTime, duration, metres, wallClock_s } from '../parts/format';
 import type { Session } from '../station/types';
-
-const wallClock_s = 1e9; // stamps beyond are seconds since 1970, below they count from a start of the robot's own
 
 interface Span {
   session: Session;
@@ -23,7 +21,7 @@ function spansOf(desk: Desk): Span[] {
 
 function stampText(stamp_s: number, start_s: number): string {
   if (start_s < wallClock_s) return duration(stamp_s - start_s);
-  return new Date(stamp_s * 1000).toLocaleString('en-GB', { day: '2-digit', month: 'short', hour: '2-digit', minute: '2-digit' });
+  return dayAndTime(stamp_s);
 }
 
 export function SessionsPanel({ desk }: { desk: Desk }) {
@@ -50,7 +48,7 @@ export function SessionsPanel({ desk }: { desk: Desk }) {
           const merged = (station.components.find(({ id }) => id === station.placed.get(session.id)?.component)?.sessions.length ?? 1) > 1;
           const transform_s = session.trigger_to_transform_ms === null ? '' : `, placed after ${duration(session.trigger_to_transform_ms / 1000)}`;
           return (
-            <li key={session.id} style={{ '--mark': colours.of(session.robot, ui.isDark) }}>
+            <li key={session.id} style={{ '--mark': colours.of(session, ui.isDark) }}>
               <button
                 class={ui.now.session === session.id ? 'span span-open' : 'span'}
                 onClick={() => {

@@ -5,6 +5,7 @@ import type { Desk } from '../context';
 import { compact } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { ColourBy } from '../view/cloud_material';
+import { type MeasureOf, needed } from '../view/measure';
 import { ramp } from '../view/palette';
 import { showKeys } from './keys';
 
@@ -65,6 +66,40 @@ function Cuts({ desk }: { desk: Desk }) {
   );
 }
 
+const measures: Record<MeasureOf, string> = { distance: 'Distance', line: 'Line', area: 'Area' };
+const numbers = ['first', 'second', 'third'];
+
+function MeasureTools({ desk }: { desk: Desk }) {
+  const { ui } = desk;
+  const { measureOf } = ui.now;
+  const measure = desk.view()?.measure;
+  const taken = measure?.ends.length ?? 0;
+  const next = taken === 0 ? 'Click a point of the map, or move it under the cross and press Enter.' : `Now the ${numbers[taken] ?? 'next'} point.`;
+  return (
+    <div class="tools tools-measure">
+      <div class="switch" role="group" aria-label="What to measure">
+        {(Object.keys(measures) as MeasureOf[]).map((name) => (
+          <button key={name} class="button button-small" aria-pressed={measureOf === name} onClick={() => ui.set({ measureOf: name })}>
+            {measures[name]}
+          </button>
+        ))}
+      </div>
+      <output class={measure?.fault ? 'fault' : ''}>{measure?.fault || (taken < needed[measureOf] ? next : measure!.text(measureOf))}</output>
+      {taken > 0 && (
+        <button
+          class="button button-small"
+          onClick={() => {
+            measure!.clear();
+            ui.set({});
+          }}
+        >
+          Clear
+        </button>
+      )}
+    </div>
+  );
+}
+
 export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanvasElement, layer: HTMLElement) => void }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const layer = useRef<HTMLDivElement>(null);
@@ -74,10 +109,10 @@ export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanv
   const view = desk.view();
   return (
     <main class="view">
-      <div class={measuring ? 'stage stage-measuring' : 'stage'}>
+      <div class={measuring || view?.giving ? 'stage stage-measuring' : 'stage'}>
         <canvas ref={canvas} tabIndex={0} aria-label="Map of the mine. Arrow keys move, plus and minus zoom, F shows all, question mark lists all keys." />
         <div class="labels" ref={layer} />
-        {measuring && <div class="crosshair" aria-hidden="true" />}
+        {(measuring || view?.giving) && <div class="crosshair" aria-hidden="true" />}
         {station.sessions.size === 0 && station.link === 'live' && (
           <div class="empty empty-view">
             <p>The mine is dark.</p>
@@ -111,15 +146,17 @@ export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanv
         <button class="button button-small" aria-pressed={measuring} onClick={() => ui.set({ measuring: !measuring })}>
           <Icon name="measure" /> Measure
         </button>
-        <button class="button button-small button-icon" aria-label="Keys" title="Keys" onClick={() => void showKeys()}>
+        <button class="button button-small" aria-pressed={ui.now.grid} title="Lines of coordinates" onClick={() => ui.set({ grid: !ui.now.grid })}>
+          <Icon name="top" /> Grid
+        </button>
+        <button class="button button-small only-phone" aria-pressed={ui.now.sheet === 'tools'} onClick={() => ui.set({ sheet: ui.now.sheet === 'tools' ? null : 'tools' })}>
+          Cuts
+        </button>
+        <button class="button button-small button-icon not-phone" aria-label="Keys" title="Keys" onClick={() => void showKeys()}>
           <Icon name="keys" />
         </button>
       </div>
-      {measuring && (
-        <div class="tools tools-measure" role="status">
-          {view?.measure.text || (view?.measure.ends.length ? 'Now the second point.' : 'Click a point of the map, or move it under the cross and press Enter.')}
-        </div>
-      )}
+      {measuring && <MeasureTools desk={desk} />}
       <div class="tools tools-bottom">
         <Cuts desk={desk} />
         <Legend desk={desk} />

@@ -27,6 +27,11 @@ export function metres(value: number): string {
   return value < 1000 ? `${Math.round(value)} m` : `${(value / 1000).toFixed(2)} km`;
 }
 
+export const wallClock_s = 1e9; // stamps beyond are seconds since 1970, below they count from a start of the robot's own
+
+export const dayAndTime = (stamp_s: number) => new Date(stamp_s * 1000).toLocaleString('en-GB', { day: '2-digit', month: 'short', hour: '2-digit', minute: '2-digit' });
+
+export const day = (at: Date) => at.toLocaleDateString('en-GB', { weekday: 'short', day: '2-digit', month: 'short', year: 'numeric' });
 export const clock = (at: Date) => at.toLocaleTimeString('en-GB');
 
 /** Never 0 % or 100 % of what is not. */

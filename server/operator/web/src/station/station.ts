@@ -2,15 +2,23 @@
 
 import { ApiError, ask, askJson, inTurn, token, trajectory } from './api';
 import { Feed, type LinkState } from './feed';
-import { Log } from './log';
+import { dayAndTime, wallClock_s } from '../parts/format';
+import { Log, type ServerEntry } from './log';
 import { readOverview } from './overview';
-import type { Alignment, Atlas, Component, Keyframe, Pending, Session, SessionName, StationEvent, Status, Transform } from './types';
+import type { Alignment, Atlas, Component, Keyframe, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
 
 const lookAround_ms = 2000;
+const together_ms = 300; // changes of the atlas within it are one request
 
 export interface Placed {
   component: number;
   T_component_session: Transform;
+}
+
+export interface ControlPoint {
+  session: number;
+  name: string;
+  p_session: [number, number, number];
 }
 
 export const nameOf = ({ robot, session }: SessionName) => `${robot}/${session}`;
@@ -28,7 +36,13 @@ export class Station {
   revision = 0;
   pending: Pending = { attempts: 0, keyframes: 0, awaited_submaps: 0 };
   status: Status | null = null;
+  /** The one set last at the end. */
+  surveys: Survey[] = [];
+  /** Points of the survey that is worked on. */
+  draft: ControlPoint[] = [];
   routes = new Set<string>();
+  /** The server wants a token, and robots enrol. */
+  token = false;
   readonly log = new Log();
 
   private readonly feed: Feed;
@@ -37,6 +51,7 @@ export class Station {
   private readonly following = new Set<number>();
   private readonly earlyPoints = new Map<number, ArrayBuffer>();
   private overviewRead = false;
+  private atlasDue = false;
 
   /** askForToken gets what was wrong with the last one, if there was one, and settles when there is another to try. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
@@ -69,11 +84,28 @@ export class Station {
     return this.sessions.get(this.idOf(name) ?? -1);
   }
 
-  /** What to call a session: its label, or its robot, with the session's name where the robot has several. */
+  /** What to call a session: its label, or its robot; where the robot has several, with the time of its first keyframe, or
+   * the session's name where the robot's clock tells none, or two began in the same minute. */
   titleOf(session: Session): string {
     if (session.label) return session.label;
-    const several = [...this.sessions.values()].some((other) => other.robot === session.robot && other.id !== session.id);
-    return several ? `${session.robot} · ${session.session}` : session.robot;
+    const others = [...this.sessions.values()].filter((other) => other.robot === session.robot && other.id !== session.id);
+    if (others.length === 0) return session.robot;
+    const began = this.beganAt(session.id);
+    const told = began && others.every(({ id }) => this.beganAt(id) !== began);
+    return `${session.robot} · ${told ? began : session.session}`;
+  }
+
+  /** By its robot's clock; empty where that counts from a start of its own. */
+  beganAt(session: number): string {
+    const stamp_s = this.paths.get(session)?.[0]?.stamp_s ?? 0;
+    return stamp_s > wallClock_s ? dayAndTime(stamp_s) : '';
+  }
+
+  /** The server names sessions in full; on the page they are called as everywhere on it. */
+  titled(text: string): string {
+    let out = text;
+    for (const session of this.sessions.values()) out = out.replaceAll(nameOf(session), this.titleOf(session));
+    return out;
   }
 
   titleOfName(name: SessionName): string {
@@ -98,9 +130,43 @@ export class Station {
     this.changed();
   }
 
+  async refreshSurveys(): Promise<void> {
+    this.surveys = (await askJson<{ surveys: Survey[] }>('/api/v1/survey')).surveys;
+    this.changed();
+  }
+
+  /** T_grid_component by the survey of one of its sessions, the one that counts; null: none was surveyed. */
+  gridOf(component: number): Transform | null {
+    return this.surveys.filter((survey) => survey.component === component).at(-1)?.T_grid_component ?? null;
+  }
+
+  /** All control points that there are, those that are worked on instead of their session's. */
+  controlPoints(): ControlPoint[] {
+    const worked = this.draft[0]?.session;
+    const set = this.surveys
+      .filter(({ session_id }) => session_id !== worked)
+      .flatMap(({ session_id, points }) => points.map(({ name, p_session }) => ({ session: session_id, name, p_session: p_session as [number, number, number] })));
+    return [...set, ...this.draft];
+  }
+
+  private async readLog(): Promise<void> {
+    this.log.take((await askJson<{ entries: ServerEntry[] }>('/api/v1/log?most=1000')).entries);
+    this.changed();
+  }
+
   async refreshSessions(): Promise<void> {
     this.takeSessions((await askJson<{ sessions: Session[] }>('/api/v1/sessions')).sessions);
     this.changed();
+  }
+
+  /** A session that no component holds has come since the atlas was read: a revision tells of merges only. */
+  private refreshAtlasSoon(): void {
+    if (this.atlasDue) return;
+    this.atlasDue = true;
+    setTimeout(() => {
+      this.atlasDue = false;
+      void this.refreshAtlas().catch(() => {}); // the next look around tries again
+    }, together_ms);
   }
 
   private async takeOverview(): Promise<void> {
@@ -118,7 +184,8 @@ export class Station {
 
   private async admit(): Promise<void> {
     for (;;) {
-      if (!token.get() && (await askJson<{ token: boolean }>('/healthz')).token) await this.askForToken('');
+      this.token = (await askJson<{ token: boolean }>('/healthz')).token;
+      if (!token.get() && this.token) await this.askForToken('');
       try {
         this.status = await askJson<Status>('/api/v1/status');
         break;
@@ -142,6 +209,7 @@ export class Station {
         }
       }
     this.changed();
+    void this.refreshSurveys().catch(() => {});
   }
 
   private onLink(state: LinkState): void {
@@ -161,26 +229,19 @@ export class Station {
         this.takeSessions(event.sessions.sessions);
         this.takeAtlas(event.atlas);
         if (event.atlas.pending) this.pending = event.atlas.pending;
+        void this.readLog().catch(() => {}); // with the next snapshot, then
         break;
       case 'robot_connected':
       case 'robot_left':
-        this.takeSession(event);
-        this.log.add(
-          event.type === 'robot_left' ? 'doubt' : 'plain',
-          `${event.robot} ${event.type === 'robot_left' ? 'left' : 'connected'}.`,
-          { session: event.id },
-        );
-        break;
       case 'keyframes':
-        if (event.complete && this.sessions.get(event.id)?.complete === false)
-          this.log.add('plain', `${event.robot} finished its session: ${event.keyframes} keyframes.`, { session: event.id });
-        this.takeSession(event);
-        break;
       case 'renamed':
         this.takeSession(event);
         break;
       case 'alignment':
-        this.onAlignment(event.alignment);
+        this.alignments = new Map(this.alignments).set(event.alignment.id, event.alignment);
+        break;
+      case 'log':
+        this.log.take([event.entry]);
         break;
       case 'revision':
         void this.refreshAtlas().catch(() => {});
@@ -190,21 +251,6 @@ export class Station {
         break;
     }
     this.changed();
-  }
-
-  private onAlignment(alignment: Alignment): void {
-    const known = this.alignments.get(alignment.id);
-    this.alignments = new Map(this.alignments).set(alignment.id, alignment);
-    if (known?.state === alignment.state && known.decision === alignment.decision) return;
-    const pair = `${this.titleOfName(alignment.a)} and ${this.titleOfName(alignment.b)}`;
-    const [tone, text] = ({
-      published: ['good', `${pair} are merged.`],
-      verified: ['good', `${pair} are verified.`],
-      candidate: ['doubt', `${pair} may overlap; not sure enough to merge.`],
-      rejected: ['plain', `${pair}: no overlap found.`],
-      retracted: ['bad', `${pair} were taken apart again.`],
-    } as const)[alignment.state];
-    this.log.add(tone, text, { alignment: alignment.id });
   }
 
   private takeSessions(rows: Session[]): void {
@@ -219,6 +265,7 @@ export class Station {
   private takeSession(row: Session): void {
     this.sessions = new Map(this.sessions).set(row.id, { ...this.sessions.get(row.id), ...row });
     this.ids.set(nameOf(row), row.id);
+    if (!this.placed.has(row.id)) this.refreshAtlasSoon();
     void this.followPath(row.id);
   }
 
@@ -229,8 +276,7 @@ export class Station {
         const id = this.idOf(placement);
         if (id !== undefined) placed.set(id, { component: component.id, T_component_session: placement.T_component_session });
       }
-    if (this.revision && atlas.revision !== this.revision)
-      this.log.add('plain', `Revision ${atlas.revision}: ${atlas.components.length} ${atlas.components.length === 1 ? 'map' : 'maps'}.`);
+    if (this.can('GET /api/v1/survey')) void this.refreshSurveys().catch(() => {}); // where components lie in the grid
     this.revision = atlas.revision;
     this.components = atlas.components;
     this.placed = placed;
@@ -260,6 +306,8 @@ export class Station {
     if (document.hidden || this.link !== 'live') return;
     try {
       await this.refreshSessions();
+      if ([...this.sessions.values()].some(({ id, component }) => (component ?? undefined) !== this.placed.get(id)?.component)) this.refreshAtlasSoon();
+      await this.refreshSurveys(); // others set them too
       this.status = await (await ask('/api/v1/status')).json();
       this.changed();
     } catch {

@@ -1,5 +1,7 @@
 // What the operator API says, as JSON. Lengths in metres, transforms 16 numbers, row-major; null: not measured.
 
+import type { ServerEntry } from './log';
+
 export type Transform = number[];
 
 export interface SessionName {
@@ -36,6 +38,8 @@ export interface Alignment {
   verdict: State;
   decision: Ruling;
   T_a_b: Transform;
+  /** What holds it back: two sessions, by their ids, that it would lay on each other where they contradict each other. */
+  objection?: { a: number; b: number; violation: number } | null;
   evidence: Record<string, number | null>;
 }
 
@@ -105,9 +109,13 @@ export type SurveyBody = { points: SurveyPoint[] } | { T_grid_session: Transform
 
 export interface Survey {
   session_id: number;
+  component?: number;
+  T_grid_component?: Transform;
   T_grid_session: Transform;
   points: (SurveyPoint & { residual_m: number })[];
   rms_m: number | null;
+  /** The point that does not fit the others, and why it is held for wrong. */
+  suspect?: { name: string; text: string } | null;
 }
 
 export interface Keyframe {
@@ -122,4 +130,21 @@ export type StationEvent =
   | ({ type: 'robot_connected' | 'robot_left' | 'keyframes' | 'renamed' } & Session)
   | { type: 'alignment'; alignment: Alignment }
   | { type: 'revision'; revision: number; components: number }
-  | { type: 'pending'; pending: Pending };
+  | { type: 'pending'; pending: Pending }
+  | { type: 'log'; entry: ServerEntry };
+
+/** A robot as it may come in or not. */
+export interface RobotRow {
+  robot: string;
+  state: 'invited' | 'enrolled' | 'revoked' | 'expired';
+  enrolled_s: number | null;
+  code_expires_s: number | null;
+  rate_kib_s: number | null;
+}
+
+export interface RobotList {
+  fingerprint: string;
+  /** HOST:PORT where robots come. */
+  address: string | null;
+  robots: RobotRow[];
+}

@@ -8,7 +8,7 @@ import type { Station } from '../station/station';
 import type { Alignment } from '../station/types';
 import type { Frames } from './frames';
 import { type Link, overlapLinks } from './overlap';
-import { verdicts } from './palette';
+import { lookOf } from './palette';
 import type { Stage } from './stage';
 
 const recount = 8; // keyframes that a path grows before the overlap is looked for again
@@ -65,7 +65,7 @@ export class Edges {
       if (edge.links.length === 0 && a.length && b.length)
         edge.links = [{ p_a: new Vector3(...a[a.length >> 1].position), p_b: new Vector3(...b[b.length >> 1].position) }];
     }
-    const look = verdicts[alignment.state];
+    const look = lookOf(alignment);
     const { material } = edge.line;
     material.color.setStyle(isDark ? look.dark : look.light, 'srgb-linear');
     material.linewidth = selected ? 3 : 1.6;

@@ -37,22 +37,39 @@ export function extentOf(component: number, members: Member[]): Extent {
   return { component, sessions: members.length, box };
 }
 
-/** Columns to the right of the largest component, as high as what is there asks. */
+const aspect = 1.5; // of width and height that is aimed at: that of a view beside panels
+
+/** The largest keeps its own coordinates, the others stand in columns to its right: as many as fill a picture best. */
 export function layOut(extents: Extent[]): Map<number, Plot> {
-  const plots = new Map<number, Plot>();
   const [main, ...others] = [...extents].sort((x, y) => y.sessions - x.sessions || Math.abs(x.component) - Math.abs(y.component));
-  if (!main) return plots;
-  plots.set(main.component, { offset: new Vector2(), box: main.box });
-  const areas = extents.map(({ box }) => (box.max.x - box.min.x + gap_m) * (box.max.y - box.min.y + gap_m));
-  const height_m = Math.max(main.box.max.y - main.box.min.y, 0.75 * Math.sqrt(areas.reduce((sum, area) => sum + area, 0)));
-  let x = main.box.max.x + gap_m;
-  let y = main.box.max.y;
-  let width = 0;
+  if (!main) return new Map();
+  const span = (rows: Map<number, Plot>) => {
+    const all = [...rows.values()].reduce((sum, { box }) => sum.union(box), new Box2()).getSize(new Vector2());
+    return Math.max(all.x, aspect * all.y);
+  };
+  // Columns may be as high as the first one, two, three ... plots on each other.
+  let height_m = main.box.max.y - main.box.min.y;
+  let best = columns(main, others, height_m);
+  for (const { box } of others) {
+    height_m += box.max.y - box.min.y + gap_m;
+    const tried = columns(main, others, height_m);
+    if (span(tried) < span(best)) best = tried;
+  }
+  return best;
+}
+
+/** Below the largest as well, where there is room. */
+function columns(main: Extent, others: Extent[], height_m: number): Map<number, Plot> {
+  const plots = new Map([[main.component, { offset: new Vector2(), box: main.box }]]);
+  const top = main.box.max.y;
+  let x = main.box.min.x;
+  let y = main.box.min.y - gap_m;
+  let width = main.box.max.x - main.box.min.x;
   for (const { component, box } of others) {
     const span = box.getSize(new Vector2());
-    if (y < main.box.max.y && y - span.y < main.box.max.y - height_m) {
+    if (y < top && y - span.y < top - height_m) {
       x += width + gap_m;
-      y = main.box.max.y;
+      y = top;
       width = 0;
     }
     const offset = new Vector2(x - box.min.x, y - box.max.y);

@@ -1,54 +1,33 @@
-// Distance between two points of the clouds that the operator picks.
+// Distance, length or area of points of the clouds that the operator picks.
 
-import { Matrix4, Vector3, Vector4 } from 'three';
+import { Vector3 } from 'three';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
-import { shared } from './cloud_material';
-import type { Clouds } from './clouds';
+import { areaText, distanceText, lineText } from './figures';
 import type { Frames } from './frames';
 import type { Label } from './labels';
+import type { Picked } from './pick';
 import type { Stage } from './stage';
 
-const reach_px = 14;
+export type MeasureOf = 'distance' | 'line' | 'area';
 
-/** The drawn point nearest to a pixel of the page: in front of others within reach; none: nothing is there. */
-export function pick(x: number, y: number, stage: Stage, clouds: Clouds, frames: Frames): Vector3 | null {
-  const { camera, size } = stage;
-  const view = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-  const [roof, low, high] = [shared.roof.value, shared.slice.value.x, shared.slice.value.y];
-  const p = new Vector3();
-  const clip = new Vector4();
-  let found: Vector3 | null = null;
-  let best = Infinity;
-  for (const [id, cloud] of clouds.clouds) {
-    const T = frames.of(id);
-    if (!T) continue;
-    for (const [chunk] of cloud.chunks())
-      for (let i = 0; i < chunk.count; i++) {
-        if (chunk.above_m(i) > roof) continue;
-        chunk.at(i, p).applyMatrix4(T);
-        if (p.z < low || p.z > high) continue;
-        clip.set(p.x, p.y, p.z, 1).applyMatrix4(view);
-        if (clip.w <= 0) continue;
-        const dx = ((clip.x / clip.w + 1) / 2) * size.x - x;
-        const dy = ((1 - clip.y / clip.w) / 2) * size.y - y;
-        const squared = dx * dx + dy * dy;
-        if (squared > reach_px * reach_px) continue;
-        const cost = squared / (reach_px * reach_px) + clip.z / clip.w; // near the pixel, and near the eye
-        if (cost >= best) continue;
-        best = cost;
-        found = p.clone();
-      }
-  }
-  return found;
-}
+export const needed: Record<MeasureOf, number> = { distance: 2, line: 2, area: 3 };
+export const notMerged = 'These points lie in maps that are not merged: where they lie to each other is not known, so there is nothing to measure between them.';
+export const nothingThere = 'No point of a map is there: click nearer to a wall.';
 
 export class Measure {
-  readonly ends: Vector3[] = [];
+  readonly ends: Picked[] = [];
+  /** Why the last point was not taken; empty: it was. */
+  fault = '';
   private readonly line: LineSegments2;
+  private drawnAt = -1;
 
-  constructor(private readonly stage: Stage) {
+  constructor(
+    private readonly stage: Stage,
+    private readonly frames: Frames,
+    private readonly componentOf: (session: number) => number | undefined,
+  ) {
     this.line = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: 2, depthTest: false, transparent: true }));
     this.line.renderOrder = 30;
     this.line.frustumCulled = false;
@@ -56,40 +35,74 @@ export class Measure {
     stage.scene.add(this.line);
   }
 
-  /** The third point begins anew. */
-  take(place: Vector3): void {
-    if (this.ends.length === 2) this.ends.length = 0;
-    this.ends.push(place);
-    this.line.visible = this.ends.length === 2;
-    if (this.line.visible) {
-      this.line.geometry.dispose();
-      this.line.geometry = new LineSegmentsGeometry().setPositions(this.ends.flatMap((end) => end.toArray()));
-    }
-    this.stage.draw();
+  /** null: nothing was there. The third point of a distance begins anew. */
+  take(found: Picked | null, of: MeasureOf): void {
+    if (of === 'distance' && found && this.ends.length >= 2) this.ends.length = 0;
+    this.fault = found ? '' : nothingThere;
+    if (found && this.ends.length && this.componentOf(found.session) !== this.componentOf(this.ends[0].session)) this.fault = notMerged;
+    if (found && !this.fault) this.ends.push(found);
+    this.changed();
+  }
+
+  back(): void {
+    this.ends.pop();
+    this.fault = '';
+    this.changed();
   }
 
   clear(): void {
     this.ends.length = 0;
-    this.line.visible = false;
-    this.stage.draw();
+    this.fault = '';
+    this.changed();
   }
 
   paint(colour: string): void {
     this.line.material.color.setStyle(colour, 'srgb-linear');
   }
 
-  /** In words; empty without two ends. */
-  get text(): string {
-    const [p, q] = this.ends;
-    if (!q) return '';
-    const flat = Math.hypot(q.x - p.x, q.y - p.y);
-    const up = q.z - p.z;
-    return `${p.distanceTo(q).toFixed(2)} m · level ${flat.toFixed(2)} m · height ${up < 0 ? '−' : '+'}${Math.abs(up).toFixed(2)} m`;
+  /** In words; empty without enough points. */
+  text(of: MeasureOf): string {
+    if (this.ends.length < needed[of]) return '';
+    if (this.apart()) return notMerged;
+    const places = this.places();
+    return of === 'distance' ? distanceText(places) : of === 'line' ? lineText(places) : areaText(places);
   }
 
-  labels(): Label[] {
-    const dots: Label[] = this.ends.map((place, index) => ({ key: `measure-${index}`, place, text: index === 0 ? 'A' : 'B', kind: 'measure', rank: 0 }));
-    if (this.text) dots.push({ key: 'measure-text', place: this.ends[0].clone().lerp(this.ends[1], 0.5), text: this.text, kind: 'measure', rank: 0 });
-    return dots;
+  /** Points follow their maps. */
+  beforeFrame(of: MeasureOf): void {
+    if (this.drawnAt === this.frames.version) return;
+    this.drawnAt = this.frames.version;
+    const places = this.places();
+    this.line.visible = places.length > 1 && !this.apart();
+    if (!this.line.visible) return;
+    const corners = of === 'area' && places.length > 2 ? [...places, places[0]] : places;
+    this.line.geometry.dispose();
+    this.line.geometry = new LineSegmentsGeometry().setPositions(corners.slice(1).flatMap((place, at) => [...corners[at].toArray(), ...place.toArray()]));
+  }
+
+  labels(of: MeasureOf): Label[] {
+    const places = this.places();
+    const labels: Label[] = places.map((place, at) => ({ key: `measure-${at}`, place, text: String.fromCharCode(65 + (at % 26)), kind: 'measure', rank: 0 }));
+    const text = this.apart() ? '' : this.text(of);
+    const middle = places.reduce((sum, place) => sum.add(place), new Vector3()).divideScalar(Math.max(places.length, 1));
+    if (text) labels.push({ key: 'measure-text', place: middle, text, kind: 'measure', rank: 0 });
+    return labels;
+  }
+
+  /** A merge was taken back since. */
+  private apart(): boolean {
+    return new Set(this.ends.map(({ session }) => this.componentOf(session))).size > 1;
+  }
+
+  private places(): Vector3[] {
+    return this.ends.flatMap(({ session, p_session }) => {
+      const T = this.frames.of(session);
+      return T ? [p_session.clone().applyMatrix4(T)] : [];
+    });
+  }
+
+  private changed(): void {
+    this.drawnAt = -1;
+    this.stage.draw();
   }
 }

@@ -9,16 +9,22 @@ import { cloudMaterial, colourBy, shared, vector } from './cloud_material';
 import { type Budget, Clouds } from './clouds';
 import { Edges } from './edges';
 import { Frames } from './frames';
+import { matrixOf } from './layout';
 import { type Label, Labels } from './labels';
-import { Measure, pick } from './measure';
-import { mixed, type RobotColours, verdicts } from './palette';
+import { Cursor, type Spot } from './cursor';
+import { Decor, type Framed } from './decor';
+import { Measure } from './measure';
+import { lookOf, mixed, type RobotColours } from './palette';
+import { type Picked, pick } from './pick';
 import { Robots } from './robots';
 import { Stage } from './stage';
 
 const themes = {
-  dark: { paper: '#12161b', ink: '#f2f5f7', rim: '#12161b', outline: '#2b323b' },
-  light: { paper: '#f3f4f2', ink: '#14181d', rim: '#ffffff', outline: '#cfd3d2' },
+  dark: { paper: '#12161b', ink: '#f2f5f7', rim: '#12161b', outline: '#2b323b', written: '#97a2ae', grid: '#97a2ae38' },
+  light: { paper: '#f3f4f2', ink: '#14181d', rim: '#ffffff', outline: '#cfd3d2', written: '#57616c', grid: '#57616c33' },
 };
+const rested_ms = 120; // of the pointer, before the points under it are looked through
+const dragged_px = 4; // further, and a press was no click
 
 // What the colours of heights span, from the lowest and highest path: a sensor rides about so high, walls end about there.
 const floor_m = 1.5;
@@ -48,6 +54,11 @@ export class MineView {
   private readonly robots: Robots;
   private readonly edges: Edges;
   private readonly labels: Labels;
+  private readonly decor: Decor;
+  private readonly cursor: Cursor;
+  /** Takes the next points that are clicked, in place of everything else. */
+  private taker: ((found: Picked | null) => void) | null = null;
+  private resting = 0;
   private readonly outlines = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
   private outlinesAt = -1;
   private reachedAt = 0;
@@ -75,7 +86,9 @@ export class MineView {
     this.robots = new Robots(station, this.frames, this.stage);
     this.edges = new Edges(station, this.frames, this.stage);
     this.labels = new Labels(layer, this.stage);
-    this.measure = new Measure(this.stage);
+    this.measure = new Measure(this.stage, this.frames, (id) => this.componentOf(id));
+    this.decor = new Decor(layer, this.stage);
+    this.cursor = new Cursor(layer);
     this.outlines.frustumCulled = false;
     this.stage.signs.add(this.outlines);
     this.stage.onFrame(() => this.frame());
@@ -91,7 +104,14 @@ export class MineView {
     });
     ui.onChange(mark);
     setTimeout(() => this.stage.draw(), alone_ms); // with all that waited for points
-    canvas.addEventListener('click', (event) => this.onClick(event.offsetX, event.offsetY));
+    let pressed = { x: 0, y: 0 };
+    canvas.addEventListener('pointerdown', ({ offsetX: x, offsetY: y }) => (pressed = { x, y }));
+    canvas.addEventListener('click', ({ offsetX: x, offsetY: y }) => Math.hypot(x - pressed.x, y - pressed.y) <= dragged_px && this.onClick(x, y));
+    canvas.addEventListener('pointermove', ({ offsetX, offsetY, buttons }) => buttons === 0 && this.onPointer(offsetX, offsetY));
+    canvas.addEventListener('pointerleave', () => {
+      clearTimeout(this.resting);
+      this.cursor.show(null);
+    });
   }
 
   /** Everything in sight, and again whenever the map grows, until the operator moves the view. */
@@ -100,13 +120,28 @@ export class MineView {
     this.stage.frame(this.contents());
   }
 
-  /** The middle of the view, or what was clicked: a point to measure from. */
-  takePoint(x = this.stage.size.x / 2, y = this.stage.size.y / 2): boolean {
-    const place = pick(x, y, this.stage, this.clouds, this.frames);
-    if (place) this.measure.take(place);
+  /** Of the middle of the view, or what was clicked: a point to measure from, or of a survey. */
+  takePoint(x = this.stage.size.x / 2, y = this.stage.size.y / 2): void {
+    const found = pick(x, y, this.stage, this.clouds, this.frames);
+    if (this.taker) this.taker(found);
+    else this.measure.take(found, this.ui.now.measureOf);
     this.dirty = true;
     this.onPicked();
-    return place !== null;
+  }
+
+  /** null: clicks are what they always are. */
+  give(taker: ((found: Picked | null) => void) | null): void {
+    this.taker = taker;
+    this.cursor.hold(null);
+  }
+
+  get giving(): boolean {
+    return this.taker !== null;
+  }
+
+  /** Metres of the scale bar. */
+  get bar_m(): number {
+    return this.decor.bar_m;
   }
 
   look(session: number): void {
@@ -126,8 +161,52 @@ export class MineView {
   }
 
   private onClick(x: number, y: number): void {
-    if (this.ui.now.measuring) this.takePoint(x, y);
-    else if (this.ui.now.session !== null || this.ui.now.alignment !== null) this.ui.set({ session: null });
+    if (this.ui.now.measuring || this.taker) return this.takePoint(x, y);
+    const found = pick(x, y, this.stage, this.clouds, this.frames);
+    this.cursor.hold(found && this.spotOf(found));
+    if (this.ui.now.session !== null || this.ui.now.alignment !== null) this.ui.set({ session: null });
+  }
+
+  /** Coordinates follow the pointer at once from above, and have their height when it rests. */
+  private onPointer(x: number, y: number): void {
+    if (this.cursor.holds) return;
+    clearTimeout(this.resting);
+    const flat = this.flatSpot(x, y);
+    if (flat) this.cursor.show(flat);
+    this.resting = window.setTimeout(() => {
+      const found = pick(x, y, this.stage, this.clouds, this.frames);
+      this.cursor.show(found ? this.spotOf(found) : flat);
+    }, rested_ms);
+  }
+
+  /** From above, where a map's plot is; its height is not known. */
+  private flatSpot(x: number, y: number): Spot | null {
+    if (this.stage.way !== 'top') return null;
+    const place = this.stage.onGround(x, y);
+    for (const [component, { box, offset }] of this.frames.plots)
+      if (box.containsPoint(place) || this.frames.plots.size === 1)
+        return { map: this.mapName(component), p_component: [place.x - offset.x, place.y - offset.y, null], T_grid_component: this.station.gridOf(component) };
+    return null;
+  }
+
+  private spotOf({ session, p_session }: Picked): Spot | null {
+    const placed = this.station.placed.get(session);
+    if (!placed) return null;
+    const { x, y, z } = p_session.clone().applyMatrix4(matrixOf(placed.T_component_session));
+    return { map: this.mapName(placed.component), p_component: [x, y, z], T_grid_component: this.station.gridOf(placed.component) };
+  }
+
+  private componentOf(session: number): number {
+    return this.station.placed.get(session)?.component ?? -session;
+  }
+
+  private mapName(component: number): string {
+    const members = this.membersOf(component);
+    return members.length === 1 ? `map of ${this.station.titleOf(members[0])}` : `map of ${members.length} sessions`;
+  }
+
+  private membersOf(component: number): Session[] {
+    return [...this.station.sessions.values()].filter(({ id }) => this.componentOf(id) === component);
   }
 
   private frame(): boolean {
@@ -141,6 +220,8 @@ export class MineView {
     if (this.stage.signs.visible) {
       this.robots.beforeFrame();
       this.edges.beforeFrame();
+      this.measure.beforeFrame(this.ui.now.measureOf);
+      this.decor.draw(this.framed(), this.ui.now.grid);
       this.labels.set(this.allLabels());
       this.labels.place();
     }
@@ -158,10 +239,10 @@ export class MineView {
 
   /** All that the view shows of the station, to be compared. */
   private told(): string {
-    const { epoch, link, revision, sessions, paths, alignments } = this.station;
+    const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
     const pairs = [...alignments.values()].map(({ id, state, decision, T_a_b }) => [id, state, decision, T_a_b]);
-    return JSON.stringify([epoch, link, revision, rows, pairs]);
+    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.components.length]);
   }
 
   /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
@@ -200,19 +281,25 @@ export class MineView {
     }));
     this.edges.sync(isDark, now.alignment);
     this.measure.paint(theme.ink);
+    this.decor.paint(theme.written, theme.grid);
     this.outlines.material.color.setStyle(theme.outline, 'srgb-linear');
   }
 
   private colourOf(session: Session): string {
-    return this.colours.of(session.robot, this.ui.isDark);
+    return this.colours.of(session, this.ui.isDark);
   }
 
   /** What is not selected steps back. */
   private fadedOf(session: number): number {
     const { session: one, alignment } = this.ui.now;
     const pair = alignment === null ? undefined : this.station.alignments.get(alignment);
+    if (pair?.objection && [pair.objection.a, pair.objection.b].includes(session)) return 0; // who contradicts it
     if (pair) return [pair.a, pair.b].some((name) => this.station.idOf(name) === session) ? 0 : 0.75;
     return one === null || one === session ? 0 : 0.65;
+  }
+
+  private framed(): Framed[] {
+    return [...this.frames.plots].map(([component, plot]) => ({ plot, T_grid_component: this.station.gridOf(component) }));
   }
 
   private contents(): Box3 {
@@ -238,7 +325,7 @@ export class MineView {
   }
 
   private allLabels(): Label[] {
-    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.measure.labels()];
+    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.controlLabels(), ...this.measure.labels(this.ui.now.measureOf)];
   }
 
   private robotLabels(): Label[] {
@@ -254,7 +341,10 @@ export class MineView {
         colour: this.colourOf(session),
         rank: session.id === this.ui.now.session ? 1 : session.connected ? 2 : 4,
         describe: `${this.station.titleOf(session)}, ${session.connected ? 'connected' : 'not connected'}: select`,
-        onClick: () => this.ui.set({ session: session.id, alignment: null }),
+        onClick: (off) => {
+          this.ui.set({ session: session.id, alignment: null, ...(off ? {} : { sheet: 'robots' }) });
+          if (off) this.look(session.id);
+        },
       });
     }
     return labels;
@@ -262,7 +352,7 @@ export class MineView {
 
   private verdictLabels(): Label[] {
     return [...this.edges.badges()].map(([alignment, place]) => {
-      const look = verdicts[alignment.state];
+      const look = lookOf(alignment);
       const pair = `${this.station.titleOfName(alignment.a)} and ${this.station.titleOfName(alignment.b)}`;
       return {
         key: `verdict-${alignment.id}`,
@@ -272,16 +362,26 @@ export class MineView {
         colour: this.ui.isDark ? look.dark : look.light,
         rank: alignment.id === this.ui.now.alignment ? 1 : 3,
         describe: `${pair}: ${look.word}; show the evidence`,
-        onClick: () => this.ui.set({ alignment: alignment.id, session: null, tab: 'merges' }),
+        onClick: () => this.ui.set({ alignment: alignment.id, session: null, survey: null, tab: 'merges', sheet: 'side' }),
       };
+    });
+  }
+
+  /** Control points of the surveys that there are, and of the one that is worked on. */
+  private controlLabels(): Label[] {
+    return this.station.controlPoints().flatMap(({ session, name, p_session }) => {
+      const T = this.frames.of(session);
+      if (!T) return [];
+      return [{ key: `control-${session}-${name}`, place: new Vector3(...p_session).applyMatrix4(T), text: `▲ ${name}`, kind: 'control' as const, rank: 2 }];
     });
   }
 
   private frameLabels(): Label[] {
     if (this.frames.plots.size < 2 || this.frames.plots.size > mostFrameLabels) return [];
     return [...this.frames.plots].map(([id, { box }]) => {
-      const members = [...this.station.sessions.values()].filter((session) => (this.station.placed.get(session.id)?.component ?? -session.id) === id);
-      const text = members.length === 1 ? `${this.station.titleOf(members[0])}: own frame, not merged` : `Map of ${members.length} sessions`;
+      const members = this.membersOf(id);
+      const surveyed = this.station.gridOf(id) ? ', surveyed' : '';
+      const text = members.length === 1 ? `${this.station.titleOf(members[0])}: own frame, not merged${surveyed}` : `Map of ${members.length} sessions${surveyed}`;
       return { key: `frame-${id}`, place: new Vector3(box.min.x, box.max.y, 0), text, kind: 'frame', rank: 5 };
     });
   }

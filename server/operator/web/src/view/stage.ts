@@ -212,6 +212,12 @@ export class Stage {
     return seen.set(((seen.x + 1) / 2) * this.size.x, ((1 - seen.y) / 2) * this.size.y, seen.z);
   }
 
+  /** The place under a pixel of the page, as seen from above. */
+  onGround(x: number, y: number): Vector2 {
+    const metres = this.metresPerPixel(this.target);
+    return new Vector2(this.top.position.x + (x - this.size.x / 2) * metres, this.top.position.y - (y - this.size.y / 2) * metres);
+  }
+
   private fitCanvas(): void {
     const { clientWidth, clientHeight } = this.canvas.parentElement!;
     const size = new Vector2(Math.max(clientWidth, 1), Math.max(clientHeight, 1));

@@ -1,0 +1,139 @@
+#include "server/operator/log_lines.hpp"
+
+#include <algorithm>
+
+namespace headframe {
+namespace {
+
+std::string full_name(const SessionKey& key) { return key.robot + "/" + key.session; }
+
+std::string pair_of(const AlignmentRow& row) { return full_name(row.a) + " and " + full_name(row.b); }
+
+std::string counted(std::size_t count, const char* one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+}
+
+void add_sessions(const StationLook& before, const StationLook& after, std::vector<LogEntry>& lines) {
+  std::map<SessionId, const SessionRow*> was;
+  for (const SessionRow& row : before.sessions) was[row.id] = &row;
+  for (const SessionRow& row : after.sessions) {
+    const auto known = was.find(row.id);
+    const SessionRow old = known == was.end() ? SessionRow{} : *known->second;
+    if (row.complete && !old.complete)
+      lines.push_back(
+          {"finished", full_name(row.key) + " finished: " + counted(row.keyframes, "keyframe") + ".", row.id});
+    if (row.connected != old.connected)
+      lines.push_back({row.connected ? "connected" : "left",
+                       full_name(row.key) + (row.connected ? " connected." : " left."), row.id});
+  }
+}
+
+std::string why_withdrawn(AlignmentState now) {
+  switch (now) {
+    case AlignmentState::verified: return "other sessions contradict it";
+    case AlignmentState::candidate: return "it is no longer sure enough";
+    case AlignmentState::retracted:
+    case AlignmentState::rejected:
+    case AlignmentState::published: break;
+  }
+  return "later evidence contradicts it";
+}
+
+std::optional<LogEntry> line_of(const Alignment* before, const AlignmentRow& row) {
+  const Alignment& now = row.alignment;
+  if (before && (before->state == now.state || before->ruling != now.ruling)) return std::nullopt;
+  const auto line = [&](const char* kind, const std::string& text) { return LogEntry{kind, text, 0, now.id}; };
+  if (now.state == AlignmentState::published) return line("merged", pair_of(row) + " are merged.");
+  if (before && before->state == AlignmentState::published)
+    return line("withdrawn", "The merge of " + pair_of(row) + " was withdrawn: " + why_withdrawn(now.state) +
+                                 ". The robots were told.");
+  switch (now.state) {
+    case AlignmentState::verified:
+      return line("held_back", pair_of(row) + " fit each other but are held back: other sessions contradict it.");
+    case AlignmentState::candidate: return line("unsure", pair_of(row) + " may overlap; not sure enough to merge.");
+    case AlignmentState::rejected:
+      if (before) return line("no_match", pair_of(row) + ": no overlap any more.");
+      break;
+    case AlignmentState::retracted:
+    case AlignmentState::published: break;
+  }
+  return std::nullopt;
+}
+
+std::string session_named(const std::map<std::string, std::string>& parameters, const char* parameter,
+                          const Station& station, SessionId& id) {
+  const auto text = parameters.find(parameter);
+  if (text == parameters.end()) return "a session";
+  for (const SessionRow& row : station.sessions())
+    if (std::to_string(row.id) == text->second) {
+      id = row.id;
+      return full_name(row.key);
+    }
+  return "session " + text->second;
+}
+
+LogEntry decision_line(const std::map<std::string, std::string>& parameters, const Station& station) {
+  LogEntry entry{"operator", "", 0, 0};
+  std::string pair = "a pair";
+  for (const AlignmentRow& row : station.atlas().alignments)
+    if (std::to_string(row.alignment.id) == parameters.at("id")) {
+      entry.alignment = row.alignment.id;
+      pair = pair_of(row);
+    }
+  const std::string& decision = parameters.at("decision");
+  entry.text = decision == "confirm"  ? "An operator confirmed " + pair + "."
+               : decision == "refuse" ? "An operator refused " + pair + "."
+               : decision == "undo"   ? "An operator undid the decision on " + pair + "."
+                                      : "An operator took " + pair + " apart.";
+  return entry;
+}
+
+}  // namespace
+
+std::vector<LogEntry> log_lines(const StationLook& before, const StationLook& after) {
+  std::vector<LogEntry> lines;
+  add_sessions(before, after, lines);
+  std::map<AlignmentId, const Alignment*> was;
+  for (const AlignmentRow& row : before.view.alignments) was[row.alignment.id] = &row.alignment;
+  for (const AlignmentRow& row : after.view.alignments) {
+    const auto known = was.find(row.alignment.id);
+    if (auto line = line_of(known == was.end() ? nullptr : known->second, row)) lines.push_back(std::move(*line));
+  }
+  const Atlas& atlas = after.view.atlas;
+  if (before.view.atlas.revision != atlas.revision)
+    lines.push_back({"revision", "Revision " + std::to_string(atlas.revision) + ": " +
+                                     counted(atlas.components.size(), "map") + "."});
+  return lines;
+}
+
+std::optional<LogEntry> operator_line(std::string_view method, std::string_view path,
+                                      const std::map<std::string, std::string>& parameters, const Station& station) {
+  if (method == "GET") return std::nullopt;
+  if (path.ends_with("{decision}")) return decision_line(parameters, station);
+  LogEntry entry{"operator", "", 0, 0};
+  const auto given = [&](const char* name) {
+    const auto found = parameters.find(name);
+    return found == parameters.end() ? std::string() : found->second;
+  };
+  const auto of = [&](const char* parameter, const std::string& before, const std::string& after = {}) {
+    entry.text = "An operator " + before + session_named(parameters, parameter, station, entry.session) + after + ".";
+  };
+  if (path.ends_with("/merge")) entry.text = "An operator asked for merges.";
+  if (path.ends_with("/rename"))
+    of("id", "called ", given("name").empty() ? " by its robot again" : " \"" + given("name") + "\"");
+  if (path.ends_with("/anchor")) of("id", "anchored the map to ");
+  if (path.ends_with("/request-clouds")) of("id", "asked for the clouds of ");
+  if (path.ends_with("/quarantine")) of("id", "set ", " aside");
+  if (path.ends_with("/release")) of("id", "released ");
+  if (method == "DELETE" && path.ends_with("/sessions/{id}")) of("id", "deleted ");
+  if (path.ends_with("/survey")) of("session", method == "DELETE" ? "took away the survey of " : "surveyed ");
+  if (path.ends_with("/robots/add")) entry.text = "An operator invited " + given("robot") + ".";
+  if (path.ends_with("/robots/rate"))
+    entry.text = "An operator lets " + given("robot") + " send " +
+                 (given("kib_s") == "0" ? "what it can" : given("kib_s") + " KiB/s at most") + ".";
+  if (path.ends_with("/robots/revoke")) entry.text = "An operator cut " + given("robot") + " off.";
+  if (entry.text.empty()) return std::nullopt;
+  return entry;
+}
+
+}  // namespace headframe
