@@ -308,6 +308,7 @@ test('a point that does not fit the others is named, and placed only when it is 
   await page.getByText(/The points fit within 0\.\d cm/).first().waitFor();
   assert.equal((await surveys())[0].suspect, null);
   await press('Pick on the map');
+  await page.getByText('Click the next control point on the map.').waitFor();
   const stage = await page.locator('canvas').first().boundingBox();
   await until('a point that was picked', async () => {
     await page.locator('canvas').first().click({ position: { x: stage.width * (0.2 + 0.6 * Math.random()), y: stage.height * (0.25 + 0.5 * Math.random()) }, force: true });

@@ -1,6 +1,6 @@
 // Control points of a session: picked on the map, typed, pasted or dropped as a file; and how well they fit.
 
-import { useEffect, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useState } from 'preact/hooks';
 import { fitText, pointsOf, type Row, rowOf, rowsOf, transformOf } from '../actions/survey_text';
 import type { Desk } from '../context';
 import { Icon } from '../parts/icons';
@@ -89,7 +89,8 @@ export function SurveyPanel({ desk, session }: { desk: Desk; session: Session })
     station.draft = placed.map((row) => ({ session: session.id, name: row.name, p_session: row.session.map(Number) as [number, number, number] }));
     station.changed();
   }, [rows]);
-  useEffect(() => {
+  // Before the next click: one that came in between would choose a robot.
+  useLayoutEffect(() => {
     const take = (found: Picked | null) => {
       const place = found ? inSession(desk, session, found) : 'No point of a map is there: click nearer to a wall.';
       if (typeof place === 'string') return setFault({ text: place, mayAccept: false });
