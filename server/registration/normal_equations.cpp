@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/support/parallel.hpp"
+
 namespace headframe {
 namespace {
 
@@ -163,6 +165,24 @@ void FactorBlock::append_distances(std::vector<float>& distances_m) const {
     const Eigen::Vector3f n = vector(n_s_), e = vector(e_);
     if (n.dot(N * n) >= least_squared_dot) distances_m.push_back(std::sqrt(std::max(0.0F, e.dot(N * e))));
   }
+}
+
+NormalEquations sum_factors(std::size_t count, int threads, const FactorModel& model, double reach_m,
+                            const std::function<void(std::size_t begin, std::size_t end, FactorBlock&)>& add,
+                            std::vector<float>* distances_m) {
+  constexpr std::size_t size = FactorBlock::capacity;
+  std::vector<NormalEquations> sums((count + size - 1) / size);
+  std::vector<std::vector<float>> distances(distances_m ? sums.size() : 0);
+  for_blocks(count, size, threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
+    FactorBlock factors;
+    add(begin, end, factors);
+    sums[block] = factors.sum(model, reach_m);
+    if (distances_m) factors.append_distances(distances[block]);
+  });
+  NormalEquations total;
+  for (const NormalEquations& s : sums) total += s;
+  for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
+  return total;
 }
 
 }  // namespace headframe

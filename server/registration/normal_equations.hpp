@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "server/registration/registration.hpp"
@@ -67,5 +68,11 @@ class FactorBlock {
   alignas(32) std::array<Row, 6> N_t_;
   std::size_t count_ = 0;
 };
+
+/// The factors of `count` source points, which `add` puts into a block for those from begin to end, summed up. Their
+/// distances are appended to distances_m unless it is null. The result does not depend on the number of threads.
+NormalEquations sum_factors(std::size_t count, int threads, const FactorModel& model, double reach_m,
+                            const std::function<void(std::size_t begin, std::size_t end, FactorBlock&)>& add,
+                            std::vector<float>* distances_m);
 
 }  // namespace headframe

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "server/registration/gauss_newton.hpp"
-#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {
@@ -20,24 +19,14 @@ NormalEquations linearise(const Source& source, const Pose& T, const Eigen::Vect
                           std::vector<float>* distances_m) {
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
-  constexpr std::size_t size = FactorBlock::capacity;
-  std::vector<NormalEquations> sums((source.taken.size() + size - 1) / size);
-  std::vector<std::vector<float>> distances(distances_m ? sums.size() : 0);
-  for_blocks(source.taken.size(), size, config.threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    FactorBlock factors;
+  const auto add = [&](std::size_t begin, std::size_t end, FactorBlock& factors) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = source.taken[k];
       const Eigen::Vector3f p = R * source.points[i] + t;
       if (const Voxel* v = source.target.nearest(p)) factors.add(p - c, p - v->mean, v->N, R * source.normals[i]);
     }
-    sums[block] = factors.sum(config.factor, source.target.leaf_m());
-    if (distances_m) factors.append_distances(distances[block]);
-  });
-  NormalEquations total;
-  for (const NormalEquations& s : sums) total += s;
-  if (!distances_m) return total;
-  for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
-  return total;
+  };
+  return sum_factors(source.taken.size(), config.threads, config.factor, source.target.leaf_m(), add, distances_m);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "server/registration/gauss_newton.hpp"
-#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {
@@ -15,11 +14,7 @@ NormalEquations linearise(const Surfels& target, const Surfels& source, const Po
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
   const auto squared_reach = static_cast<float>(reach_m * reach_m);
-  constexpr std::size_t size = FactorBlock::capacity;
-  std::vector<NormalEquations> sums((source.size() + size - 1) / size);
-  std::vector<std::vector<float>> distances(distances_m ? sums.size() : 0);
-  for_blocks(source.size(), size, config.threads, [&](std::size_t begin, std::size_t end, std::size_t block) {
-    FactorBlock factors;
+  const auto add = [&](std::size_t begin, std::size_t end, FactorBlock& factors) {
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Vector3f p = R * source.points[i] + t;
       Neighbour partner{KdTree::nobody, squared_reach};
@@ -32,14 +27,8 @@ NormalEquations linearise(const Surfels& target, const Surfels& source, const Po
       if (partner.index == KdTree::nobody) continue;
       factors.add(p - c, p - target.points[partner.index], outer(target.normals[partner.index]), R * source.normals[i]);
     }
-    sums[block] = factors.sum(config.factor, reach_m);
-    if (distances_m) factors.append_distances(distances[block]);
-  });
-  NormalEquations total;
-  for (const NormalEquations& s : sums) total += s;
-  if (!distances_m) return total;
-  for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
-  return total;
+  };
+  return sum_factors(source.size(), config.threads, config.factor, reach_m, add, distances_m);
 }
 
 }  // namespace
