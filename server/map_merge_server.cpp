@@ -1,10 +1,12 @@
 #include "server/map_merge_server.hpp"
 
 #include <google/protobuf/stubs/logging.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -75,8 +77,10 @@ Result<void> MapMergeServer::Parts::start() {
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
   if (!token) return tl::unexpected(token.error());
   if (!options.insecure) desk.emplace(gate, fingerprint, to_string(robots));
-  api.emplace(io, view, OperatorLimits{},
-              OperatorAccess{*token, desk ? &*desk : nullptr, options.data / "events.jsonl"});
+  const std::filesystem::path log = options.data / "events.jsonl";
+  if (!std::ofstream(log, std::ios::app))
+    spdlog::warn("{} can not be written: what happens and what operators do is kept in memory alone", log.string());
+  api.emplace(io, view, OperatorLimits{}, OperatorAccess{*token, desk ? &*desk : nullptr, log});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};

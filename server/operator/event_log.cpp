@@ -23,8 +23,8 @@ Json entry_object(const LogEntry& entry) {
 std::optional<LogEntry> entry_of(const std::string& line) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object()) return std::nullopt;
-  const auto number = [&](const char* name) {
-    return json.contains(name) && json[name].is_number() ? json[name].get<double>() : 0.0;
+  const auto number = [&](const char* name) {  // 0: none that an id can have
+    return json.contains(name) && json[name].is_number_unsigned() ? json[name].get<std::uint64_t>() : 0;
   };
   const auto words = [&](const char* name) {
     return json.contains(name) && json[name].is_string() ? json[name].get<std::string>() : std::string();
@@ -33,9 +33,10 @@ std::optional<LogEntry> entry_of(const std::string& line) {
                  words("text"),
                  static_cast<SessionId>(number("session_id")),
                  static_cast<AlignmentId>(number("alignment_id")),
-                 static_cast<std::uint64_t>(number("id")),
-                 number("at_s")};
-  if (entry.kind.empty() || entry.id == 0) return std::nullopt;
+                 number("id"),
+                 json.contains("at_s") && json["at_s"].is_number() ? json["at_s"].get<double>() : 0};
+  constexpr std::uint64_t most_id = 1ULL << 53U;  // what JSON's readers can count to
+  if (entry.kind.empty() || entry.id == 0 || entry.id > most_id) return std::nullopt;
   return entry;
 }
 

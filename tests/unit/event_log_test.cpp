@@ -35,7 +35,9 @@ TEST(EventLog, ALineThatIsDamagedOrCutOffCostsItselfAlone) {
   const TempDir folder;
   const auto file = folder.path() / "events.jsonl";
   EventLog(file).add({"started", "before"});
-  std::ofstream(file, std::ios::app) << "{\"id\":2,\"kind\":7}\nno json\n[1]\n{\"id\": 3, \"kind\": \"mer";
+  std::ofstream(file, std::ios::app)
+      << "{\"id\":2,\"kind\":7}\nno json\n[1]\n{\"id\":1e300,\"kind\":\"k\"}\n{\"id\":-4,\"kind\":\"k\"}\n"
+         "{\"id\":18446744073709551615,\"kind\":\"k\"}\n{\"id\": 3, \"kind\": \"mer";
   EventLog(file).add({"started", "after"});
   EXPECT_EQ(texts(EventLog(file).latest(9)), (Texts{"before", "after"}));
 }
