@@ -84,13 +84,19 @@ Result<std::size_t> Commands::download(const std::string& target, const std::str
 Result<int> Commands::export_map(const MapRequest& request) {
   const auto format = format_of(request.file, request.format);
   if (!format) return tl::unexpected(format.error());
+  const bool plan = is_plan(*format);
+  if (request.scale && !plan)
+    return failure(ErrorCode::invalid_argument,
+                   "--scale is of a plan (pdf, svg, png), and " + request.file + " is " + *format + ": leave it out");
+  if (request.voxel_m && plan)
+    return failure(ErrorCode::invalid_argument,
+                   "--voxel is of points (ply, pcd, las), and " + request.file + " is a plan: leave it out");
   const auto component = component_named(request.component);
   if (!component) return tl::unexpected(component.error());
-  const bool plan = is_plan(*format);
   std::string target =
       (plan ? "/api/v1/plan?component=" : "/api/v1/export?component=") + *component + "&format=" + *format;
-  if (plan && request.scale) target += "&scale=" + std::to_string(*request.scale);
-  if (request.voxel_m && !plan) target += "&voxel=" + fixed(*request.voxel_m, 4);
+  if (request.scale) target += "&scale=" + std::to_string(*request.scale);
+  if (request.voxel_m) target += "&voxel=" + fixed(*request.voxel_m, 4);
   const auto received_bytes = download(target + in_frame(request.frame), request.file);
   if (!received_bytes) return tl::unexpected(received_bytes.error());
   if (json_) {
