@@ -81,12 +81,6 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   if (news) report.changed.push_back(*known);
 }
 
-void AlignmentBook::move(Alignment& published, const Judgement& judged, AttemptReport& report) const {
-  published.T_a_b = judged.T_a_b;
-  published.evidence = judged.evidence;
-  report.changed.push_back(published);
-}
-
 Result<void> AlignmentBook::decide(AlignmentId id, Decision decision, AttemptReport& report) {
   const auto found = std::find_if(alignments_.begin(), alignments_.end(), [&](const auto& k) { return k.id == id; });
   if (found == alignments_.end())

@@ -26,8 +26,6 @@ class AlignmentBook {
   /// The verdict on the best placement of a pair becomes its alignment. waits: however probable, a candidate for now.
   void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,
               AttemptReport& report);
-  /// A published alignment, judged again, as it lies now.
-  void move(Alignment& published, const Judgement& judged, AttemptReport& report) const;
 
   Result<void> decide(AlignmentId id, Decision decision, AttemptReport& report);
   /// False: it was chosen last already.

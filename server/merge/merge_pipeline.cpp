@@ -115,8 +115,12 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   weigh(again);
   if (e.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b.stored[now.b.stored.size() / 2].p;
-  if (e.probability >= config.accept_probability && !same_placement(again.T_a_b, T_0, middle, same_to_robots))
-    book.move(published, by_ids(pair, again), attempt.report);
+  if (e.probability >= config.accept_probability && !same_placement(again.T_a_b, T_0, middle, same_to_robots)) {
+    again = by_ids(pair, again);
+    published.T_a_b = again.T_a_b;
+    published.evidence = again.evidence;
+    attempt.report.changed.push_back(published);
+  }
   return true;
 }
 

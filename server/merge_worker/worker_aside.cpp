@@ -127,6 +127,7 @@ Result<void> MergeWorker::take_back(SessionId session) {
   troubles_.erase(session);
   for (const SessionRecord& record : *sessions)
     if (record.id == session) bring_in(record);
+  if (is_aside(session)) return failure(ErrorCode::internal, troubles_.at(session).why_aside);
   schedule_.trigger(session, Trigger::command, std::chrono::steady_clock::now());
   spdlog::info("session {} is merged again", session);
   update_view();
