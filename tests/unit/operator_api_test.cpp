@@ -1,36 +1,10 @@
-#include <gtest/gtest.h>
-
+// What the operator API answers.
 #include <cstring>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <regex>
 
-#include "server/cli/http_client.hpp"
-#include "tests/support/operator_server.hpp"
+#include "tests/support/operator_api_fixture.hpp"
 
 namespace headframe {
 namespace {
-
-using Json = nlohmann::json;
-
-class OperatorApiTest : public testing::Test {
- protected:
-  HttpResponse get(const std::string& target) { return taken(client.get(target)); }
-  HttpResponse post(const std::string& target) { return taken(client.post(target)); }
-  static HttpResponse taken(Result<HttpResponse> response) {
-    EXPECT_TRUE(response) << response.error().message;
-    return response.value_or(HttpResponse{});
-  }
-  void expect_error(const HttpResponse& response, int status, const std::string& code, const std::string& says) {
-    EXPECT_EQ(response.status, status);
-    const Json json = Json::parse(response.body);
-    EXPECT_EQ(json["error"]["code"], code);
-    EXPECT_NE(json["error"]["message"].get<std::string>().find(says), std::string::npos) << response.body;
-  }
-
-  OperatorServer server;
-  HttpClient client{*parse_http_endpoint(server.where())};
-};
 
 TEST_F(OperatorApiTest, SaysThatItIsThere) {
   EXPECT_EQ(get("/healthz").status, 200);
@@ -44,84 +18,6 @@ TEST_F(OperatorApiTest, SaysThatItIsThere) {
   EXPECT_EQ(status["bytes_received"], 3000);
   EXPECT_EQ(status["alignments"], (Json{{"published", 1}, {"rejected", 1}}));
   EXPECT_EQ(status["pending"], (Json{{"attempts", 0}, {"keyframes", 0}, {"awaited_submaps", 0}}));
-}
-
-/// "headframe_..." names of a text.
-std::set<std::string> metrics_named_in(const std::string& text) {
-  static const std::regex name("headframe_[a-z_]+");
-  return {std::sregex_token_iterator(text.begin(), text.end(), name), {}};
-}
-
-TEST_F(OperatorApiTest, EveryMetricOfTheDashboardIsServed) {
-  std::ifstream file(HEADFRAME_SOURCE_DIR "/docker/grafana/headframe.json");
-  const Json dashboard = Json::parse(file);
-  const std::set<std::string> served = metrics_named_in(get("/metrics").body);
-  std::set<std::string> asked;
-  for (const Json& panel : dashboard["panels"])
-    for (const Json& target : panel["targets"]) asked.merge(metrics_named_in(target["expr"].get<std::string>()));
-  EXPECT_GT(asked.size(), 15U);
-  for (const std::string& name : asked) EXPECT_TRUE(served.contains(name)) << name;
-}
-
-TEST_F(OperatorApiTest, AlertsAskForMetricsThatThereAre) {
-  std::ifstream file(HEADFRAME_SOURCE_DIR "/docker/prometheus/headframe.rules.yml");
-  std::set<std::string> asked;
-  const std::set<std::string> served = metrics_named_in(get("/metrics").body);
-  for (std::string line; std::getline(file, line);)
-    if (const auto at = line.find("expr: "); at != std::string::npos)
-      asked.merge(metrics_named_in(line.substr(at + 6)));
-  EXPECT_GT(asked.size(), 7U);
-  for (const std::string& name : asked) EXPECT_TRUE(served.contains(name)) << name;
-}
-
-TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
-  server.station.work.effort.attempts = 5;
-  server.station.work.effort.withdrawn = 2;
-  server.station.work.effort.stages.registration_ms = 1500;
-  server.station.work.commits = 4;
-  server.station.work.commit_s = 0.25;
-  server.station.rows[1].backlog = 9;
-  server.station.rows[1].cloud_bytes = 600;
-  const HttpResponse response = get("/metrics");
-  EXPECT_EQ(response.status, 200);
-  std::istringstream lines(response.body);
-  std::map<std::string, double> samples;
-  std::set<std::string> described;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("# TYPE ", 0) == 0) described.insert(line.substr(7, line.find(' ', 7) - 7));
-    if (line.empty() || line[0] == '#') continue;
-    const std::size_t space = line.rfind(' ');
-    EXPECT_TRUE(samples.emplace(line.substr(0, space), std::stod(line.substr(space + 1))).second) << line;
-    EXPECT_TRUE(described.contains(line.substr(0, line.find_first_of("{ ")))) << line;
-  }
-  EXPECT_EQ(samples["headframe_robots_connected"], 2);
-  EXPECT_EQ(samples["headframe_keyframes"], 9);
-  EXPECT_EQ(samples["headframe_alignments{state=\"published\"}"], 1);
-  EXPECT_EQ(samples["headframe_alignments{state=\"candidate\"}"], 0);
-  EXPECT_EQ(samples["headframe_verdicts{verdict=\"candidate\"}"], 2);
-  EXPECT_EQ(samples["headframe_backlog_keyframes"], 9);
-  EXPECT_EQ(samples["headframe_robot_bytes_received_total{kind=\"clouds\"}"], 600);
-  EXPECT_EQ(samples["headframe_robot_bytes_received_total{kind=\"keyframes_and_control\"}"], 2400);
-  EXPECT_EQ(samples["headframe_store_commits_total"], 4);
-  EXPECT_EQ(samples["headframe_store_commit_seconds_total"], 0.25);
-  EXPECT_EQ(samples["headframe_merge_attempts_total"], 5);
-  EXPECT_EQ(samples["headframe_merges_withdrawn_total"], 2);
-  EXPECT_EQ(samples["headframe_merge_seconds_total{stage=\"registration\"}"], 1.5);
-}
-
-TEST_F(OperatorApiTest, IsReadyUnlessTheDiskRefuses) {
-  EXPECT_EQ(get("/readyz").status, 200);
-  server.station.change([&] { server.station.work.disk_error = "disk is full"; });
-  expect_error(get("/readyz"), 503, "unavailable", "disk is full");
-  server.station.change([&] {
-    server.station.work = {};
-    server.station.work.merge_work_s = 130;
-    server.station.work.merge_stuck = "merging is stuck: say why";
-  });
-  expect_error(get("/readyz"), 503, "unavailable", "merging is stuck");
-  EXPECT_NE(get("/metrics").body.find("headframe_merge_work_seconds 130\n"), std::string::npos);
-  EXPECT_NE(get("/metrics").body.find("headframe_merge_stuck 1\n"), std::string::npos);
-  EXPECT_EQ(get("/healthz").status, 200) << "alive all the same";
 }
 
 TEST_F(OperatorApiTest, HasAPageOrSaysThatItHasNone) {
@@ -267,95 +163,6 @@ TEST_F(OperatorApiTest, WrongRequestsGetOneClearLine) {
     EXPECT_EQ(get(std::string("/api/v1/export?component=1&voxel=") + voxel).status, 200);
   expect_error(get("/api/v1/trajectory?robot=alpha"), 400, "invalid_argument", "session");
   expect_error(get("/api/v1/trajectory?robot=alpha&session=2"), 404, "not_found", "alpha/2");
-}
-
-TEST_F(OperatorApiTest, DecisionsReachTheStationAndAnswerWithTheAlignment) {
-  const Json before = Json::parse(get("/api/v1/alignments").body);
-  ASSERT_EQ(before["alignments"].size(), 2U);
-  EXPECT_EQ(before["alignments"][1]["id"], 2);
-  EXPECT_EQ(before["alignments"][1]["decision"], "none");
-  const HttpResponse confirmed = post("/api/v1/alignments/2/confirm");
-  EXPECT_EQ(confirmed.status, 200);
-  const Json json = Json::parse(confirmed.body);
-  EXPECT_EQ(json["alignment"]["state"], "published");
-  EXPECT_EQ(json["alignment"]["decision"], "confirmed");
-  EXPECT_EQ(json["revision"], 7);
-  for (const char* name : {"refuse", "retract", "undo"})
-    EXPECT_EQ(post(std::string("/api/v1/alignments/1/") + name).status, 200);
-  EXPECT_EQ(server.station.decided.size(), 4U);
-  EXPECT_EQ(server.station.decided.back(), std::pair(AlignmentId{1}, Decision::undo));
-  expect_error(post("/api/v1/alignments/9/confirm"), 404, "not_found", "no such alignment");
-  expect_error(post("/api/v1/alignments/1x/confirm"), 400, "invalid_argument", "1x");
-  expect_error(post("/api/v1/alignments/1/approve"), 404, "not_found", "approve");
-  expect_error(post("/api/v1/alignments/1"), 404, "not_found", "nothing at");
-  expect_error(post("/api/v1/alignments//confirm"), 404, "not_found", "nothing at");
-  expect_error(get("/api/v1/alignments/1/confirm"), 405, "refused", "POST");
-}
-
-TEST_F(OperatorApiTest, SessionsGetLabelsAnchorsAndCloudRequests) {
-  EXPECT_TRUE(Json::parse(get("/api/v1/sessions").body)["sessions"][1]["label"].is_null());
-  const HttpResponse renamed = post("/api/v1/sessions/2/rename?name=north+drift");
-  EXPECT_EQ(renamed.status, 200);
-  EXPECT_EQ(Json::parse(renamed.body)["label"], "north drift");
-  EXPECT_EQ(Json::parse(renamed.body)["component"], 1);
-  EXPECT_EQ(Json::parse(get("/api/v1/sessions").body)["sessions"][1]["label"], "north drift");
-  const Json placed = Json::parse(get("/api/v1/atlas").body)["components"][0]["sessions"];
-  EXPECT_EQ(placed[1]["label"], "north drift");
-  EXPECT_EQ(placed[1]["id"], 2);
-  EXPECT_EQ(post("/api/v1/sessions/2/rename?name=").status, 200);
-  EXPECT_TRUE(Json::parse(get("/api/v1/sessions").body)["sessions"][1]["label"].is_null());
-  expect_error(post("/api/v1/sessions/2/rename"), 400, "invalid_argument", "\"name\" is missing");
-  expect_error(post("/api/v1/sessions/9/rename?name=x"), 404, "not_found", "no session 9");
-
-  const Json anchored = Json::parse(post("/api/v1/sessions/2/anchor").body);
-  EXPECT_EQ(anchored, (Json{{"revision", 7}, {"component", 1}}));
-  EXPECT_EQ(server.station.anchored, std::vector<SessionId>{2});
-  expect_error(post("/api/v1/sessions/2x/anchor"), 404, "not_found", "no session 2x");
-
-  const HttpResponse asked = post("/api/v1/sessions/2/request-clouds");
-  EXPECT_EQ(asked.status, 202);
-  EXPECT_EQ(Json::parse(asked.body)["requested"], 1);
-  expect_error(post("/api/v1/sessions/1/request-clouds"), 409, "refused", "away");
-  expect_error(post("/api/v1/sessions/9/request-clouds"), 404, "not_found", "no session 9");
-}
-
-TEST_F(OperatorApiTest, ASurveyIsSetSeenAndTakenAway) {
-  EXPECT_EQ(Json::parse(get("/api/v1/survey").body)["surveys"], Json::array());
-  // Session 2 lies turned by 90 deg in the grid; component 1 has it turned by 90 deg too, at (10, 20, 30).
-  const Json points{{{"name", "A"}, {"p_session", {0, 0, 0}}, {"p_grid", {1000000, 2000000, 100}}},
-                    {{"name", "B"}, {"p_session", {50, 0, 0}}, {"p_grid", {1000000, 2000050, 100}}},
-                    {{"p_session", {0, 50, 0}}, {"p_grid", {999950, 2000000, 100}}}};
-  const HttpResponse set = taken(client.post("/api/v1/survey?session=2", Json{{"points", points}}.dump()));
-  ASSERT_EQ(set.status, 200) << set.body;
-  const Json survey = Json::parse(set.body);
-  const std::vector<double> wanted{0, -1, 0, 1000000, 1, 0, 0, 2000000, 0, 0, 1, 100, 0, 0, 0, 1};
-  for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(survey["T_grid_session"][i].get<double>(), wanted[i], 1e-6) << i;
-  EXPECT_EQ(survey["points"][1]["name"], "B");
-  EXPECT_EQ(survey["points"][2]["name"], "point 3");
-  EXPECT_NEAR(survey["points"][2]["residual_m"].get<double>(), 0, 1e-6);
-  EXPECT_NEAR(survey["rms_m"].get<double>(), 0, 1e-6);
-  EXPECT_EQ(survey["component"], 1);
-  EXPECT_NEAR(survey["T_grid_component"][3].get<double>(), 999990, 1e-6);
-  EXPECT_EQ(Json::parse(get("/api/v1/survey").body)["surveys"][0], survey);
-  EXPECT_EQ(taken(client.remove("/api/v1/survey?session=2")).status, 200);
-  expect_error(taken(client.remove("/api/v1/survey?session=2")), 404, "not_found", "no survey");
-  EXPECT_EQ(taken(client.post("/api/v1/survey?session=1", Json{{"T_grid_session", wanted}}.dump())).status, 200);
-  const HttpResponse refusal = taken(client.remove("/api/v1/atlas"));
-  expect_error(refusal, 405, "refused", "takes GET");
-  const auto wrong = [&](const std::string& body, const std::string& says) {
-    expect_error(taken(client.post("/api/v1/survey?session=1", body)), 400, "bad_input", says);
-  };
-  wrong("", "no JSON object");
-  wrong("{}", "one of T_grid_session and points");
-  wrong(R"({"points":[],"T_grid_session":[]})", "one of T_grid_session and points");
-  wrong(R"({"T_grid_session":[1,2,3]})", "16 numbers");
-  wrong(R"({"points":{}})", "no list");
-  wrong(R"({"points":[7]})", "point 1 is no object");
-  wrong(R"({"points":[{"p_session":[0,0,0],"p_grid":[0,0,"x"]}]})", "point 1 needs");
-  wrong(R"({"points":[{"name":5,"p_session":[0,0,0],"p_grid":[0,0,0]}]})", "name");
-  wrong(R"({"points":[]})", "0 points");
-  expect_error(post("/api/v1/survey"), 400, "invalid_argument", "\"session\" is missing");
-  expect_error(post("/api/v1/survey?session=9"), 404, "not_found", "no session 9");
 }
 
 TEST_F(OperatorApiTest, OverlayShowsBothSessionsAndHowFarTheyAreApart) {
