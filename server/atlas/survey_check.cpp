@@ -92,7 +92,7 @@ std::string blunder_text(std::span<const ControlPoint> points, const Blunder& bl
              sides.at(static_cast<std::size_t>(axis)).at(off_m > 0 ? 0 : 1);
   }
   return points[blunder.point].name + " is likely wrong: without it the others fit within " +
-         metres(blunder.others_rms_m) + " (rms), and put it " + where + " of where it was given";
+         metres(blunder.others_rms_m) + " (rms), and put it " + where + " the place that was given";
 }
 
 Result<void> check_fit(const Survey& survey, const SurveyFitRules& rules) {

@@ -150,7 +150,7 @@ PlanWords Plan::words() const {
   const std::size_t count = placed_.sessions.size();
   out.title = count == 1 ? "Plan of " + out.legend.front().name : "Plan of " + std::to_string(count) + " sessions";
   out.north = grid;
-  out.frame = grid ? "mine grid: east, north in metres" : "own frame, not surveyed: x, y in metres";
+  out.frame = grid ? "mine grid: east, north in metres" : "own frame: x, y in metres";
   const bool sliced = std::isfinite(request_.low_m) || std::isfinite(request_.high_m);
   out.shown =
       "roof cut " + metres(roof_m) + " above the sensor" +

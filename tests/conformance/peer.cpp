@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
 
 #include "common/endpoint.hpp"
@@ -113,7 +115,7 @@ Listener::Listener(const std::string& host_port) {
   socklen_t size = sizeof address;
   if (::bind(socket_, reinterpret_cast<sockaddr*>(&address), size) != 0 || ::listen(socket_, 16) != 0 ||
       ::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
-    throw std::runtime_error(host_port + ": can not listen there");
+    throw std::runtime_error(host_port + ": can not listen there: " + std::strerror(errno));
   address_ = wanted->host + ":" + std::to_string(ntohs(address.sin_port));
 }
 

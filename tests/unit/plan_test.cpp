@@ -64,7 +64,7 @@ std::string written(PlanRequest request) {
 
 TEST(Plan, SvgHasScaleNorthDateAndNames) {
   const std::string svg = written({.format = PlanFormat::svg, .scale = 500});
-  for (const char* words : {"1:500", "own frame, not surveyed", "roof cut", ">alpha<", ">beta<", "made 20",
+  for (const char* words : {"1:500", "own frame: x, y in metres", "roof cut", ">alpha<", ">beta<", "made 20",
                             "revision 7", "data:image/png;base64,iVBOR"})
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   EXPECT_EQ(svg.find("width=\"297mm\" height=\"210mm\"") != std::string::npos ||

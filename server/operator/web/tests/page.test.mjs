@@ -31,6 +31,10 @@ const alignment = async () => (await station.json('api/v1/alignments')).alignmen
 const stateIs = (state) => until(`an alignment that is ${state}`, async () => (await alignment())?.state === state);
 const press = (name) => page.getByRole('button', { name, exact: true }).click();
 const closed = () => until('no dialog', async () => (await page.getByRole('dialog').count()) === 0);
+// Places on the canvas that fill its middle evenly, one after another (the sequence of Halton in bases 2 and 3).
+const halton = (index, base) => (index === 0 ? 0 : (index % base) / base + halton(Math.floor(index / base), base) / base);
+let looked = 0;
+const elsewhere = ({ width, height }) => (++looked, { x: width * (0.1 + 0.8 * halton(looked, 2)), y: height * (0.2 + 0.6 * halton(looked, 3)) });
 const agree = (name) => page.getByRole('dialog').getByRole('button', { name, exact: true }).click();
 
 test('without robots the page says what to do next', async () => {
@@ -311,7 +315,7 @@ test('a point that does not fit the others is named, and placed only when it is 
   await page.getByText('Click the next control point on the map.').waitFor();
   const stage = await page.locator('canvas').first().boundingBox();
   await until('a point that was picked', async () => {
-    await page.locator('canvas').first().click({ position: { x: stage.width * (0.2 + 0.6 * Math.random()), y: stage.height * (0.25 + 0.5 * Math.random()) }, force: true });
+    await page.locator('canvas').first().click({ position: elsewhere(stage), force: true });
     return (await page.locator('.control').count()) === 5;
   });
   assert.match(await page.getByLabel('x of P5 on the map').inputValue(), /^-?\d+\.\d{3}$/);
@@ -334,14 +338,16 @@ test('coordinates of a point are held by a click, in the mine grid too, and can 
   const stage = await page.locator('canvas').first().boundingBox();
   const readout = page.locator('.readout');
   await until('a point that is held', async () => {
-    await page.locator('canvas').first().click({ position: { x: stage.width * (0.2 + 0.6 * Math.random()), y: stage.height * (0.25 + 0.5 * Math.random()) }, force: true });
+    await page.locator('canvas').first().click({ position: elsewhere(stage), force: true });
     return (await readout.getByRole('button', { name: 'Copy' }).isVisible()) && /z .* m in the frame of the map of 2 sessions\nE .* N .* H .* m in the mine grid/.test(await readout.locator('output').textContent());
   });
   await readout.getByRole('button', { name: 'Copy' }).click();
   await page.getByText('The coordinates were copied.').waitFor();
   const [east, north, height] = (await page.evaluate(() => navigator.clipboard.readText())).split('\t').map(Number);
   const words = (await readout.locator('output').textContent()).replaceAll('−', '-');
-  assert.ok(words.includes(`E ${east.toFixed(2)} N ${north.toFixed(2)} H ${height.toFixed(2)} m`), words);
+  const shown = words.match(/E (\S+) N (\S+) H (\S+) m/).slice(1).map(Number);
+  // What is copied has millimetres, what is shown has centimetres.
+  [east, north, height].forEach((copied, axis) => assert.ok(Math.abs(copied - shown[axis]) < 0.006, words));
   clean(page);
 });
 
@@ -360,7 +366,7 @@ test('keys: views, colours, roof, measuring, and the way back', async () => {
   const labels = page.locator('.label-measure');
   // Over the map until both ends have been found.
   await until('two ends of a measurement', async () => {
-    const at = { x: stage.width * (0.2 + 0.6 * Math.random()), y: stage.height * (0.25 + 0.5 * Math.random()) };
+    const at = elsewhere(stage);
     await page.locator('canvas').first().click({ position: at, force: true });
     return (await labels.count()) === 3;
   });
@@ -515,7 +521,7 @@ test('fifty robots fit on the page', async () => {
   const [crowded, said] = [await crowd.locator('canvas').first().boundingBox(), crowd.locator('.tools-measure output')];
   const wanted = [/^No point of a map is there/, /not merged: where they lie to each other is not known/];
   await until('a click on nothing, and a point of another map', async () => {
-    await crowd.locator('canvas').first().click({ position: { x: crowded.width * (0.1 + 0.8 * Math.random()), y: crowded.height * (0.2 + 0.6 * Math.random()) }, force: true });
+    await crowd.locator('canvas').first().click({ position: elsewhere(crowded), force: true });
     const words = await said.textContent();
     assert.doesNotMatch(words, /\d m · level/, 'no metres between maps that are not merged');
     const at = wanted.findIndex((pattern) => pattern.test(words));
