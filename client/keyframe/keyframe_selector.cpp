@@ -6,9 +6,8 @@
 namespace headframe {
 namespace {
 
-constexpr double cell_m = 10.0;   // the largest threshold: all that is nearer lies in the 27 cubes around a point
-constexpr double reach_m = 1e9;   // keeps the cube numbers within an integer
-constexpr double epsilon = 1e-9;  // a step of exactly the threshold counts, whatever the rounding
+constexpr double cell_m = 10.0;  // the largest threshold: all that is nearer lies in the 27 cubes around a point
+constexpr double reach_m = 1e9;  // keeps the cube numbers within an integer
 
 // 21 bits a coordinate. Cubes that are 2^21 apart share a key: harmless, distances are checked.
 std::uint64_t cell_key(const Eigen::Vector3d& p, int dx, int dy, int dz) {
@@ -71,7 +70,7 @@ bool KeyframeSelector::is_keyframe(const Pose& T_local_sensor) const {
   const double threshold_m = std::max(distance_threshold_m(spaciousness_m_), config_.least_threshold_m);
   const Nearby near = nearby(T_local_sensor, threshold_m);
   if (!near.any) return true;
-  return !near.same_way && angle_between_rad(keyframes_.back(), T_local_sensor) >= config_.rotation_rad - epsilon;
+  return !near.same_way && angle_between_rad(keyframes_.back(), T_local_sensor) >= config_.rotation_rad - step_rounding;
 }
 
 KeyframeSelector::Nearby KeyframeSelector::nearby(const Pose& T_local_sensor, double threshold_m) const {
@@ -81,9 +80,10 @@ KeyframeSelector::Nearby KeyframeSelector::nearby(const Pose& T_local_sensor, do
     const auto cell = cells_.find(cell_key(p_local, i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1));
     if (cell == cells_.end()) continue;
     for (const std::size_t k : cell->second) {
-      if ((keyframes_[k].translation() - p_local).norm() >= threshold_m - epsilon) continue;
+      if ((keyframes_[k].translation() - p_local).norm() >= threshold_m - step_rounding) continue;
       found.any = true;
-      if (angle_between_rad(keyframes_[k], T_local_sensor) < config_.rotation_rad - epsilon) found.same_way = true;
+      if (angle_between_rad(keyframes_[k], T_local_sensor) < config_.rotation_rad - step_rounding)
+        found.same_way = true;
     }
   }
   return found;

@@ -11,6 +11,9 @@
 
 namespace headframe {
 
+/// A step of exactly a threshold counts, whatever the rounding.
+inline constexpr double step_rounding = 1e-9;
+
 struct KeyframeConfig {
   float smoothing = 0.9F;                   // the weight of s_{k-1} in s_k = 0.9 s_{k-1} + 0.1 S_k
   double rotation_rad = 0.523598775598299;  // 30 deg

@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "client/keyframe/keyframe_selector.hpp"
+
 namespace headframe {
 namespace {
-
-constexpr double epsilon = 1e-9;  // a step of exactly the threshold counts, whatever the rounding
 
 Sweep moved(const Points& points_sensor, const Eigen::Isometry3f& T_keyframe_sensor) {
   Sweep sweep;
@@ -23,8 +23,8 @@ void SweepCollector::add(const Pose& T_local_sensor, const Points& points_sensor
   if (config_.most == 0) return;
   if (T_local_last_) {
     const Pose T_last_sensor = T_local_last_->inverse() * T_local_sensor;
-    if (T_last_sensor.translation().norm() < config_.distance_m - epsilon &&
-        rotation_angle_rad(T_last_sensor) < config_.rotation_rad - epsilon)
+    if (T_last_sensor.translation().norm() < config_.distance_m - step_rounding &&
+        rotation_angle_rad(T_last_sensor) < config_.rotation_rad - step_rounding)
       return;
   }
   if (kept_.size() == config_.most) kept_.pop_front();
@@ -37,7 +37,7 @@ KeyframeCloud SweepCollector::take(const Pose& T_local_keyframe, const Points& o
   KeyframeCloud cloud;
   for (const Kept& kept : kept_) {
     const Pose T_keyframe_sensor = T_keyframe_local * kept.T_local_sensor;
-    if (T_keyframe_sensor.translation().norm() < config_.clear_of_keyframe_m - epsilon) continue;
+    if (T_keyframe_sensor.translation().norm() < config_.clear_of_keyframe_m - step_rounding) continue;
     cloud.sweeps.push_back(moved(kept.points_sensor, T_keyframe_sensor.cast<float>()));
   }
   cloud.sweeps.push_back({Eigen::Vector3f::Zero(), voxel_grid(own_scan, config_.leaf_m)});

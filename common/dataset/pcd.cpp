@@ -18,7 +18,7 @@ struct Field {
   std::size_t bytes() const { return size_bytes * count; }
 };
 
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   std::optional<std::size_t> width, height, points;
   std::string data;
@@ -34,8 +34,6 @@ struct Header {
     return sum;
   }
 };
-
-tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
 
 std::optional<std::size_t> count_up_to(std::string_view word, std::size_t most) {
   const auto n = to_count(word);
@@ -64,7 +62,7 @@ bool set_field(Field& field, std::string_view key, std::string_view value) {
 }
 
 // One line of the header. False when it makes no sense.
-bool read_entry(Header& header, const std::vector<std::string_view>& parts) {
+bool read_entry(PcdHeader& header, const std::vector<std::string_view>& parts) {
   const std::string_view key = parts[0];
   if (key == "VERSION" || key == "VIEWPOINT") return true;
   if (key == "FIELDS") {
@@ -87,8 +85,8 @@ bool read_entry(Header& header, const std::vector<std::string_view>& parts) {
          (key == "POINTS" && header.points);
 }
 
-Result<Header> read_header(Lines& lines) {
-  Header header;
+Result<PcdHeader> read_pcd_header(Lines& lines) {
+  PcdHeader header;
   while (header.data.empty()) {
     const auto line = lines.next();
     if (!line) return bad("the header has no DATA line (" + std::to_string(lines.number()) + " lines)");
@@ -103,7 +101,7 @@ Result<Header> read_header(Lines& lines) {
   return header;
 }
 
-Result<std::size_t> count_of(const Header& header) {
+Result<std::size_t> count_of(const PcdHeader& header) {
   if (!header.width && !header.points) return bad("the header has neither WIDTH nor POINTS");
   const std::size_t grid = header.width.value_or(0) * header.height.value_or(1);
   const std::size_t count = header.points.value_or(grid);
@@ -121,7 +119,7 @@ struct Axis {
   std::size_t words_before = 0;
 };
 
-Result<std::array<Axis, 3>> find_axes(const Header& header) {
+Result<std::array<Axis, 3>> find_axes(const PcdHeader& header) {
   std::array<Axis, 3> axes;
   for (int a = 0; a < 3; ++a) {
     const std::string name(1, "xyz"[a]);
@@ -140,7 +138,7 @@ Result<std::array<Axis, 3>> find_axes(const Header& header) {
   return axes;
 }
 
-Result<Points> read_binary(const Header& header, const std::array<Axis, 3>& axes, std::size_t count,
+Result<Points> read_binary(const PcdHeader& header, const std::array<Axis, 3>& axes, std::size_t count,
                            std::string_view body) {
   const std::size_t row = header.row_bytes();
   if (count > body.size() / row)
@@ -155,7 +153,7 @@ Result<Points> read_binary(const Header& header, const std::array<Axis, 3>& axes
 }
 
 // Two lengths, then LZF data of all values of the first field, all of the second, and so on.
-Result<Points> read_compressed(const Header& header, const std::array<Axis, 3>& axes, std::size_t count,
+Result<Points> read_compressed(const PcdHeader& header, const std::array<Axis, 3>& axes, std::size_t count,
                                std::string_view body) {
   if (count == 0) return Points{};
   std::uint32_t lengths[2] = {0, 0};
@@ -183,7 +181,7 @@ Result<Points> read_compressed(const Header& header, const std::array<Axis, 3>& 
 
 Result<Points> parse_pcd(std::string_view bytes) {
   Lines lines(bytes);
-  const auto header = read_header(lines);
+  const auto header = read_pcd_header(lines);
   if (!header) return tl::unexpected(header.error());
   const auto count = count_of(*header);
   if (!count) return tl::unexpected(count.error());

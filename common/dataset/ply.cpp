@@ -11,15 +11,13 @@ struct Property {
   std::size_t offset_bytes = 0;
 };
 
-struct Header {
+struct PlyHeader {
   std::string format;
   std::size_t count = 0;
   std::size_t row_bytes = 0;
   std::vector<Property> properties;  // of a vertex
   int elements = 0;
 };
-
-tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
 
 std::optional<Property> property_of(std::string_view type, std::string_view name) {
   const struct {
@@ -36,7 +34,7 @@ std::optional<Property> property_of(std::string_view type, std::string_view name
 }
 
 // One line of the header. False when it makes no sense or says what this reader cannot read.
-bool read_entry(Header& header, const std::vector<std::string_view>& parts) {
+bool read_entry(PlyHeader& header, const std::vector<std::string_view>& parts) {
   const std::string_view key = parts[0];
   if (key == "comment" || key == "obj_info") return true;
   if (key == "format" && parts.size() == 3) {
@@ -59,8 +57,8 @@ bool read_entry(Header& header, const std::vector<std::string_view>& parts) {
   return true;
 }
 
-Result<Header> read_header(Lines& lines) {
-  Header header;
+Result<PlyHeader> read_ply_header(Lines& lines) {
+  PlyHeader header;
   if (lines.next() != "ply") return bad("line 1 is not 'ply'");
   while (true) {
     const auto line = lines.next();
@@ -77,7 +75,7 @@ Result<Header> read_header(Lines& lines) {
   return header;
 }
 
-Result<std::array<std::size_t, 3>> find_axes(const Header& header) {
+Result<std::array<std::size_t, 3>> find_axes(const PlyHeader& header) {
   std::array<std::size_t, 3> places{};
   for (int a = 0; a < 3; ++a) {
     const std::string name(1, "xyz"[a]);
@@ -91,7 +89,7 @@ Result<std::array<std::size_t, 3>> find_axes(const Header& header) {
 
 Result<Points> parse_ply(std::string_view bytes) {
   Lines lines(bytes);
-  const auto header = read_header(lines);
+  const auto header = read_ply_header(lines);
   if (!header) return tl::unexpected(header.error());
   const auto axes = find_axes(*header);
   if (!axes) return tl::unexpected(axes.error());

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/dataset/text.hpp"
+
 namespace headframe::dataset {
 namespace {
 
 using nlohmann::json;
-
-tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
 
 struct Range {
   double low, high;

@@ -16,6 +16,9 @@ namespace headframe::dataset {
 /// before memory is taken), unavailable when it cannot be read. The message names the path.
 Result<std::string> read_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
 
+/// What a reader of a file says of bytes that are wrong.
+inline tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
+
 /// Goes through text line by line. Line ends are "\n" or "\r\n" and not part of the line; the last needs none.
 class Lines {
  public:

@@ -16,8 +16,9 @@ constexpr double closed_share = 0.02, open_share = 0.06;
 // From a campus: the scales that make the middle difference of two places as great as that of the network's q.
 constexpr float heights_scale = 0.09F, energies_scale = 5.7F;
 
-constexpr std::size_t rings = 20, of_a_ring = 3;    // of Scan Context's q: mean and spread of the heights, share seen
-constexpr std::size_t groups = 20, of_a_group = 4;  // of LiDAR-Iris' q: energies behind four filters
+constexpr std::size_t context_rings = 20,
+                      of_a_ring = 3;  // of Scan Context's q: mean and spread of the heights, share seen
+constexpr std::size_t iris_groups = 20, of_a_group = 4;  // of LiDAR-Iris' q: energies behind four filters
 
 /// A signature of other length over the same circle, linearly between the middles of the sectors.
 std::vector<float> resampled(const std::vector<float>& w, std::size_t length) {
@@ -70,9 +71,9 @@ Result<void> add_open_sky(Descriptor& descriptor, const Points& points_level, do
   if (!energies) return tl::unexpected(energies.error());
   const auto share = static_cast<float>(open);
   auto added = descriptor.q.begin() + static_cast<std::ptrdiff_t>(begin);
-  for (std::size_t i = 0; i < rings; ++i)
+  for (std::size_t i = 0; i < context_rings; ++i)
     for (std::size_t k = 0; k < 2; ++k) *added++ = share * heights_scale * heights->q[of_a_ring * i + k];
-  for (std::size_t i = 0; i < groups; i += 2)
+  for (std::size_t i = 0; i < iris_groups; i += 2)
     for (std::size_t k = 0; k < of_a_group; k += 2) {
       const float both = energies->q[of_a_group * i + k] + energies->q[of_a_group * (i + 1) + k];
       *added++ = share * energies_scale * both / 2;

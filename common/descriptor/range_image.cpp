@@ -7,7 +7,7 @@
 namespace headframe {
 namespace {
 
-constexpr float nearest_m = 0.5F, farthest_m = 60.0F, middle_m = 5.0F, spread = 1.5F;
+constexpr float shown_from_m = 0.5F, shown_to_m = 60.0F, middle_m = 5.0F, log_spread = 1.5F;
 
 /// Bridges holes of at most `longest` along a line of n pixels that lie `stride` apart; round: the line is a circle.
 void bridge(float* line, std::size_t n, std::size_t stride, std::size_t longest, bool round) {
@@ -63,7 +63,7 @@ std::vector<float> log_range_and_mask(const RangeImage& image) {
   std::vector<float> planes(2 * n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     if (!(image.range_m[i] > 0)) continue;
-    planes[i] = std::log(std::clamp(image.range_m[i], nearest_m, farthest_m) / middle_m) / spread;
+    planes[i] = std::log(std::clamp(image.range_m[i], shown_from_m, shown_to_m) / middle_m) / log_spread;
     planes[n + i] = 1;
   }
   return planes;

@@ -61,4 +61,7 @@ struct Keyframe {
   std::uint32_t point_count = 0;  // of its cloud; 0: it has none
 };
 
+/// In the session's local frame, metres.
+inline Eigen::Vector3d position(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
+
 }  // namespace headframe

@@ -148,7 +148,7 @@ Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at
 }
 
 Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds) {
-  const Case at = requests_.make_case(pair.a, pair.b, {T_a_b, 0, {}}, clouds);
+  const Case at = requests_.make_case(pair.a, pair.b, {.T_a_b = T_a_b}, clouds);
   if (at.a.stored.empty() || at.b.stored.empty()) return {};
   Judgement out = judge_again(pair, at, clouds);
   for (const SessionId id : {pair.a, pair.b}) {

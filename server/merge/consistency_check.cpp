@@ -80,7 +80,7 @@ ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& p
 bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt& attempt) {
   attempt.clouds.working_on(placement.a, placement.b);
   const OrderedPair pair = sessions_.ordered(placement.a, placement.b);
-  Case at = requests_.make_case(pair.a, pair.b, {by_ids(pair, placement.T_a_b), 0, {}}, attempt.clouds);
+  Case at = requests_.make_case(pair.a, pair.b, {.T_a_b = by_ids(pair, placement.T_a_b)}, attempt.clouds);
   at.hypothesis.place_b = middle_of_overlap(at);
   SeenContact* before = seen(placement);
   const auto speak = static_cast<double>(at.a.stored.size() + at.b.stored.size());

@@ -99,7 +99,7 @@ bool MergePipeline::State::ended_since_judged(const Alignment& known) const {
 /// the background.
 bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt) {
   const Pose T_0 = by_ids(pair, published.T_a_b);
-  const Case now = requests.make_case(pair.a, pair.b, {T_0, 0, {}}, attempt.clouds);
+  const Case now = requests.make_case(pair.a, pair.b, {.T_a_b = T_0}, attempt.clouds);
   if (now.a.stored.empty() || now.b.stored.empty()) return true;
   if (judged.judged_on(pair, {.clouds = {now.a.stored.size(), now.b.stored.size()}})) return true;
   const Stopwatch watch(attempt.report.times.verification_ms);

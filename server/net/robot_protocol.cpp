@@ -8,7 +8,7 @@ namespace headframe {
 namespace {
 
 constexpr std::size_t most_skipped = 1024;
-constexpr std::size_t reason_bytes = 256;  // of a trigger request, for the log
+constexpr std::size_t trigger_reason_bytes = 256;  // for the log
 
 double seconds(RobotProtocol::Time from, RobotProtocol::Time to) {
   return std::chrono::duration<double>(to - from).count();
@@ -52,7 +52,7 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
     case Body::kKeyframe: return on_keyframe(message.keyframe(), message.backlog());
     case Body::kCloudChunk: return on_chunk(message.cloud_chunk());
     case Body::kSubmapUnavailable: return on_unavailable(message.submap_unavailable());
-    case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, reason_bytes)};
+    case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, trigger_reason_bytes)};
     case Body::kGoodbye: complete_ = message.goodbye().complete(); return GoodbyeReceived{complete_};
     case Body::kPing: outbox_.pong(message.ping().nonce()); return std::nullopt;
     case Body::kPong: return std::nullopt;

@@ -2,18 +2,12 @@
 
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
+#include "server/operator/json_text.hpp"
 #include "server/operator/session_totals.hpp"
 
 namespace headframe {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string text(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";  // names are peers' bytes: never throw
-}
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 

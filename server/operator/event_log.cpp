@@ -1,15 +1,12 @@
 #include "server/operator/event_log.hpp"
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <optional>
+
+#include "server/operator/json_text.hpp"
 
 namespace headframe {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Json entry_object(const LogEntry& entry) {
   return {{"id", entry.id},

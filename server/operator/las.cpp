@@ -1,23 +1,14 @@
 #include "server/operator/las.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <ctime>
 #include <limits>
 
+#include "server/operator/append_bytes.hpp"
+
 namespace headframe {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "LAS is little-endian");
-
-template <class T>
-void append(std::string& out, T value) {
-  std::array<char, sizeof value> bytes;
-  std::memcpy(bytes.data(), &value, sizeof value);
-  out.append(bytes.data(), bytes.size());
-}
 
 void append_name(std::string& out, std::string name) {
   name.resize(32, '\0');
@@ -41,40 +32,40 @@ std::string las_header(const LasHead& head) {
   std::tm day{};
   ::gmtime_r(&made, &day);
   std::string out = "LASF";
-  append(out, head.source);
-  append(out, static_cast<std::uint16_t>(head.has_gps_time ? 1 : 0));
+  append_bytes(out, head.source);
+  append_bytes(out, static_cast<std::uint16_t>(head.has_gps_time ? 1 : 0));
   out.append(16, '\0');  // project
-  append(out, std::uint8_t{1});
-  append(out, std::uint8_t{2});
+  append_bytes(out, std::uint8_t{1});
+  append_bytes(out, std::uint8_t{2});
   append_name(out, "MERGE");
   append_name(out, "headframe");
-  append(out, static_cast<std::uint16_t>(day.tm_yday + 1));
-  append(out, static_cast<std::uint16_t>(day.tm_year + 1900));
-  append(out, header_bytes);
-  append(out, std::uint32_t{header_bytes});
-  append(out, std::uint32_t{0});  // variable length records
-  append(out, std::uint8_t{3});
-  append(out, las_point_bytes);
-  append(out, head.points);
-  append(out, head.points);  // of the first return
+  append_bytes(out, static_cast<std::uint16_t>(day.tm_yday + 1));
+  append_bytes(out, static_cast<std::uint16_t>(day.tm_year + 1900));
+  append_bytes(out, header_bytes);
+  append_bytes(out, std::uint32_t{header_bytes});
+  append_bytes(out, std::uint32_t{0});  // variable length records
+  append_bytes(out, std::uint8_t{3});
+  append_bytes(out, las_point_bytes);
+  append_bytes(out, head.points);
+  append_bytes(out, head.points);  // of the first return
   out.append(4 * sizeof(std::uint32_t), '\0');
-  for (int axis = 0; axis < 3; ++axis) append(out, las_unit_m);
-  for (int axis = 0; axis < 3; ++axis) append(out, head.offset_m[axis]);
+  for (int axis = 0; axis < 3; ++axis) append_bytes(out, las_unit_m);
+  for (int axis = 0; axis < 3; ++axis) append_bytes(out, head.offset_m[axis]);
   for (int axis = 0; axis < 3; ++axis) {
-    append(out, head.max_m[axis]);
-    append(out, head.min_m[axis]);
+    append_bytes(out, head.max_m[axis]);
+    append_bytes(out, head.min_m[axis]);
   }
   return out;
 }
 
 void append_las_point(std::string& out, const LasPoint& point, const Eigen::Vector3d& offset_m) {
-  for (const std::int32_t value : units(point.p_m, offset_m)) append(out, value);
-  append(out, std::uint16_t{0});    // intensity: clouds carry none
-  append(out, std::uint8_t{0x09});  // the first return of one
-  out.append(3, '\0');              // class, angle, user data
-  append(out, point.source);
-  append(out, point.time_s);
-  for (const std::uint8_t channel : point.colour) append(out, static_cast<std::uint16_t>(channel * 257));
+  for (const std::int32_t value : units(point.p_m, offset_m)) append_bytes(out, value);
+  append_bytes(out, std::uint16_t{0});    // intensity: clouds carry none
+  append_bytes(out, std::uint8_t{0x09});  // the first return of one
+  out.append(3, '\0');                    // class, angle, user data
+  append_bytes(out, point.source);
+  append_bytes(out, point.time_s);
+  for (const std::uint8_t channel : point.colour) append_bytes(out, static_cast<std::uint16_t>(channel * 257));
 }
 
 Eigen::Vector3d las_place(const Eigen::Vector3d& p_m, const Eigen::Vector3d& offset_m) {

@@ -1,19 +1,16 @@
 #include "server/operator/map_export.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
-#include <cstring>
 #include <iomanip>
 #include <map>
 #include <sstream>
 
+#include "server/operator/append_bytes.hpp"
 #include "server/operator/las.hpp"
 
 namespace headframe {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "points are written as they lie in memory");
 
 constexpr double wall_clock_s =
     1e9;  // stamps beyond are seconds since 1970; below they count from a start of the robot's own
@@ -26,13 +23,6 @@ constexpr std::array<std::array<std::uint8_t, 3>, 8> palette{{{230, 97, 1},
                                                               {0, 170, 170},
                                                               {200, 160, 0},
                                                               {120, 120, 120}}};
-
-template <class T>
-void append(std::string& out, T value) {
-  std::array<char, sizeof value> bytes;
-  std::memcpy(bytes.data(), &value, sizeof value);
-  out.append(bytes.data(), bytes.size());
-}
 
 /// Names are peers' bytes: a line break in one must not end the header's line.
 std::string one_line(std::string name) {
@@ -131,15 +121,15 @@ void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, c
         out, {p_frame, item.colour, item.source, has_wall_clock_ ? adjusted_gps_s(item.stamp_s) : item.stamp_s},
         origin_m_);
   if (wide()) {
-    for (int axis = 0; axis < 3; ++axis) append(out, p_frame[axis]);
+    for (int axis = 0; axis < 3; ++axis) append_bytes(out, p_frame[axis]);
   } else {
     const Eigen::Vector3f p = (p_frame - origin_m_).cast<float>();
-    for (int axis = 0; axis < 3; ++axis) append(out, p[axis]);
+    for (int axis = 0; axis < 3; ++axis) append_bytes(out, p[axis]);
   }
   const auto [red, green, blue] = item.colour;
   if (request_.format == CloudFormat::pcd)
-    return append(out, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
-  for (const std::uint8_t channel : item.colour) append(out, channel);
+    return append_bytes(out, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
+  for (const std::uint8_t channel : item.colour) append_bytes(out, channel);
 }
 
 /// Coordinates far from zero are doubles in PLY; the other formats count from an origin.

@@ -1,13 +1,9 @@
 #include "server/operator/robot_json.hpp"
 
-#include <nlohmann/json.hpp>
+#include "server/operator/json_text.hpp"
 
 namespace headframe {
 namespace {
-
-using Json = nlohmann::json;
-
-std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Json time_or_null(double seconds) { return seconds > 0 ? Json(seconds) : Json(); }
 

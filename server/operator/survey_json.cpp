@@ -1,19 +1,15 @@
 #include "server/operator/survey_json.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "server/atlas/survey_check.hpp"
 #include "server/operator/api_json.hpp"
+#include "server/operator/json_text.hpp"
 
 namespace headframe {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t name_bytes = 128;
-
-std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 tl::unexpected<Error> broken(const std::string& what) {
   return failure(ErrorCode::bad_input, "the survey: " + what +

@@ -14,15 +14,13 @@
 namespace headframe {
 namespace {
 
-Eigen::Vector3d place(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
-
 /// Height of b's frame in a's, from the two keyframes that the placement brings nearest to each other.
 double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const Pose& T_a_b) {
   double nearest = std::numeric_limits<double>::max(), height = 0;
   for (const Keyframe& k : b) {
-    const Eigen::Vector3d p = T_a_b * place(k);
+    const Eigen::Vector3d p = T_a_b * position(k);
     for (const Keyframe& l : a) {
-      const Eigen::Vector3d d = place(l) - p;
+      const Eigen::Vector3d d = position(l) - p;
       if (d.head<2>().squaredNorm() >= nearest) continue;
       nearest = d.head<2>().squaredNorm();
       height = d.z();
@@ -33,13 +31,13 @@ double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const 
 
 /// Where the walls of the part met, at the height of the nearest keyframe.
 Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
-  Eigen::Vector3d out = place(part[part.size() / 2]);
+  Eigen::Vector3d out = position(part[part.size() / 2]);
   if (lead.fit.met == 0) return out;
   double nearest = std::numeric_limits<double>::max();
   for (const Keyframe& k : part)
-    if (const double d = (place(k).head<2>() - lead.fit.middle).squaredNorm(); d < nearest) {
+    if (const double d = (position(k).head<2>() - lead.fit.middle).squaredNorm(); d < nearest) {
       nearest = d;
-      out.z() = place(k).z();
+      out.z() = position(k).z();
     }
   out.head<2>() = lead.fit.middle;
   return out;
@@ -74,7 +72,7 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
     const auto part_a = part(lead.a->piece, a.keyframes), part_b = part(lead.part->piece, b.keyframes);
     const bool itself = a.id == b.id;  // of a copy the middle of the path is asked: an end of it is alike more often
     Hypothesis h{flat_placement(lead.match), lead.fit.score(),
-                 itself ? place(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
+                 itself ? position(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
     h.source = lead.source;
     h.T_a_b.translation().z() = height_m(part_a, part_b, h.T_a_b);
     if (std::any_of(out.begin(), out.end(),

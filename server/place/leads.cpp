@@ -20,8 +20,6 @@ constexpr std::size_t pairs_tried = 128;  // matched pairs of keyframes, the rar
 constexpr std::size_t spare = 2;          // times the seats are refined to half a cell
 constexpr double place_radius_m = 25;
 
-Eigen::Vector3d place(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
-
 /// Squared: of two that fit the walls, the descriptors' agreement is the better judge.
 double by_promise(const Lead& lead) { return lead.promise; }
 double by_coherence(const Lead& lead) { return lead.fit.strict(); }
@@ -160,7 +158,7 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
                        {},
                        ProposalSource::places,
                        0,
-                       Surroundings{place(of_b[m.b]).head<2>(), place_radius_m}});
+                       Surroundings{position(of_b[m.b]).head<2>(), place_radius_m}});
   }
   refine(found, WallField::Step::coarse, agreement, threads);
   Leads best = best_of(found, spare * seats.places, by_coherence);
@@ -178,7 +176,7 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
   };
   std::vector<Candidate> candidates;
   for (const MatchedPair& m : rarest(matches, of_a.size()))
-    for (const Pose& T : initial_transforms(of_a[m.a], of_b[m.b], 2)) candidates.push_back({T, place(of_b[m.b])});
+    for (const Pose& T : initial_transforms(of_a[m.a], of_b[m.b], 2)) candidates.push_back({T, position(of_b[m.b])});
   for_blocks(candidates.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
     candidates[i].support = agreement.at(candidates[i].T).support();
   });

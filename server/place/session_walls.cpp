@@ -9,18 +9,16 @@ namespace {
 constexpr float cell_m = 0.5F;
 constexpr double piece_m = 120, level_reach_m = 10, level_height_m = 4, widest_m = 500;
 
-Eigen::Vector3d place(const Keyframe& keyframe) { return keyframe.T_local_sensor.translation(); }
-
 std::vector<double> path_to_each(std::span<const Keyframe> keyframes) {
   std::vector<double> path(keyframes.size(), 0);
   for (std::size_t i = 1; i < path.size(); ++i)
-    path[i] = path[i - 1] + (place(keyframes[i]) - place(keyframes[i - 1])).norm();
+    path[i] = path[i - 1] + (position(keyframes[i]) - position(keyframes[i - 1])).norm();
   return path;
 }
 
 bool fits(std::span<const Keyframe> level, const Eigen::Vector3d& p) {
   return std::all_of(level.begin(), level.end(), [&](const Keyframe& k) {
-    const Eigen::Vector3d d = place(k) - p;
+    const Eigen::Vector3d d = position(k) - p;
     const bool above = d.head<2>().norm() < level_reach_m && std::abs(d.z()) > level_height_m;
     return !above && d.head<2>().norm() < widest_m;
   });
@@ -45,7 +43,7 @@ std::vector<Piece> cut_levels(std::span<const Keyframe> keyframes) {
   std::vector<Piece> levels;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     if (!levels.empty() &&
-        fits(keyframes.subspan(levels.back().begin, levels.back().end - levels.back().begin), place(keyframes[i])))
+        fits(keyframes.subspan(levels.back().begin, levels.back().end - levels.back().begin), position(keyframes[i])))
       levels.back().end = i + 1;
     else
       levels.push_back({i, i + 1});

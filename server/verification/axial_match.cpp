@@ -6,7 +6,7 @@
 namespace headframe {
 namespace {
 
-constexpr float least_cosine = 0.5F;
+constexpr float least_facing = 0.5F;
 constexpr float facing_share = 0.15F;  // of a voxel's normals: several surfaces meet in it
 constexpr float near_m = 0.15F;
 constexpr std::size_t fewest = 100;  // a handful of stray normals proves nothing
@@ -24,7 +24,7 @@ AxialSurfaces::AxialSurfaces(std::span<const VgicpPair> pairs, const Pose& T_a_b
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   for (const VgicpPair& pair : pairs)
     for (std::size_t i = 0; i < pair.source->size(); ++i)
-      if (const Eigen::Vector3f n = T.linear() * (*pair.normals)[i]; std::abs(n.dot(axis_)) > least_cosine)
+      if (const Eigen::Vector3f n = T.linear() * (*pair.normals)[i]; std::abs(n.dot(axis_)) > least_facing)
         points_.push_back({&pair.target->back(), T * (*pair.source)[i], n});
 }
 
