@@ -129,12 +129,12 @@ Sent run_batch(const Campaign& campaign, mine::Kind kind, std::uint64_t number, 
   return sent;
 }
 
-struct Row {
+struct KindRow {
   int pairs = 0, merged = 0, wrong = 0;
   std::vector<double> te_m, re_deg;
 };
 
-nlohmann::json print_row(const std::string& name, const Row& row) {
+nlohmann::json print_row(const std::string& name, const KindRow& row) {
   std::printf("  %-28s %5d %7d %6d %9.3f %9.2f\n", name.c_str(), row.pairs, row.merged, row.wrong,
               quantile(row.te_m, 0.5), quantile(row.re_deg, 0.5));
   return {{"pairs", row.pairs},
@@ -145,8 +145,8 @@ nlohmann::json print_row(const std::string& name, const Row& row) {
 }
 
 template <class Belongs>
-Row row_of(const std::vector<PairResult>& results, Belongs&& belongs) {
-  Row row;
+KindRow row_of(const std::vector<PairResult>& results, Belongs&& belongs) {
+  KindRow row;
   for (const PairResult& r : results) {
     if (!belongs(r)) continue;
     ++row.pairs;
@@ -196,9 +196,9 @@ nlohmann::json run_campaign(const Campaign& campaign) {
     add("overlap " + std::to_string(static_cast<int>(range.first)) + " to " +
             std::to_string(static_cast<int>(range.second)) + " %",
         [&](const auto& r) { return knowable(r) && r.overlap_pct >= range.first && r.overlap_pct < range.second; });
-  const Row all = row_of(results, [](const auto&) { return true; });
-  const Row bar = row_of(results, [](const auto& r) { return knowable(r) && r.overlap_pct >= bar_overlap_pct; });
-  const Row still = row_of(results, [](const auto& r) { return knowable(r) && !r.drift; });
+  const KindRow all = row_of(results, [](const auto&) { return true; });
+  const KindRow bar = row_of(results, [](const auto& r) { return knowable(r) && r.overlap_pct >= bar_overlap_pct; });
+  const KindRow still = row_of(results, [](const auto& r) { return knowable(r) && !r.drift; });
   const double recall = bar.pairs > 0 ? static_cast<double>(bar.merged) / bar.pairs : 0;
   // No false merge in n: the rate is below this with 95 % confidence (1 - 0.05^(1/n)).
   const double bound = all.pairs > 0 && all.wrong == 0 ? 1 - std::pow(0.05, 1.0 / all.pairs) : -1;

@@ -233,7 +233,7 @@ v1::RobotMessage chunk(std::uint64_t sequence, std::uint32_t total, std::uint32_
   return message;
 }
 
-Json others() {
+Json other_messages() {
   v1::RobotMessage ping, goodbye, unknown;
   ping.mutable_ping()->set_nonce(41);
   goodbye.mutable_goodbye()->set_complete(true);
@@ -261,7 +261,7 @@ std::vector<File> link_files() {
   return {frames(),
           names(),
           enrolments(),
-          {"messages", {{"hellos", hellos()}, {"keyframes", keyframes()}, {"others", others()}}}};
+          {"messages", {{"hellos", hellos()}, {"keyframes", keyframes()}, {"others", other_messages()}}}};
 }
 
 }  // namespace headframe::vectors

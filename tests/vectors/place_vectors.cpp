@@ -145,7 +145,7 @@ File selection() {
   return {"keyframes", {{"scans", scans}}};
 }
 
-File others() {
+File other_cases() {
   Transforms transforms;
   transforms.sessions = {{{"mine", "s"}, tilted_poses()[1]}, {{"other", "s"}, tilted_poses()[2]}};
   return {"transforms",
@@ -157,7 +157,7 @@ File others() {
 }  // namespace
 
 std::vector<File> place_files() {
-  std::vector<File> files{halves(), levelled_frame(), walls(), scan_context(), selection(), others()};
+  std::vector<File> files{halves(), levelled_frame(), walls(), scan_context(), selection(), other_cases()};
   if (make_family("learned")) files.push_back(learned());  // not in a build without networks
   return files;
 }

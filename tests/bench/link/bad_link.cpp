@@ -1,4 +1,5 @@
 #include "tests/bench/link/bad_link.hpp"
+#include "tests/bench/link/seconds_since.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -23,8 +24,6 @@
 
 namespace headframe::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 Clock::duration seconds(double s) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));

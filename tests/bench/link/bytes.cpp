@@ -7,14 +7,13 @@
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/enrol.hpp"
 #include "tests/bench/link/link.hpp"
+#include "tests/bench/link/seconds_since.hpp"
 #include "tests/support/base_station.hpp"
 #include "tests/support/box_mine.hpp"
 #include "tests/support/faulty_proxy.hpp"
 
 namespace headframe::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Adds keyframes one by one, each when the one before is acknowledged, and gives the mean of the bytes that went to
 /// the server for each, TLS and answers to pings included; TCP and IP headers (some 52 bytes a packet) are not.

@@ -9,13 +9,10 @@
 #include "server/map_merge_server.hpp"
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/enrol.hpp"
+#include "tests/bench/link/seconds_since.hpp"
 
 namespace headframe::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// One robot as the bench watches it; times in seconds from the start.
 struct Watched {

@@ -16,6 +16,7 @@
 #include "server/cli/http_client.hpp"
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/enrol.hpp"
+#include "tests/bench/link/seconds_since.hpp"
 #include "tests/bench/link/served.hpp"
 #include "tests/support/drawn_session.hpp"
 
@@ -23,7 +24,6 @@ namespace headframe::bench {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr int robots = 6;
@@ -31,8 +31,6 @@ constexpr double every_s = 0.1;        // a keyframe of each robot
 constexpr double merge_within_s = 60;  // else it counts as hung
 // The robots that load the link are not merged: they would hide what an attack does to those that are.
 constexpr const char* config = "[limits]\nhello_s = 2\nwrite_s = 2\n[merge]\nleast_path_m = 1e5\n";
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 Result<HttpResponse> ask(const Served& server, const std::string& target) {
   auto endpoint = parse_http_endpoint(server.http);

@@ -13,16 +13,14 @@
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/enrol.hpp"
 #include "tests/bench/link/faults.hpp"
+#include "tests/bench/link/seconds_since.hpp"
 #include "tests/bench/link/served.hpp"
 
 namespace headframe::bench {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
-
-double since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 Result<Served> serve_for(const LoadPlan& plan, const fs::path& scratch) {
   std::ostringstream config;

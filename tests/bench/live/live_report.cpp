@@ -20,7 +20,7 @@ nlohmann::json to_json(const Stood& s) {
           {"known_b_m", s.known_b_m}, {"evidence", evidence}};
 }
 
-struct Row {
+struct LiveRow {
   std::size_t drives = 0, wrong_drives = 0, wrong = 0, wrong_at_end = 0, right_at_end = 0, withdrawn = 0, differ = 0,
               asked = 0;
   int meet = 0;
@@ -37,12 +37,12 @@ struct Row {
   }
 };
 
-void print(const std::string& name, const Row& r) {
+void print(const std::string& name, const LiveRow& r) {
   std::printf("  %-28s %6zu %6zu %6zu %6zu %6d %6zu %9zu %7zu %6zu\n", name.c_str(), r.drives, r.wrong_drives, r.wrong,
               r.wrong_at_end, r.meet, r.right_at_end, r.withdrawn, r.differ, r.asked);
 }
 
-nlohmann::json to_json(const Row& r) {
+nlohmann::json to_json(const LiveRow& r) {
   return {{"drives", r.drives},       {"wrong_drives", r.wrong_drives},
           {"wrong", r.wrong},         {"wrong_at_end", r.wrong_at_end},
           {"meet", r.meet},           {"right_at_end", r.right_at_end},
@@ -96,8 +96,8 @@ RightMerges read_right_merges(const std::filesystem::path& lines) {
 }
 
 nlohmann::json summary(const std::vector<LiveDrive>& drives, const RightMerges& before) {
-  std::map<std::string, Row> kinds, conditions;
-  Row all;
+  std::map<std::string, LiveRow> kinds, conditions;
+  LiveRow all;
   std::vector<double> later_m;
   for (const LiveDrive& d : drives) {
     kinds[d.kind].add(d);
