@@ -58,6 +58,12 @@ Result<std::string> Commands::removed(const std::string& target) {
   return wanted([&](HttpClient client, const HttpWatch& watch) { return client.remove(target, watch); });
 }
 
+Result<int> Commands::printed(const Result<std::string>& body, const View& view) {
+  if (!body) return tl::unexpected(body.error());
+  std::cout << (json_ ? *body : view(Json::parse(*body)));
+  return exit_ok;
+}
+
 Result<Json> Commands::session_named(const std::string& wanted) {
   const auto body = fetched("/api/v1/sessions");
   if (!body) return tl::unexpected(body.error());
@@ -87,37 +93,19 @@ Result<std::string> Commands::component_named(const std::string& wanted) {
   return failure(ErrorCode::not_found, "--component: " + wanted + " has no map yet");
 }
 
-Result<int> Commands::status() {
-  const auto body = fetched("/api/v1/status");
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : status_view(Json::parse(*body)));
-  return exit_ok;
-}
+Result<int> Commands::status() { return printed(fetched("/api/v1/status"), status_view); }
 
-Result<int> Commands::sessions() {
-  const auto body = fetched("/api/v1/sessions");
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : sessions_view(Json::parse(*body), terminal_width()));
-  return exit_ok;
-}
+Result<int> Commands::sessions() { return printed(fetched("/api/v1/sessions"), across_terminal(sessions_view)); }
 
 Result<int> Commands::atlas(std::optional<double> wait_s) {
   if (wait_s) {
     const auto waited = wait_for_idle(wait_s, false);
     return waited ? print_waited(*waited) : tl::unexpected(waited.error());
   }
-  const auto body = fetched("/api/v1/atlas");
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : atlas_view(Json::parse(*body), terminal_width()));
-  return exit_ok;
+  return printed(fetched("/api/v1/atlas"), across_terminal(atlas_view));
 }
 
-Result<int> Commands::alignments() {
-  const auto body = fetched("/api/v1/alignments");
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : alignments_view(Json::parse(*body), terminal_width()));
-  return exit_ok;
-}
+Result<int> Commands::alignments() { return printed(fetched("/api/v1/alignments"), across_terminal(alignments_view)); }
 
 /// Whether there is nothing against confirming it. One that is not known is the server's to refuse.
 Result<void> Commands::check_confirm(const std::string& alignment) {
@@ -146,17 +134,11 @@ Result<void> Commands::check_confirm(const std::string& alignment) {
 Result<int> Commands::decide(const std::string& decision, const std::string& alignment, bool all_the_same) {
   if (decision == "confirm" && !all_the_same)
     if (auto clear = check_confirm(alignment); !clear) return tl::unexpected(clear.error());
-  const auto body = posted("/api/v1/alignments/" + percent_encoded(alignment) + "/" + decision, 200);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : decision_view(Json::parse(*body)));
-  return exit_ok;
+  return printed(posted("/api/v1/alignments/" + percent_encoded(alignment) + "/" + decision, 200), decision_view);
 }
 
 Result<int> Commands::explain(const std::string& a, const std::string& b) {
-  const auto body = fetched("/api/v1/explain?a=" + percent_encoded(a) + "&b=" + percent_encoded(b));
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : explanation_view(Json::parse(*body)));
-  return exit_ok;
+  return printed(fetched("/api/v1/explain?a=" + percent_encoded(a) + "&b=" + percent_encoded(b)), explanation_view);
 }
 
 Result<int> Commands::merge(std::optional<double> wait_s) {

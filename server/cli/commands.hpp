@@ -82,6 +82,9 @@ class Commands {
   Result<std::string> wanted(const HttpRequest& ask, int status = 200, double silence_s = 60);
   Result<std::string> posted(const std::string& target, int status, const std::string& body = {});
   Result<std::string> removed(const std::string& target);
+  using View = std::function<std::string(const nlohmann::json&)>;
+  /// Prints what was answered: the JSON as it came, or the view of it.
+  Result<int> printed(const Result<std::string>& body, const View& view);
   Result<nlohmann::json> session_named(const std::string& wanted);
   Result<std::string> component_named(const std::string& wanted);
   Result<void> check_confirm(const std::string& alignment);

@@ -1,6 +1,7 @@
 #include <ctime>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "server/cli/commands.hpp"
 #include "server/cli/table.hpp"
@@ -24,23 +25,19 @@ std::string rate_text(const Json& kib_s) {
   return "at most " + std::to_string(kib_s.get<std::uint64_t>()) + " KiB/s";
 }
 
+std::string robots_view(const Json& json) {
+  std::ostringstream out;
+  out << "server fingerprint " << printable(json.at("fingerprint").get<std::string>()) << "\n";
+  for (const Json& row : json.at("robots"))
+    out << printable(row.at("robot").get<std::string>()) << ": " << printable(row.at("state").get<std::string>())
+        << ", enrolled " << time_text(row.at("enrolled_s")) << ", code open until "
+        << time_text(row.at("code_expires_s")) << ", sends " << rate_text(row.at("rate_kib_s")) << "\n";
+  return out.str();
+}
+
 }  // namespace
 
-Result<int> Commands::list_robots() {
-  const auto body = fetched("/api/v1/robots");
-  if (!body) return tl::unexpected(body.error());
-  if (json_) {
-    std::cout << *body;
-    return exit_ok;
-  }
-  const Json json = Json::parse(*body);
-  std::cout << "server fingerprint " << printable(json.at("fingerprint").get<std::string>()) << "\n";
-  for (const Json& row : json.at("robots"))
-    std::cout << printable(row.at("robot").get<std::string>()) << ": " << printable(row.at("state").get<std::string>())
-              << ", enrolled " << time_text(row.at("enrolled_s")) << ", code open until "
-              << time_text(row.at("code_expires_s")) << ", sends " << rate_text(row.at("rate_kib_s")) << "\n";
-  return exit_ok;
-}
+Result<int> Commands::list_robots() { return printed(fetched("/api/v1/robots"), robots_view); }
 
 Result<int> Commands::add_robot(const std::string& robot) {
   const auto body = posted("/api/v1/robots/add?robot=" + percent_encoded(robot), 201);
@@ -57,18 +54,14 @@ Result<int> Commands::add_robot(const std::string& robot) {
 }
 
 Result<int> Commands::revoke_robot(const std::string& robot) {
-  const auto body = posted("/api/v1/robots/revoke?robot=" + percent_encoded(robot), 200);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : "robot " + printable(robot) + " is cut off\n");
-  return exit_ok;
+  return printed(posted("/api/v1/robots/revoke?robot=" + percent_encoded(robot), 200),
+                 [&](const Json&) { return "robot " + printable(robot) + " is cut off\n"; });
 }
 
 Result<int> Commands::rate_robot(const std::string& robot, std::uint64_t kib_s) {
-  const auto body =
-      posted("/api/v1/robots/rate?robot=" + percent_encoded(robot) + "&kib_s=" + std::to_string(kib_s), 200);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : "robot " + printable(robot) + " may send " + rate_text(kib_s) + "\n");
-  return exit_ok;
+  const std::string target = "/api/v1/robots/rate?robot=" + percent_encoded(robot) + "&kib_s=" + std::to_string(kib_s);
+  return printed(posted(target, 200),
+                 [&](const Json&) { return "robot " + printable(robot) + " may send " + rate_text(kib_s) + "\n"; });
 }
 
 }  // namespace headframe

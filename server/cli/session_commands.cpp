@@ -90,71 +90,53 @@ Result<std::string> survey_body(const std::string& path) {
 }  // namespace
 
 Result<int> Commands::rename(const std::string& session, const std::string& label) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto body = posted(target_of(*row, "rename?name=") + percent_encoded(label), 200);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body
-                      : full_name(*row) + (label.empty() ? " has no label now\n" : ": " + printable(label) + "\n"));
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(posted(target_of(row, "rename?name=") + percent_encoded(label), 200), [&](const Json&) {
+      return full_name(row) + (label.empty() ? " has no label now\n" : ": " + printable(label) + "\n");
+    });
+  });
 }
 
 Result<int> Commands::anchor(const std::string& session) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto body = posted(target_of(*row, "anchor"), 200);
-  if (!body) return tl::unexpected(body.error());
-  const Json json = Json::parse(*body);
-  std::cout << (json_ ? *body
-                      : "component " + json.at("component").dump() + " is in the frame of " + full_name(*row) +
-                            "; revision " + json.at("revision").dump() + "\n");
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(posted(target_of(row, "anchor"), 200), [&](const Json& json) {
+      return "component " + json.at("component").dump() + " is in the frame of " + full_name(row) + "; revision " +
+             json.at("revision").dump() + "\n";
+    });
+  });
 }
 
 Result<int> Commands::request_clouds(const std::string& session) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto body = posted(target_of(*row, "request-clouds"), 202);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body
-                      : full_name(*row) + ": " + Json::parse(*body).at("requested").dump() +
-                            " clouds asked for; sessions shows how many have come\n");
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(posted(target_of(row, "request-clouds"), 202), [&](const Json& json) {
+      return full_name(row) + ": " + json.at("requested").dump() +
+             " clouds asked for; sessions shows how many have come\n";
+    });
+  });
 }
 
 Result<int> Commands::quarantine(const std::string& session, const std::string& reason) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto body = posted(target_of(*row, "quarantine?reason=") + percent_encoded(reason), 200);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : full_name(*row) + " is set aside; session release takes it back\n");
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(posted(target_of(row, "quarantine?reason=") + percent_encoded(reason), 200),
+                   [&](const Json&) { return full_name(row) + " is set aside; session release takes it back\n"; });
+  });
 }
 
 Result<int> Commands::release(const std::string& session) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto body = posted(target_of(*row, "release"), 200);
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : full_name(*row) + " is merged again\n");
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(posted(target_of(row, "release"), 200),
+                   [&](const Json&) { return full_name(row) + " is merged again\n"; });
+  });
 }
 
 Result<int> Commands::remove_session(const std::string& session) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto body = removed("/api/v1/sessions/" + row->at("id").dump());
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : full_name(*row) + " is deleted\n");
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(removed("/api/v1/sessions/" + row.at("id").dump()),
+                   [&](const Json&) { return full_name(row) + " is deleted\n"; });
+  });
 }
 
-Result<int> Commands::list_surveys() {
-  const auto body = fetched("/api/v1/survey");
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : surveys_view(Json::parse(*body), terminal_width()));
-  return exit_ok;
-}
+Result<int> Commands::list_surveys() { return printed(fetched("/api/v1/survey"), across_terminal(surveys_view)); }
 
 Result<int> Commands::set_survey(const std::string& session, const std::string& file, bool accept) {
   const auto content = survey_body(file);
@@ -165,26 +147,20 @@ Result<int> Commands::set_survey(const std::string& session, const std::string& 
   const auto body = posted(target, 200, *content);
   if (!body && body.error().message.find("to stand all the same") != std::string::npos)
     return failure(body.error().code, body.error().message + ": --accept");
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : survey_view(Json::parse(*body), terminal_width()));
-  return exit_ok;
+  return printed(body, across_terminal(survey_view));
 }
 
 Result<int> Commands::drop_survey(const std::string& session) {
-  const auto row = session_named(session);
-  if (!row) return tl::unexpected(row.error());
-  const auto dropped = removed("/api/v1/survey?session=" + row->at("id").dump());
-  if (!dropped) return tl::unexpected(dropped.error());
-  std::cout << (json_ ? *dropped : full_name(*row) + " has no survey now\n");
-  return exit_ok;
+  return session_named(session).and_then([&](const Json& row) {
+    return printed(removed("/api/v1/survey?session=" + row.at("id").dump()),
+                   [&](const Json&) { return full_name(row) + " has no survey now\n"; });
+  });
 }
 
 Result<int> Commands::overlay(const std::string& alignment, int most) {
-  const auto body =
-      fetched("/api/v1/alignments/" + percent_encoded(alignment) + "/overlay?most=" + std::to_string(most));
-  if (!body) return tl::unexpected(body.error());
-  std::cout << (json_ ? *body : overlay_view(Json::parse(*body)));
-  return exit_ok;
+  const std::string target =
+      "/api/v1/alignments/" + percent_encoded(alignment) + "/overlay?most=" + std::to_string(most);
+  return printed(fetched(target), overlay_view);
 }
 
 }  // namespace headframe

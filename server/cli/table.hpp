@@ -26,6 +26,12 @@ struct Table {
 /// Of the terminal on stdout; 0 when stdout is none.
 std::size_t terminal_width();
 
+/// A view that takes the width, as wide as the terminal.
+template <class View>
+auto across_terminal(View view) {
+  return [view](const auto& json) { return view(json, terminal_width()); };
+}
+
 /// "981 B", "1.2 MB".
 std::string bytes_text(double bytes);
 std::string fixed(double value, int decimals);
