@@ -1,5 +1,5 @@
-// Our own reader, for PCL's (1.13) does not stand up to damaged files: of 1200 whose bytes were changed, cut or doubled it
-// died of 179 by a segmentation fault, among them one whose only fault is a damaged first word ("VE9RSION .7").
+// Our own reader, for PCL's (1.13) does not stand up to damaged files: of 1200 whose bytes were changed, cut or doubled
+// it died of 179 by a segmentation fault, among them one whose only fault is a damaged first word ("VE9RSION .7").
 #include <cstring>
 
 #include "common/dataset/columns.hpp"
