@@ -6,7 +6,7 @@
 namespace headframe {
 namespace {
 
-constexpr int pool_nice = 5;  // acks come first; merging (10) waits for both
+constexpr int pool_nice = 10;  // as merging has: acks come first
 
 }  // namespace
 

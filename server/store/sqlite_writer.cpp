@@ -10,6 +10,11 @@ bool is_of_the_database(const Error& error) {
   return error.code == ErrorCode::bad_input || error.code == ErrorCode::internal;
 }
 
+/// One statement: where it fails, nothing of it was written, and the transaction may go on.
+bool is_one_statement(const Write& write) {
+  return std::holds_alternative<PutKeyframe>(write) || std::holds_alternative<PutCloud>(write);
+}
+
 }  // namespace
 
 SqliteWriter::SqliteWriter(Database database, const SqliteOptions& options)
@@ -89,10 +94,20 @@ void SqliteWriter::commit(std::deque<Item> group) {
   }
 }
 
-Result<void> SqliteWriter::try_commit(const std::deque<Item>& group, std::size_t count) {
+Result<void> SqliteWriter::apply_to_transaction(Item& item) {
+  item.wrong.reset();
+  auto done = headframe::apply(database_, item.write);  // not std::apply
+  if (done || !is_one_statement(item.write) || done.error().code == ErrorCode::unavailable ||
+      is_of_the_database(done.error()))
+    return done;
+  item.wrong = std::move(done.error());
+  return {};
+}
+
+Result<void> SqliteWriter::try_commit(std::deque<Item>& group, std::size_t count) {
   const auto start = std::chrono::steady_clock::now();
   auto done = database_.execute("BEGIN IMMEDIATE");
-  for (std::size_t i = 0; done && i < count; ++i) done = apply(database_, group[i].write);
+  for (std::size_t i = 0; done && i < count; ++i) done = apply_to_transaction(group[i]);
   if (done) done = database_.execute("COMMIT");
   if (!done) {
     (void)database_.execute("ROLLBACK");
@@ -120,7 +135,8 @@ void SqliteWriter::give_up(const Error& why) {
   load_.broken = why.message;
 }
 
-void SqliteWriter::finish(Item& item, const Result<void>& result) {
+void SqliteWriter::finish(Item& item, const Result<void>& committed) {
+  const Result<void> result = committed && item.wrong ? Result<void>(tl::unexpected(*item.wrong)) : committed;
   {
     const std::lock_guard lock(mutex_);
     --load_.queued_writes;

@@ -12,11 +12,11 @@
 
 namespace headframe {
 
-/// The thread that writes. Writes that come within options.group_ms share one commit. A group that fails is halved
-/// until what is at fault stands alone: a bad write then fails; one that the disk refuses waits, and all behind it,
-/// until there is room, so nothing is answered that is not durable. When the database itself is at fault (damaged,
-/// read-only, another schema) trying again is no use: this write and all after it fail. write() and load() are thread
-/// safe.
+/// The thread that writes. Writes that come within options.group_ms share one commit. A keyframe or cloud that is wrong
+/// fails alone, and the others are written as if it were not there. A group that fails for another write is halved
+/// until that one stands alone and fails; one that the disk refuses waits, and all behind it, until there is room, so
+/// nothing is answered that is not durable. When the database itself is at fault (damaged, read-only, another schema)
+/// trying again is no use: this write and all after it fail. write() and load() are thread safe.
 class SqliteWriter {
  public:
   SqliteWriter(Database database, const SqliteOptions& options);
@@ -30,14 +30,16 @@ class SqliteWriter {
     Write write;
     Store::Done done;
     std::size_t bytes = 0;
+    std::optional<Error> wrong = std::nullopt;  // found so at the last attempt; nothing of it was written
   };
 
   void run();
   std::deque<Item> next_group();
   void commit(std::deque<Item> group);
-  Result<void> try_commit(const std::deque<Item>& group, std::size_t count);
+  Result<void> apply_to_transaction(Item& item);
+  Result<void> try_commit(std::deque<Item>& group, std::size_t count);
   bool wait_for_room(const Error& why);
-  void finish(Item& item, const Result<void>& result);
+  void finish(Item& item, const Result<void>& committed);
   void give_up(const Error& why);
 
   Database database_;

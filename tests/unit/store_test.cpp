@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -284,6 +286,30 @@ TEST(Store, AnotherKeyframeOfTheSameNumberFails) {
   Keyframe rounded = line_keyframe(1);  // as another compiler's arithmetic would have it
   rounded.T_local_sensor.linear()(0, 1) += 1e-15;
   EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, rounded}));
+}
+
+TEST(Store, WrongKeyframesDoNotSplitTheCommitThatTheyCameWith) {
+  const TempDir dir;
+  const auto store = open(dir, {.group_ms = 500});
+  ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+  ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(2, "bee")}));
+  const std::uint64_t commits = store->load().commits;
+  std::atomic<int> wrong{0}, right{0};
+  const auto count = [&](const Result<void>& done) { ++(done ? right : wrong); };
+  Keyframe other = line_keyframe(1);
+  other.stamp_s += 1;
+  for (std::uint64_t i = 1; i <= 50; ++i) {
+    store->write(PutKeyframe{1, line_keyframe(i)}, count);
+    store->write(PutKeyframe{1, other}, count);              // of a number that is taken
+    store->write(PutKeyframe{1, line_keyframe(99)}, count);  // leaves a hole
+    store->write(PutCloud{{2, i}, "of no keyframe"}, count);
+  }
+  ASSERT_TRUE(write_and_wait(*store, PutKeyframe{2, line_keyframe(1)}));
+  EXPECT_EQ(right, 50);
+  EXPECT_EQ(wrong, 150);
+  EXPECT_EQ(keyframes(*store, 1).size(), 50U);
+  EXPECT_EQ(keyframes(*store, 2).size(), 1U);
+  EXPECT_LE(store->load().commits - commits, 4U);
 }
 
 TEST(Store, NobodyElseReadsWhatIsInIt) {
