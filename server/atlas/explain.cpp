@@ -111,6 +111,9 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
   }
   add_lacks(a, config, missing);
   add_lacks(b, config, missing);
+  if (a.family != b.family)
+    missing.push_back("descriptors that can be compared: " + a.name + " has " + text_of(a.family) + ", " + b.name +
+                      " has " + text_of(b.family) + ", so walls and rock alone have to tell");
   return missing;
 }
 
@@ -122,15 +125,6 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
   add_troubles(a, out.missing);
   add_troubles(b, out.missing);
   const std::string both = a.name + " and " + b.name;
-  if (a.family != b.family) {
-    const bool version = a.family.name == b.family.name;
-    out.outcome = both + (version ? " can not be compared: the versions of their descriptor family differ"
-                                  : " can not be compared: their descriptor families differ");
-    out.missing.push_back(
-        a.name + " has " + text_of(a.family) + ", " + b.name + " has " + text_of(b.family) +
-        (version ? ": run both robots with the same software and files" : ": run both robots with the same family"));
-    return out;
-  }
   if (!alignment) {
     out.outcome = both + (together ? " are merged through other sessions; the pair itself has not been tried"
                                    : " are not merged: nothing has been tried yet");

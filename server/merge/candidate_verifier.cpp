@@ -88,7 +88,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
                                                                         const std::vector<Case>& cases,
                                                                         const std::vector<ScreeningResult>& screened,
                                                                         bool all, CloudSource& clouds) {
-  const DescriptorAgreement agreement(sessions_.at(pair.a).keyframes, sessions_.at(pair.b).keyframes);
+  const DescriptorAgreement agreement = sessions_.descriptor_agreement(pair);
   std::vector<Judged> out;
   for (const std::size_t i : by_promise(screened, agreement)) {
     if (out.size() == judged_closely) break;
@@ -142,7 +142,7 @@ Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at
   if (at.a.stored.empty() || at.b.stored.empty()) return {};
   Judgement out = headframe::judge_again(submaps_.scene(pair.a, at.a.stored, clouds),
                                          submaps_.scene(pair.b, at.b.stored, clouds), at.hypothesis.T_a_b, judge_);
-  compare_descriptors({sessions_.at(pair.a).keyframes, sessions_.at(pair.b).keyframes}, out);
+  compare_descriptors(sessions_.descriptor_agreement(pair), out);
   weigh(out);
   return out;
 }

@@ -40,7 +40,7 @@ std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sess
   const Session& self = sessions.at(id);
   std::map<SessionId, int> alike;
   for (const auto& [other, session] : sessions.all())
-    if (other != id && session.family == self.family) alike[other] = 0;
+    if (other != id) alike[other] = 0;
   if (alike.size() > 1) {
     const std::size_t step = std::max<std::size_t>(1, self.keyframes.size() / keyframes_asked);
     for (std::size_t i = 0; i < self.keyframes.size(); i += step) {

@@ -16,7 +16,7 @@ class PartnerRanking {
   /// A keyframe of the session as it was taken in; `sessions` holds it already.
   void add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions);
 
-  /// Sessions of the same family, those whose descriptors look most alike first.
+  /// All other sessions, those whose descriptors look most alike first. Of another family nothing is known.
   std::vector<SessionId> rank(SessionId id, const SessionMap& sessions) const;
 
  private:

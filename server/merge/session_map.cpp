@@ -80,6 +80,12 @@ OrderedPair SessionMap::ordered(SessionId one, SessionId other) const {
   return rank(one) < rank(other) ? OrderedPair{one, other} : OrderedPair{other, one};
 }
 
+DescriptorAgreement SessionMap::descriptor_agreement(const OrderedPair& pair) const {
+  const Session &a = at(pair.a), &b = at(pair.b);
+  if (a.family != b.family) return {{}, {}};
+  return {a.keyframes, b.keyframes};
+}
+
 // A robot that still drives has not shown what lies ahead of it: an exact copy of a tile looks right until the tile
 // ends. What convinces waits until both sessions have shown enough, and what was decided on half a session is decided
 // anew when it ends.

@@ -7,6 +7,7 @@
 #include "server/merge/merge_config.hpp"
 #include "server/merge/ordered_pair.hpp"
 #include "server/merge/session_frames.hpp"
+#include "server/place/descriptor_agreement.hpp"
 
 namespace headframe {
 
@@ -47,6 +48,9 @@ class SessionMap {
   /// The longer on the shorter: it is laid piece by piece, and more pieces find more. (With the shorter of the campus
   /// drives laid on the longer, the search missed the right placement at 4 of 24 turns, else at none.)
   OrderedPair ordered(SessionId one, SessionId other) const;
+
+  /// Of the descriptors along both paths; it says nothing where they are of different families or versions.
+  DescriptorAgreement descriptor_agreement(const OrderedPair& pair) const;
 
   /// A few metres of path look like many others: a growing session waits until it has seen more.
   bool may_merge(SessionId id) const { return at(id).complete || at(id).path_m() >= config_.least_path_m; }

@@ -107,8 +107,10 @@ const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
   if (a.keyframes.empty() || b.keyframes.empty()) return &known;
   if (allowed_ == 0) return nullptr;
   --allowed_;
-  const DescriptorAgreement agreement(a.keyframes, b.keyframes);
-  known = {known.version + 1, search(a, b, matches(), agreement, config_.seats), path_a, path_b};
+  const bool comparable = a.family == b.family;
+  const DescriptorAgreement agreement(comparable ? a.keyframes : std::span<const Keyframe>(), b.keyframes);
+  const auto matched = comparable ? matches() : std::vector<MatchedPair>();
+  known = {known.version + 1, search(a, b, matched, agreement, config_.seats), path_a, path_b};
   return &known;
 }
 

@@ -33,6 +33,7 @@ struct SessionView {
   SessionId id = 0;
   std::span<const Keyframe> keyframes;
   bool complete = false;
+  FamilyId family = {};  // of its descriptors: those of different families are not compared
 };
 
 /// What was found for a pair of sessions, best first. The version changes with every new search.

@@ -11,10 +11,10 @@ namespace {
 constexpr float view_reach_m = 20;
 constexpr std::size_t normal_neighbours = 12;
 
-// What a keyframe can hold: a lidar of 128 beams and 2048 columns has as many points, and a robot sends 17 thinned
-// sweeps that it took within some metres. Of more points every so manyth is taken, of more sweeps the last, the
-// keyframe's own among them.
-constexpr std::size_t most_points = 262144, most_sweeps = 64;
+// More than a robot sends: a lidar of 128 beams and 1024 columns has as many points, and what it sends is thinned, of
+// 17 sweeps within some metres. Of more points every so manyth is taken, of more sweeps the last, the keyframe's own
+// among them.
+constexpr std::size_t most_points = 131072, most_sweeps = 64;
 constexpr float farthest_origin_m = 200, farthest_point_m = 1000;
 
 /// False for what is not finite, too.

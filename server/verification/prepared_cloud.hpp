@@ -26,7 +26,7 @@ inline constexpr float prepared_leaf_m = 0.25F;
 
 std::size_t bytes_of(const PreparedCloud& cloud);
 
-/// Whatever the cloud holds, it costs what a large honest one does: at most 262144 points and 64 sweeps are used, and
+/// Whatever the cloud holds, it costs what a large honest one does: at most 131072 points and 64 sweeps are used, and
 /// none that a sensor cannot have seen.
 PreparedCloud prepare(const KeyframeCloud& cloud, int threads = 1);
 

@@ -60,7 +60,7 @@ DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   std::vector<mine::SeenVoxels> seen;
   for (const mine::Robot& robot : scenario->robots) {
     const mine::Recording recording = mine::record(scenario->world, robot, request.seed);
-    DrivenSession session{.name = world + "/" + robot.name, .world = world};
+    DrivenSession session{.name = world + "/" + robot.name, .world = world, .family = family->id()};
     session.path = {recording.drive.T_local_sensor, recording.drive.T_world_sensor};
     Robot eyes(selection, *family);
     for (std::size_t i = 0; i < recording.scans.size(); ++i)
@@ -80,7 +80,7 @@ DrivenSession read_driven_session(const std::filesystem::path& recording, const 
   const auto folder = SessionFolder::open(recording / robot);
   if (!folder) throw std::runtime_error(folder.error().message);
   const std::string world = recording.filename();
-  DrivenSession session{.name = world + "/" + robot, .world = world};
+  DrivenSession session{.name = world + "/" + robot, .world = world, .family = family.id()};
   session.path = test::read_true_path(recording, robot);
   Robot eyes(Selection::by_spaciousness, family);
   for (std::size_t i = 0; i < folder->size(); ++i) {

@@ -16,6 +16,7 @@ namespace headframe::bench {
 struct DrivenSession {
   std::string name;   // kind-seed/robot, or data set/robot
   std::string world;  // sessions of different worlds share nothing
+  FamilyId family;    // of its descriptors
   std::vector<Keyframe> keyframes = {};
   std::vector<KeyframeCloud> clouds = {};  // of keyframe i, rounded as on the wire
   test::TruePath path = {};                // of every scan

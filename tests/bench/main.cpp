@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/descriptor/family.hpp"
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
 #include "tests/bench/descriptors/descriptors.hpp"
@@ -46,8 +47,9 @@ struct Options {
   std::string what = "all";
   std::filesystem::path recordings = "../shared/data", out = "build/bench";
   std::optional<int> mines;
-  std::vector<std::filesystem::path> sets;  // of stages
-  bool crossed = false;                     // sessions of different sets
+  std::vector<std::filesystem::path> sets;                                  // of stages
+  bool crossed = false;                                                     // sessions of different sets
+  std::vector<std::string> set_families{std::string(default_family_name)};  // the robots take them in turn
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
   std::uint64_t first_seed = Campaign{}.first_seed;
   LiveBench live = {};
@@ -110,7 +112,7 @@ int run(const Options& options) {
   part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
   part("stages", false,
-       [&] { return options.crossed ? stages_crossed(options.sets, options.out) : stages(options.sets, options.out); });
+       [&] { return (options.crossed ? stages_crossed : stages)(options.sets, options.set_families, options.out); });
   part("live", false, [&] { return live(options.live_bench()); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
@@ -143,6 +145,8 @@ int main(int argc, char** argv) {
   stages->add_option("DIR", options.sets, "data sets (with truth.json and truth/ROBOT.txt), or folders of them")
       ->required();
   stages->add_flag("--crossed", options.crossed, "every two sessions of different sets of one world instead");
+  stages->add_option("--family", options.set_families, "of descriptors: the robots of a set take these in turn")
+      ->delimiter(',');
   stages->callback([&options] { options.what = "stages"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
   live->add_option("--only", options.live.only, "sets whose names contain this");

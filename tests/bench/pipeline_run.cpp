@@ -1,13 +1,11 @@
 #include "tests/bench/pipeline_run.hpp"
 
-#include "common/descriptor/family.hpp"
-
 namespace headframe::bench {
 
 SessionId PipelineRun::add(const DrivenSession& session) {
   sessions.push_back(&session);
   const auto id = static_cast<SessionId>(sessions.size());
-  pipeline.add_session(id, make_family(default_family_name).value()->id());
+  pipeline.add_session(id, session.family);
   for (const Keyframe& keyframe : session.keyframes) {
     pipeline.add_keyframe(id, keyframe);
     pipeline.prepare_cloud({id, keyframe.sequence}, *this);

@@ -204,11 +204,19 @@ void print_if_lost(const PairRow& row) {
   if (!row.right && (row.overlap_pct >= 1 || row.merged)) print_lost(row);
 }
 
-std::map<std::string, DrivenSession> sessions_of(const std::filesystem::path& set, const nlohmann::json& truth) {
-  const auto family = make_family(default_family_name).value();
+std::unique_ptr<DescriptorFamily> family_named(const std::string& name) {
+  auto family = make_family(name);
+  if (!family) throw std::runtime_error(family.error().message);
+  return std::move(*family);
+}
+
+/// The robots take the families in turn.
+std::map<std::string, DrivenSession> sessions_of(const std::filesystem::path& set, const nlohmann::json& truth,
+                                                 const std::vector<std::string>& families) {
   std::map<std::string, DrivenSession> sessions;
   for (const auto& [robot, unused] : truth.at("robots").items())
-    sessions.emplace(robot, read_driven_session(set, robot, *family));
+    sessions.emplace(robot,
+                     read_driven_session(set, robot, *family_named(families[sessions.size() % families.size()])));
   return sessions;
 }
 
@@ -262,14 +270,15 @@ nlohmann::json summed_up(const std::vector<PairRow>& rows) {
 
 }  // namespace
 
-nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out) {
+nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::vector<std::string>& families,
+                      const std::filesystem::path& out) {
   const auto sets = sets_below(folders);
   std::vector<PairRow> rows;
   VerdictRows evidence(out / "verdict_sets.csv");
   for (const auto& set : sets) {
     std::ifstream in(set / "truth.json");
     const auto truth = nlohmann::json::parse(in);
-    const auto sessions = sessions_of(set, truth);
+    const auto sessions = sessions_of(set, truth, families);
     for (const auto& pair : truth.at("pairs")) {
       const InCommon common{pair.at("overlap_pct"), pair.at("nearest_poses_m")};
       rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), common).run(evidence));
@@ -282,11 +291,12 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
   return summed_up(rows);
 }
 
-nlohmann::json stages_crossed(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& out) {
+nlohmann::json stages_crossed(const std::vector<std::filesystem::path>& folders,
+                              const std::vector<std::string>& families, const std::filesystem::path& out) {
   std::map<std::string, std::vector<DrivenSession>> by_kind;
   for (const auto& set : sets_below(folders)) {
     std::ifstream in(set / "truth.json");
-    for (auto& [robot, session] : sessions_of(set, nlohmann::json::parse(in)))
+    for (auto& [robot, session] : sessions_of(set, nlohmann::json::parse(in), families))
       by_kind[kind_of(session.world)].push_back(session);
   }
   std::vector<PairRow> rows;

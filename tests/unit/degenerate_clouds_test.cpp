@@ -54,7 +54,7 @@ TEST(DegenerateClouds, APointInEveryCubeOfAHugeSpaceGivesNoMoreThanALidarSees) {
   std::uniform_real_distribution<float> u(-40, 40);
   Points points(most_decoded / 2);
   for (auto& p : points) p = {u(rng), u(rng), u(rng)};
-  EXPECT_LE(prepare(one_sweep(std::move(points))).points.size(), 262144U);
+  EXPECT_LE(prepare(one_sweep(std::move(points))).points.size(), 131072U);
 }
 
 TEST(DegenerateClouds, SweepsFromNowhereAndPointsBeyondAllSightAreLeftOut) {

@@ -52,12 +52,13 @@ TEST(PartnerRanking, NearSessionsComeFirstBelowAndAboveTheSwitchToFlann) {
   EXPECT_EQ(database.rank(4).front(), 5) << "what came after the switch is found";
 }
 
-TEST(PartnerRanking, OtherFamiliesAreNoPartners) {
+TEST(PartnerRanking, OtherFamiliesComeLast) {
   Database database;
   database.add(1, 5, 0);
   database.add(2, 5, 0);
   database.sessions.add(3, {"other", 1});
-  EXPECT_EQ(database.rank(1), std::vector<SessionId>{2});
+  database.add(4, 5, 0);
+  EXPECT_EQ(database.rank(1), (std::vector<SessionId>{2, 4, 3}));
 }
 
 }  // namespace
