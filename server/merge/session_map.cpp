@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "server/place/sanity.hpp"
+#include "server/verification/verdict_weights.hpp"
 #include "server/verification/verification.hpp"
 
 namespace headframe {
@@ -82,7 +83,7 @@ OrderedPair SessionMap::ordered(SessionId one, SessionId other) const {
 
 DescriptorAgreement SessionMap::descriptor_agreement(const OrderedPair& pair) const {
   const Session &a = at(pair.a), &b = at(pair.b);
-  if (a.family != b.family) return {{}, {}};
+  if (a.family != b.family || a.family.name != verdict_family) return {{}, {}};
   return {a.keyframes, b.keyframes};
 }
 

@@ -49,7 +49,8 @@ class SessionMap {
   /// drives laid on the longer, the search missed the right placement at 4 of 24 turns, else at none.)
   OrderedPair ordered(SessionId one, SessionId other) const;
 
-  /// Of the descriptors along both paths; it says nothing where they are of different families or versions.
+  /// Of the descriptors along both paths, for the verdict. It says nothing where they are of different families or
+  /// versions, or of a family that the verdict's weights were not fitted on.
   DescriptorAgreement descriptor_agreement(const OrderedPair& pair) const;
 
   /// A few metres of path look like many others: a growing session waits until it has seen more.

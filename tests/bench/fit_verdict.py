@@ -76,7 +76,10 @@ def main(out, files):
     with open(out, "w") as f:
         f.write("#pragma once\n// Made by tests/bench/fit_verdict.py on %s from %d right and %d wrong placements in %d mines of %d kinds.\n\n"
                 % (datetime.date.today(), y.sum(), len(y) - y.sum(), mines, len(set(kinds))))
-        f.write("#include <array>\n\nnamespace headframe {\n\ninline constexpr double verdict_bias = %.3f;\n" % c[-1])
+        f.write("#include <array>\n#include <string_view>\n\nnamespace headframe {\n\n"
+                "/// Of the descriptors in those rows. Of others the verdict does not know how alike they are at right and\n"
+                "/// wrong placements.\ninline constexpr std::string_view verdict_family = \"learned\";\n\n"
+                "inline constexpr double verdict_bias = %.3f;\n" % c[-1])
         f.write("inline constexpr std::array<double, %d> verdict_weights{%s};\n\n}  // namespace headframe\n"
                 % (len(terms), ", ".join("%.3f" % w for w in c[:-1])))
 

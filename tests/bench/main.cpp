@@ -146,7 +146,8 @@ int main(int argc, char** argv) {
       ->required();
   stages->add_flag("--crossed", options.crossed, "every two sessions of different sets of one world instead");
   stages->add_option("--family", options.set_families, "of descriptors: the robots of a set take these in turn")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   stages->callback([&options] { options.what = "stages"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
   live->add_option("--only", options.live.only, "sets whose names contain this");
