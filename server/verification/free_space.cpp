@@ -95,7 +95,7 @@ SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const Place
   SurfelCloud kept;
   for (std::size_t i = 0; i < surfels.points.size(); ++i) {
     const Answer answer = ask(views, surfels.points[i], surfels.normals[i], reach_m);
-    if (answer.hits < least_hits || answer.through >= answer.hits) continue;
+    if (is_transient(answer.hits, answer.through, least_hits)) continue;
     kept.points.push_back(surfels.points[i]);
     kept.normals.push_back(surfels.normals[i]);
   }

@@ -37,8 +37,8 @@ Points without_strays(const Points& points) {
   return kept;
 }
 
-/// What is left of dust is met once, by the sweep that made it: what the others see through as often as they meet it is
-/// left out.
+/// By the sweeps of one keyframe, before it has normals. What one sweep alone met stays, for the others may stand where
+/// they could not meet it: the place asks again, with the sweeps of the keyframes around (free_space).
 Points without_transients(Points points, const std::vector<PreparedCloud::View>& views) {
   std::erase_if(points, [&](const Eigen::Vector3f& p) {
     int through = 0, hits = 0;
@@ -47,7 +47,7 @@ Points without_transients(Points points, const std::vector<PreparedCloud::View>&
       through += sight == Sight::through;
       hits += sight == Sight::hit;
     }
-    return through >= 1 && through >= hits;
+    return is_transient(hits, through, 0);
   });
   return points;
 }

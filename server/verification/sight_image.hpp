@@ -15,6 +15,12 @@ enum class Sight : std::uint8_t {
   through,  // its rays went on behind the point: the place is free
 };
 
+/// Whether what so many of a session's sweeps met, and so many saw through, was there for a moment only: dust, people,
+/// vehicles that drove on. Rock is met least_hits times and more.
+constexpr bool is_transient(int hits, int through, int least_hits) {
+  return hits < least_hits || (through > 0 && through >= hits);
+}
+
 /// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made
 /// for 16 to 128 beams; a bin that no beam met knows nothing, and rows that none met take no memory. Immutable after
 /// construction.
