@@ -68,8 +68,9 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {
   const Stopwatch watch(report.times.hypotheses_ms);
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
-  const Found* found = finder.find({pair.a, a.keyframes, a.complete, a.family}, {pair.b, b.keyframes, b.complete, b.family},
-                                   [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
+  const Found* found =
+      finder.find({pair.a, a.keyframes, a.complete, a.family}, {pair.b, b.keyframes, b.complete, b.family},
+                  [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
   report.unfinished |= !found;  // enough searched for one attempt
   return found;
 }
