@@ -113,7 +113,8 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
   add_lacks(b, config, missing);
   if (a.family != b.family)
     missing.push_back("descriptors that can be compared: " + a.name + " has " + text_of(a.family) + ", " + b.name +
-                      " has " + text_of(b.family) + ", so walls and rock alone have to tell");
+                      " has " + text_of(b.family) +
+                      ", so walls and rock alone tell; give both robots the same family and software");
   return missing;
 }
 
