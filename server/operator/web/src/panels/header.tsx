@@ -71,7 +71,7 @@ export function Header({ desk }: { desk: Desk }) {
           <dd>{compact(sessions.reduce((sum, session) => sum + session.keyframes, 0))}</dd>
         </div>
         <div>
-          <dt>revision</dt>
+          <dt>{station.revision === 1 ? 'revision' : 'revisions'}</dt>
           <dd>{station.revision}</dd>
         </div>
       </dl>
