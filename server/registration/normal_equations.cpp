@@ -181,7 +181,8 @@ NormalEquations sum_factors(std::size_t count, int threads, const FactorModel& m
   });
   NormalEquations total;
   for (const NormalEquations& s : sums) total += s;
-  for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
+  if (distances_m)
+    for (const auto& d : distances) distances_m->insert(distances_m->end(), d.begin(), d.end());
   return total;
 }
 
