@@ -61,7 +61,7 @@ Hello hello_of(const RobotConfig& config, const DescriptorFamily* family) {
     hello.family = {family->id(), family->q_size(), family->w_size()};
   hello.clouds = config.clouds;
   hello.software = "headframe robot library 0.1.0";
-  hello.capabilities = robot_capabilities();
+  hello.capabilities = robot_capabilities(config.provisional);
   return hello;
 }
 

@@ -76,8 +76,9 @@ void SpooledLink::take(const Transforms& transforms) {
   std::function<void(const Transforms&)> callback;
   {
     const Lock lock(mutex_);
-    const bool known =
-        transforms_ && transforms_->revision == transforms.revision && transforms_->component == transforms.component;
+    const bool known = transforms_ && transforms_->revision == transforms.revision &&
+                       transforms_->component == transforms.component &&
+                       transforms_->provisional == transforms.provisional;
     transforms_ = transforms;
     if (!known) callback = on_transform_;
   }

@@ -30,6 +30,7 @@ class ReplayReport {
   std::string bar_;     // as it stands on the terminal
   std::string status_;  // the last plain line
   std::chrono::steady_clock::time_point drawn_;
+  std::uint64_t withdrawn_known_ = 0;  // the newest revision of those that were told
 };
 
 /// "45 keyframes (40 acknowledged), 40 clouds (30 acknowledged), 1.2 MB sent"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "client/uplink/transform_update.hpp"
 #include "common/printable.hpp"
 #include "common/wire/capabilities.hpp"
 #include "common/wire/limits.hpp"
@@ -177,19 +178,10 @@ void UplinkProtocol::on_keyframe_ack(std::uint64_t up_to, Events& events) {
 }
 
 void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& events) {
-  Transforms t{message.revision(), message.component(), {}, {}};
-  auto anchor = from_proto(message.anchor());
-  if (!anchor) return end(events, ErrorCode::bad_input, "transform update: anchor: " + anchor.error().message, false);
-  t.anchor = std::move(*anchor);
-  for (const auto& s : message.sessions()) {
-    auto key = from_proto(s.session());
-    auto pose = from_proto(s.t_component_session());
-    if (!key || !pose)
-      return end(events, ErrorCode::bad_input,
-                 "transform update: " + (key ? pose.error().message : key.error().message), false);
-    t.sessions.push_back({std::move(*key), *pose});
-  }
-  events.emplace_back(std::move(t));
+  auto transforms = transforms_from(message);
+  if (!transforms)
+    return end(events, ErrorCode::bad_input, "transform update: " + transforms.error().message, false);
+  events.emplace_back(std::move(*transforms));
 }
 
 void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {

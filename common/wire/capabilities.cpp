@@ -4,8 +4,15 @@
 
 namespace headframe {
 
-std::vector<std::string> robot_capabilities() { return {"cloud_refusal", "link_policy", "spares"}; }
-std::vector<std::string> server_capabilities() { return {"cloud_form_1", "cloud_form_2", "spares"}; }
+std::vector<std::string> robot_capabilities(bool provisional) {
+  std::vector<std::string> names{"cloud_refusal", "link_policy", "spares"};
+  if (provisional) names.emplace_back(provisional_capability);
+  return names;
+}
+
+std::vector<std::string> server_capabilities() {
+  return {"cloud_form_1", "cloud_form_2", std::string(provisional_capability), "spares"};
+}
 
 std::vector<std::string> usable_capabilities(const std::vector<std::string>& listed) {
   constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz0123456789_";

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace headframe {
@@ -12,8 +13,11 @@ namespace headframe {
 inline constexpr std::size_t most_capabilities = 64;      // of one message; those behind are passed over
 inline constexpr std::size_t most_capability_bytes = 32;  // of one name; a longer one is passed over
 
+/// A robot that lists it is told of merges that still wait for path (ProvisionalTransform).
+inline constexpr std::string_view provisional_capability = "provisional";
+
 /// What the robot library lists in its hello, and this server in its welcome.
-std::vector<std::string> robot_capabilities();
+std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();
 
 /// A peer's names, whatever it wrote: of at most most_capabilities, those of 1 to most_capability_bytes of a-z, 0-9 and

@@ -5,7 +5,8 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<std::string_view, 5> state_names{"candidate", "verified", "published", "retracted", "rejected"};
+constexpr std::array<std::string_view, 6> state_names{"candidate", "provisional", "verified",
+                                                       "published", "retracted",   "rejected"};
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 

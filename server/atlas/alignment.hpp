@@ -10,7 +10,8 @@
 
 namespace headframe {
 
-enum class AlignmentState { candidate, verified, published, retracted, rejected };
+/// provisional: all that is there convinces, and a robot that still drives may yet come to see that it is a look-alike.
+enum class AlignmentState { candidate, provisional, verified, published, retracted, rejected };
 
 std::string_view to_string(AlignmentState state);
 std::optional<AlignmentState> alignment_state_from(std::string_view name);
@@ -34,7 +35,7 @@ struct Alignment {
   AlignmentState state = AlignmentState::candidate;
   Pose T_a_b = Pose::Identity();
   Evidence evidence;
-  AlignmentState verdict = AlignmentState::candidate;  // rejected, candidate or verified: what the evidence alone says
+  AlignmentState verdict = AlignmentState::candidate;  // up to verified, or rejected: what the evidence alone says
   Ruling ruling = Ruling::none;
   std::optional<Pose> T_a_b_runner_up = std::nullopt;  // what evidence.runner_up speaks of; none: there was none
   std::optional<Objection> objection = std::nullopt;   // what holds it back; not stored: found anew after a restart

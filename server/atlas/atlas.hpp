@@ -1,6 +1,7 @@
 #pragma once
 // All components: which sessions share a frame, and where each lies in it.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -13,12 +14,28 @@ struct Placement {
   Pose T_component_session = Pose::Identity();
 };
 
+/// Where a session of another component would come to lie if what is provisional were merged.
+struct ProvisionalPlacement {
+  SessionId session = 0;
+  Pose T_component_session = Pose::Identity();
+  double probability = 0;  // the least of the provisional alignments that would hold the two components together
+  double awaited_m = 0;    // the longest path that one of them waits for
+};
+
 /// id is the anchor's session id; its placement is the identity. The anchor is the session that the operator chose last
 /// of those in the component; without a choice, the earliest. Placements are sorted by session.
 struct Component {
   SessionId id = 0;
   std::vector<Placement> placements;
+  std::vector<ProvisionalPlacement> provisional = {};  // sorted by session; not part of a revision, and not stored
 };
+
+/// Null: the session is not in the component.
+inline const Placement* placement_in(const Component& component, SessionId session) {
+  const auto found = std::find_if(component.placements.begin(), component.placements.end(),
+                                  [&](const Placement& p) { return p.session == session; });
+  return found == component.placements.end() ? nullptr : &*found;
+}
 
 /// A numbered state. The revision goes up whenever a transform between two sessions appears, changes or goes.
 struct Atlas {

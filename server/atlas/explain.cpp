@@ -39,6 +39,7 @@ std::string outcome_of(const std::string& both, const Alignment& k, bool togethe
       return apart + "it stands up, but " +
              (k.objection ? "other sessions contradict it" : "contradicts stronger alignments") + best;
     case AlignmentState::retracted: return apart + "it was merged once, and later evidence contradicts it" + best;
+    case AlignmentState::provisional: return apart + "it looks right, and is provisional while a robot drives" + best;
     case AlignmentState::candidate:
       return apart +
              (convinces(k.evidence, config) ? "it looks right, and waits" : "it may be right, but is not sure enough") +
@@ -142,6 +143,19 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
   const auto missing = missing_of(a, b, *alignment, config, names);
   out.missing.insert(out.missing.end(), missing.begin(), missing.end());
   return out;
+}
+
+std::string why_withdrawn(const Alignment& now) {
+  if (now.ruling == Ruling::retracted) return "the operator took it back";
+  switch (now.state) {
+    case AlignmentState::verified: return "other sessions contradict it";
+    case AlignmentState::candidate:
+    case AlignmentState::provisional: return "it is no longer sure enough";
+    case AlignmentState::retracted:
+    case AlignmentState::rejected:
+    case AlignmentState::published: break;
+  }
+  return "later evidence contradicts it";
 }
 
 }  // namespace headframe

@@ -12,7 +12,7 @@ namespace headframe {
 
 struct ExplainedSession {
   std::string name;  // "robot/session"
-  FamilyId family;   // sessions of different families or versions are never compared
+  FamilyId family;   // descriptors of different families or versions are never compared
   double path_m = 0;
   std::uint64_t keyframes = 0;
   std::uint64_t clouds = 0;  // stored
@@ -35,5 +35,8 @@ using SessionNames = std::function<std::string(SessionId)>;
 /// alignment: of the pair a, b; null when nothing has been tried. together: both are in one component.
 Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const Alignment* alignment, bool together,
                     const VerdictThresholds& config, const SessionNames& names);
+
+/// Of an alignment that was published and is not any more.
+std::string why_withdrawn(const Alignment& now);
 
 }  // namespace headframe

@@ -42,8 +42,12 @@ AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement&
   const Evidence& e = best.evidence;
   const bool stands = known && known->state == AlignmentState::published &&
                       same_placement(best.T_a_b, known->T_a_b, sessions_.at(known->b).middle(), same_as_rival);
-  const bool told = stands || (sessions_.may_merge(pair) && !waits && e.awaited_m <= 0);
-  if (convinces(e, config_)) return told ? AlignmentState::verified : AlignmentState::candidate;
+  if (convinces(e, config_)) {
+    if (stands) return AlignmentState::verified;
+    if (!sessions_.may_merge(pair) || waits) return AlignmentState::candidate;
+    if (e.awaited_m <= 0) return AlignmentState::verified;
+    return e.awaited_m <= config_.provisional_m ? AlignmentState::provisional : AlignmentState::candidate;
+  }
   return e.probability >= config_.candidate_probability ? AlignmentState::candidate : AlignmentState::rejected;
 }
 
@@ -52,7 +56,7 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   const auto [a, b] = std::minmax(pair.a, pair.b);
   Judgement best = by_ids(pair, judged);
   best.evidence.path_m = sessions_.at(a).path_m() + sessions_.at(b).path_m();
-  best.evidence.awaited_m = sessions_.path_awaited_m(pair, judged.T_a_b, judged.evidence.overlap_m);
+  best.evidence.awaited_m = sessions_.path_awaited_m(pair, judged.T_a_b, judged.evidence);
   const auto T_runner_up = T_a_b_runner_up ? std::optional(by_ids(pair, *T_a_b_runner_up)) : std::nullopt;
   Alignment* known = find(a, b);
   AlignmentState now = state_of(pair, best, known, waits);
@@ -60,13 +64,19 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
     const auto id = static_cast<AlignmentId>(alignments_.size()) + 1;
     alignments_.push_back({id, a, b, now, best.T_a_b, best.evidence, now, Ruling::none, T_runner_up});
     report.changed.push_back(alignments_.back());
+    if (waits) wait_for_clouds_.insert(id);
     return;
   }
+  if (waits)
+    wait_for_clouds_.insert(known->id);
+  else
+    wait_for_clouds_.erase(known->id);
   // What the operator ruled on stays in sight until something turns up that could be published.
   if (known->ruling != Ruling::none && now != AlignmentState::verified) return;
   const bool refused_once =
       decisions_.proposal(known->id, best.T_a_b, best.evidence.seen_points) == Proposal::as_candidate;
-  if (refused_once && now == AlignmentState::verified) now = AlignmentState::candidate;
+  if (refused_once && (now == AlignmentState::verified || now == AlignmentState::provisional))
+    now = AlignmentState::candidate;
   known->verdict = now;
   if (known->state == AlignmentState::published && now != AlignmentState::verified) now = AlignmentState::retracted;
   if (known->state == AlignmentState::retracted && now == AlignmentState::rejected) now = AlignmentState::retracted;
@@ -79,6 +89,23 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   known->evidence = best.evidence;
   known->ruling = decisions_.ruling(*known);
   if (news) report.changed.push_back(*known);
+}
+
+/// A pair whose sessions have both ended is judged no more: it waits for others alone.
+void AlignmentBook::release_awaited(AttemptReport& report) {
+  for (Alignment& k : alignments_) {
+    if (!convinces(k.evidence, config_) || k.evidence.awaited_m <= 0 || k.ruling != Ruling::none) continue;
+    if (k.state != AlignmentState::provisional && k.state != AlignmentState::candidate) continue;
+    if (!sessions_.contains(k.a) || !sessions_.contains(k.b) || wait_for_clouds_.contains(k.id)) continue;
+    if (!sessions_.at(k.a).looked_at || !sessions_.at(k.b).looked_at) continue;
+    k.evidence.awaited_m = sessions_.path_awaited_m({k.a, k.b}, k.T_a_b, k.evidence);
+    const AlignmentState now = k.evidence.awaited_m <= 0                       ? AlignmentState::verified
+                               : k.evidence.awaited_m <= config_.provisional_m ? AlignmentState::provisional
+                                                                               : AlignmentState::candidate;
+    if (now == k.state) continue;
+    k.state = k.verdict = now;
+    report.changed.push_back(k);
+  }
 }
 
 Result<void> AlignmentBook::decide(AlignmentId id, Decision decision, AttemptReport& report) {
@@ -110,14 +137,47 @@ void AlignmentBook::wake(SessionId id) {
     if (alignment.a == id || alignment.b == id) alignment.state = decided_state(alignment);
 }
 
-MergeResult AlignmentBook::merge(const Contacts& contacts) const {
+MergeResult AlignmentBook::merge(const Contacts& contacts, bool provisional_too) const {
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
   std::vector<Alignment> spoken = alignments_;
-  for (Alignment& alignment : spoken)  // one whose session is set aside says nothing
-    if (!sessions_.contains(alignment.a) || !sessions_.contains(alignment.b))
+  for (Alignment& alignment : spoken) {
+    if (provisional_too && alignment.state == AlignmentState::provisional) alignment.state = AlignmentState::verified;
+    if (!sessions_.contains(alignment.a) || !sessions_.contains(alignment.b))  // set aside: it says nothing
       alignment.state = AlignmentState::candidate;
+  }
   return merge_sessions(ids, spoken, {}, anchors_, contacts);
+}
+
+/// What would be added to each component if all that is provisional were merged. Where that would take something of a
+/// component away, nothing is.
+void AlignmentBook::add_provisional(std::vector<Component>& components, const Contacts& contacts) const {
+  const auto provisional = [](const Alignment& k) { return k.state == AlignmentState::provisional; };
+  if (std::none_of(alignments_.begin(), alignments_.end(), provisional)) return;
+  const MergeResult then = merge(contacts, true);
+  std::map<SessionId, const Component*> comes_to;
+  for (const Component& whole : then.components)
+    for (const Placement& p : whole.placements) comes_to[p.session] = &whole;
+  for (Component& part : components) {
+    const Component& whole = *comes_to.at(part.id);
+    if (std::any_of(part.placements.begin(), part.placements.end(),
+                    [&](const Placement& p) { return comes_to.at(p.session) != &whole; }))
+      continue;
+    ProvisionalPlacement held{.probability = 1};
+    for (std::size_t i = 0; i < alignments_.size(); ++i) {
+      const Alignment& k = alignments_[i];
+      if (!provisional(k) || then.states[i] != AlignmentState::published || comes_to.at(k.a) != &whole) continue;
+      held.probability = std::min(held.probability, k.evidence.probability);
+      held.awaited_m = std::max(held.awaited_m, k.evidence.awaited_m);
+    }
+    const Pose T_part_whole = placement_in(whole, part.id)->T_component_session.inverse();
+    for (const Placement& p : whole.placements) {
+      if (placement_in(part, p.session)) continue;
+      held.session = p.session;
+      held.T_component_session = orthonormalised(T_part_whole * p.T_component_session);
+      part.provisional.push_back(held);
+    }
+  }
 }
 
 void AlignmentBook::update_atlas(const Contacts& contacts,
@@ -138,8 +198,10 @@ void AlignmentBook::update_atlas(const Contacts& contacts,
   for (const Alignment& alignment : report.changed) last[alignment.id] = alignment;
   report.changed.clear();
   for (auto& [id, alignment] : last) report.changed.push_back(*find(alignment.a, alignment.b));
-  note_moved_sessions(merged.components, report);
-  atlas_.components = merged.components;
+  std::vector<Component> components = merged.components;
+  add_provisional(components, contacts);
+  note_moved_sessions(components, report);
+  atlas_.components = std::move(components);
   if (report.atlas_changed) ++atlas_.revision;
 }
 
@@ -156,6 +218,14 @@ void AlignmentBook::note_moved_sessions(const std::vector<Component>& now, Attem
           was == before.end() || was->second.first != component.id ||
           !same_placement(was->second.second, p.T_component_session, Eigen::Vector3d::Zero(), same_numbers);
     }
+  const auto provisional_of = [](const std::vector<Component>& components) {
+    std::vector<std::tuple<SessionId, SessionId, Eigen::Matrix4d>> all;
+    for (const Component& component : components)
+      for (const ProvisionalPlacement& p : component.provisional)
+        all.emplace_back(component.id, p.session, p.T_component_session.matrix());
+    return all;
+  };
+  report.provisional_changed = provisional_of(atlas_.components) != provisional_of(now);
 }
 
 void AlignmentBook::next_revision(AttemptReport& report) {

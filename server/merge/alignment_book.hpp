@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <set>
 
 #include "server/atlas/merge_graph.hpp"
 #include "server/merge/attempt.hpp"
@@ -27,6 +28,9 @@ class AlignmentBook {
   void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,
               AttemptReport& report);
 
+  /// Tells what waited for path of other sessions, where that has come.
+  void release_awaited(AttemptReport& report);
+
   Result<void> decide(AlignmentId id, Decision decision, AttemptReport& report);
   /// False: it was chosen last already.
   bool anchor(SessionId id);
@@ -34,7 +38,7 @@ class AlignmentBook {
   void wake(SessionId id);
 
   /// What merging would come to, with these answers on where sessions would meet.
-  MergeResult merge(const Contacts& contacts) const;
+  MergeResult merge(const Contacts& contacts) const { return merge(contacts, false); }
   /// FRAME, step 9: maps merge one after another. `objection`: what the pair that holds an alignment back says.
   void update_atlas(const Contacts& contacts,
                     const std::function<Objection(const std::pair<SessionId, SessionId>&)>& objection,
@@ -50,11 +54,14 @@ class AlignmentBook {
 
  private:
   AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
+  MergeResult merge(const Contacts& contacts, bool provisional_too) const;
+  void add_provisional(std::vector<Component>& components, const Contacts& contacts) const;
   void note_moved_sessions(const std::vector<Component>& now, AttemptReport& report) const;
 
   const MergeConfig config_;
   const SessionMap& sessions_;
   std::vector<Alignment> alignments_;
+  std::set<AlignmentId> wait_for_clouds_;
   DecisionBook decisions_;
   std::vector<SessionId> anchors_;  // in the order they were chosen
   Atlas atlas_, atlas_given_out_;

@@ -30,6 +30,7 @@ struct AttemptReport {
   bool unfinished = false;          // there is more to try: call attempt() again soon, after other work
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
+  bool provisional_changed = false;     // which robots may be told that ask for it; no revision
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
   std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged anew
   StageTimes times = {};

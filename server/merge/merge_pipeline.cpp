@@ -16,7 +16,10 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   if (!s.sessions.contains(id)) return report;
   const Attempt attempt{clouds, report};
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
+  s.sessions.set_looked_at(id, true);
   for (const SessionId other : s.partners.rank(id, s.sessions)) s.merge_pair(s.sessions.ordered(id, other), attempt);
+  if (report.unfinished) s.sessions.set_looked_at(id, false);
+  s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
   s.update_atlas(report);                   // 9: maps merge one after another
   return s.book.given_out(std::move(report));

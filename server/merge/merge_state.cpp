@@ -96,6 +96,7 @@ void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t rev
                             std::vector<DecisionRecord> decisions, std::vector<SessionId> anchors) {
   State& s = *state_;
   s.book.restore(std::move(alignments), std::move(decisions), std::move(anchors));
+  for (const auto& [id, session] : s.sessions.all()) s.sessions.set_looked_at(id, true);  // what ended was tried
   AttemptReport ignored;
   s.update_atlas(ignored);
   s.book.set_revision(revision);

@@ -1,5 +1,7 @@
 #include "server/merge/session_frames.hpp"
 
+#include <algorithm>
+
 #include "server/place/odometry_jump.hpp"
 
 namespace headframe {
@@ -88,9 +90,13 @@ Alignment SessionFrames::given_out(Alignment alignment) const {
 }
 
 Atlas SessionFrames::given_out(Atlas atlas) const {
-  for (Component& component : atlas.components)
-    for (Placement& placement : component.placements)
+  for (Component& component : atlas.components) {
+    const auto give_out = [&](auto& placement) {
       placement.T_component_session = given_out(component.id, placement.session, placement.T_component_session);
+    };
+    std::for_each(component.placements.begin(), component.placements.end(), give_out);
+    std::for_each(component.provisional.begin(), component.provisional.end(), give_out);
+  }
   return atlas;
 }
 

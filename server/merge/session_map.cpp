@@ -22,6 +22,8 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
 }
 
 /// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
+constexpr double most_look_alikes = 4, look_alikes_known = 2;  // set by hand on live drives of the recordings
+
 std::optional<double> path_since(const Session& session, const Session& other, const Pose& T_other_session,
                                  double reach_m) {
   for (std::size_t i = session.keyframes.size(); i-- > 0;) {
@@ -60,7 +62,7 @@ bool Session::passes_near(const Eigen::Vector3d& p, double reach_m) const {
 
 const Keyframe& SessionMap::add_keyframe(SessionId id, Keyframe keyframe) {
   Session& session = sessions_[id];
-  session.complete = false;
+  session.complete = session.looked_at = false;
   session.add(frames_.taken_in(id, std::move(keyframe), session.keyframes));
   return session.keyframes.back();
 }
@@ -69,6 +71,11 @@ void SessionMap::complete(SessionId id) {
   Session& session = sessions_[id];
   session.complete = true;
   session.set_aside_outliers();
+}
+
+void SessionMap::set_looked_at(SessionId id, bool looked_at) {
+  Session& session = sessions_[id];
+  session.looked_at = looked_at && session.complete;
 }
 
 void SessionMap::forget(SessionId id) {
@@ -90,17 +97,29 @@ DescriptorAgreement SessionMap::descriptor_agreement(const OrderedPair& pair) co
 // A robot that still drives has not shown what lies ahead of it: an exact copy of a tile looks right until the tile
 // ends. What convinces waits until both sessions have shown enough, and what was decided on half a session is decided
 // anew when it ends.
-double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, double shared_m) const {
+double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const {
   const Session &a = at(pair.a), &b = at(pair.b);
   const double reach_m = JudgeConfig{}.meet_m;
+  const double asked_m = config_.shown_m + config_.shown_more_m * std::min(evidence.look_alikes, most_look_alikes);
   double awaited_m = 0;
   const auto wait_for = [&](const Session& session, const Session& other, const Pose& T_other_session) {
     if (session.complete) return;
     const double since_m = path_since(session, other, T_other_session, reach_m).value_or(0);
-    awaited_m = std::max(awaited_m, config_.shown_m - shared_m - since_m);
+    awaited_m = std::max(awaited_m, asked_m - evidence.overlap_m - since_m);
   };
   wait_for(a, b, T_a_b.inverse());
   wait_for(b, a, T_a_b);
+  if (evidence.look_alikes < look_alikes_known) return awaited_m;
+  return std::max(awaited_m, path_awaited_of_others_m(pair, asked_m));
+}
+
+// Where one place looks like another, what tells a copy is that a third session comes to contradict it (consistency).
+double SessionMap::path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const {
+  double awaited_m = 0;
+  for (const auto& [id, session] : sessions_) {
+    if (session.complete && !session.looked_at) awaited_m = std::max(awaited_m, 1.0);
+    if (!session.complete && id != pair.a && id != pair.b) awaited_m = std::max(awaited_m, asked_m - session.path_m());
+  }
   return awaited_m;
 }
 

@@ -16,6 +16,7 @@ struct Session {
   std::vector<Keyframe> keyframes;
   std::vector<double> path_to_m;  // to each keyframe
   bool complete = false;          // no keyframe is expected: it ended, or rests
+  bool looked_at = false;         // ... and was tried since, with every other session
   std::size_t asked = 0;          // keyframes whose neighbours were asked whether they see the same
   std::uint64_t fingerprint = 0;  // of the first keyframe as it came: the same whenever the session comes
 
@@ -43,6 +44,7 @@ class SessionMap {
   /// The keyframe as it was taken in; it is complete no more.
   const Keyframe& add_keyframe(SessionId id, Keyframe keyframe);
   void complete(SessionId id);
+  void set_looked_at(SessionId id, bool looked_at);
   void forget(SessionId id);
 
   /// The longer on the shorter: it is laid piece by piece, and more pieces find more. (With the shorter of the campus
@@ -58,12 +60,15 @@ class SessionMap {
   bool may_merge(const OrderedPair& pair) const { return may_merge(pair.a) && may_merge(pair.b); }
 
   /// Path in metres that a session which still grows has to come along before a placement is told, after
-  /// MergeConfig::shown_m; 0: none, or both are complete.
-  double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, double shared_m) const;
+  /// MergeConfig::shown_m. Where places look alike it is more, and other sessions are waited for too, which may come to
+  /// contradict it: for a metre more if one has ended and was not looked at since. 0: none.
+  double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
  private:
   const MergeConfig config_;
   SessionFrames frames_;
+  double path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const;
+
   std::map<SessionId, Session> sessions_;
 };
 

@@ -24,17 +24,29 @@ class MergeNews {
   virtual void trigger(SessionId session, Trigger trigger) = 0;
 };
 
+/// A published merge that later evidence took back.
+struct Withdrawal {
+  SessionId a = 0, b = 0;
+  std::string reason;
+};
+
 /// What the worker asks for. Called from the worker's thread; must not block.
 class Robots {
  public:
   virtual ~Robots() = default;
   virtual void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) = 0;
   /// The atlas is durable; `changed` are its components whose robots have to hear of it.
-  virtual void publish(const Atlas& atlas, const std::vector<Component>& changed) = 0;
+  virtual void publish(const Atlas& atlas, const std::vector<Component>& changed,
+                       const std::vector<Withdrawal>& withdrawn) = 0;
+  /// The same revision; what is provisional of `changed` is news for the robots that ask for it.
+  virtual void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) = 0;
 };
 
 /// Components of `now` that a robot has to hear of: other placements than before, or a session that was merged and
 /// stands alone again.
 std::vector<Component> changed_components(const Atlas& before, const Atlas& now);
+
+/// Components of `now` of which something else is provisional than before.
+std::vector<Component> changed_provisionals(const Atlas& before, const Atlas& now);
 
 }  // namespace headframe

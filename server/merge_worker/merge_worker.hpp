@@ -116,8 +116,9 @@ class MergeWorker : public MergeNews, private CloudSource {
   Result<std::size_t> ask_for_clouds(SessionId session);
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
-  void published(const MergeSchedule::Attempt* attempt);
-  void note_withdrawn(const AttemptReport& report);
+  void published(const AttemptReport& report, const MergeSchedule::Attempt* attempt);
+  std::vector<Withdrawal> withdrawn_by(const AttemptReport& report) const;
+  void note_withdrawn(const std::vector<Withdrawal>& withdrawn);
   bool write_durably(const Write& write);
   // worker_restore.cpp
   void bring_back();

@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "server/atlas/explain.hpp"
 #include "server/merge_worker/merge_worker.hpp"
 #include "server/support/stopwatch.hpp"
 
@@ -40,20 +42,21 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
   write.anchored = report.anchored;
   if (report.atlas_changed) write.atlas = pipeline_->atlas();
   const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0;
-  if (!news && !write.atlas) return true;
-  if (!write_durably(write)) return false;
-  if (report.atlas_changed) published(attempt);
-  if (attempt) note_withdrawn(report);
+  if ((news || write.atlas) && !write_durably(write)) return false;
+  if (report.atlas_changed || report.provisional_changed) published(report, attempt);
   if (report.atlas_changed || !report.changed.empty()) update_view();
   return true;
 }
 
-void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
-  const Atlas& now = pipeline_->atlas();
-  const auto changed = changed_components(atlas_, now);
-  atlas_ = now;
-  robots_->publish(atlas_, changed);
+void MergeWorker::published(const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
+  const Atlas before = std::exchange(atlas_, pipeline_->atlas());
+  const auto changed = changed_components(before, atlas_);
+  if (report.provisional_changed) robots_->tell_provisional(atlas_, changed_provisionals(before, atlas_));
+  if (!report.atlas_changed) return;
+  const std::vector<Withdrawal> withdrawn = withdrawn_by(report);
+  robots_->publish(atlas_, changed, withdrawn);
   if (!attempt) return;
+  note_withdrawn(withdrawn);
   const double ms = ms_since(attempt->triggered);
   for (const Component& component : changed)
     for (const Placement& placement : component.placements) {
@@ -64,16 +67,23 @@ void MergeWorker::published(const MergeSchedule::Attempt* attempt) {
                atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
 }
 
-/// A robot may have driven by it: nothing is worse, so it is never passed over in silence.
-void MergeWorker::note_withdrawn(const AttemptReport& report) {
+/// What the view still shows as published, and the report does not.
+std::vector<Withdrawal> MergeWorker::withdrawn_by(const AttemptReport& report) const {
+  std::vector<Withdrawal> withdrawn;
   for (const Alignment& now : report.changed) {
     const auto was =
         std::find_if(draft_.alignments.begin(), draft_.alignments.end(), [&](const auto& k) { return k.id == now.id; });
-    if (was == draft_.alignments.end() || was->state != AlignmentState::published ||
-        now.state == AlignmentState::published)
-      continue;
-    spdlog::error("a published merge is withdrawn: sessions {} and {}, alignment {}: later evidence contradicts it",
-                  now.a, now.b, now.id);
+    if (was != draft_.alignments.end() && was->state == AlignmentState::published &&
+        now.state != AlignmentState::published)
+      withdrawn.push_back({now.a, now.b, why_withdrawn(now)});
+  }
+  return withdrawn;
+}
+
+/// A robot may have driven by it: nothing is worse, so it is never passed over in silence.
+void MergeWorker::note_withdrawn(const std::vector<Withdrawal>& withdrawn) {
+  for (const Withdrawal& w : withdrawn) {
+    spdlog::error("a published merge is withdrawn: sessions {} and {}: {}", w.a, w.b, w.reason);
     const std::lock_guard lock(mutex_);
     ++effort_.withdrawn;
   }

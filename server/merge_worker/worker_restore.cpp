@@ -44,6 +44,8 @@ void MergeWorker::bring_back() {
   const std::size_t sessions = stored_->sessions.size();
   stored_.reset();
   atlas_ = pipeline_->atlas();
+  if (const auto provisional = changed_provisionals({}, atlas_); !provisional.empty())
+    robots_->tell_provisional(atlas_, provisional);
   update_view();
   rest();
   constexpr double worth_a_line_s = 1;

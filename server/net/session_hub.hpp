@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -73,7 +74,9 @@ class SessionHub : public Robots {
   void end_robot(const std::string& robot, const std::string& why);
 
   void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override;
-  void publish(const Atlas& atlas, const std::vector<Component>& changed) override;
+  void publish(const Atlas& atlas, const std::vector<Component>& changed,
+               const std::vector<Withdrawal>& withdrawn) override;
+  void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) override;
 
   /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
   /// change while they are served.
@@ -115,8 +118,10 @@ class SessionHub : public Robots {
     std::weak_ptr<RobotLink> link;
     std::vector<std::weak_ptr<RobotLink>> spares;  // the oldest first
     bool answers = false;                          // requests for clouds
+    bool wants_provisional = false;                // merges that still wait for path
     bool deleted = false;                          // nobody may go on with it
   };
+  static constexpr std::size_t most_withdrawn = 16;  // an update has to stay small
   using Applied = std::function<void()>;
   using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written
 
@@ -133,7 +138,9 @@ class SessionHub : public Robots {
   std::optional<Result<Admitted>> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
   std::shared_ptr<const std::string> transform_of(SessionId session) const;
-  std::shared_ptr<const std::string> update_of(const Component& component) const;
+  std::shared_ptr<const std::string> update_of(const Component& component, bool provisional) const;
+  using Updates = std::vector<std::pair<std::shared_ptr<RobotLink>, std::shared_ptr<const std::string>>>;
+  void add_updates(const Component& component, bool all, Updates& updates) const;
   std::shared_ptr<RobotLink> link_of(SessionId session) const;
 
   Store& store_;
@@ -143,6 +150,7 @@ class SessionHub : public Robots {
   std::map<SessionId, Session> sessions_;
   std::map<SessionKey, SessionId> ids_;
   Atlas atlas_;               // published last
+  std::deque<std::pair<std::uint64_t, Withdrawal>> withdrawn_;  // with their revisions; the newest most_withdrawn
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;
   std::map<std::string, std::uint64_t> rates_bytes_per_s_;  // of robots that have one of their own

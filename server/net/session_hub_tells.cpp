@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 
 #include "common/wire/limits.hpp"
 #include "server/net/session_hub.hpp"
@@ -59,17 +60,34 @@ void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {
 }
 
 /// Under the lock. Null when it does not fit a frame.
-std::shared_ptr<const std::string> SessionHub::update_of(const Component& component) const {
+std::shared_ptr<const std::string> SessionHub::update_of(const Component& component, bool provisional) const {
   v1::ServerMessage message;
   auto& update = *message.mutable_transform_update();
   update.set_revision(atlas_.revision);
   update.set_component(static_cast<std::uint64_t>(component.id));
-  *update.mutable_anchor() = to_proto(sessions_.at(component.id).record.key);
+  const auto key_of = [&](SessionId id) { return to_proto(sessions_.at(id).record.key); };
+  *update.mutable_anchor() = key_of(component.id);
   for (const Placement& placement : component.placements) {
     auto& transform = *update.add_sessions();
-    *transform.mutable_session() = to_proto(sessions_.at(placement.session).record.key);
+    *transform.mutable_session() = key_of(placement.session);
     *transform.mutable_t_component_session() = to_proto(placement.T_component_session);
   }
+  for (const auto& [revision, w] : withdrawn_) {
+    if (!placement_in(component, w.a) && !placement_in(component, w.b)) continue;
+    auto& told = *update.add_withdrawn();
+    told.set_revision(revision);
+    *told.mutable_a() = key_of(w.a);
+    *told.mutable_b() = key_of(w.b);
+    told.set_reason(w.reason);
+  }
+  if (provisional)
+    for (const ProvisionalPlacement& placement : component.provisional) {
+      auto& transform = *update.add_provisional();
+      *transform.mutable_session() = key_of(placement.session);
+      *transform.mutable_t_component_session() = to_proto(placement.T_component_session);
+      transform.set_probability(placement.probability);
+      transform.set_awaited_m(placement.awaited_m);
+    }
   auto payload = std::make_shared<const std::string>(message.SerializeAsString());
   if (payload->size() <= limits::frame_bytes) return payload;
   spdlog::error("component {} has {} sessions: its transform update does not fit a frame and is not sent", component.id,
@@ -77,28 +95,51 @@ std::shared_ptr<const std::string> SessionHub::update_of(const Component& compon
   return nullptr;
 }
 
-/// Under the lock. Null: the session has never been merged.
+/// Under the lock. Null: the session has never been merged, and nothing that its robot asks for is provisional.
 std::shared_ptr<const std::string> SessionHub::transform_of(SessionId session) const {
-  if (!told_.contains(session)) return nullptr;
+  const bool provisional = sessions_.at(session).wants_provisional;
   for (const Component& component : atlas_.components)
-    for (const Placement& placement : component.placements)
-      if (placement.session == session) return update_of(component);
+    if (placement_in(component, session) &&
+        (told_.contains(session) || (provisional && !component.provisional.empty())))
+      return update_of(component, provisional);
   return nullptr;
 }
 
-void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& changed) {
-  std::vector<std::pair<std::shared_ptr<RobotLink>, std::shared_ptr<const std::string>>> updates;
+/// Under the lock: for the connected robots of the component, or for those alone that ask for what is provisional.
+void SessionHub::add_updates(const Component& component, bool all, Updates& updates) const {
+  std::array<std::shared_ptr<const std::string>, 2> payloads;  // without what is provisional, and with it
+  for (const Placement& placement : component.placements) {
+    const Session& session = sessions_.at(placement.session);
+    auto robot = session.link.lock();
+    if (!robot || (!all && !session.wants_provisional)) continue;
+    auto& payload = payloads.at(session.wants_provisional ? 1 : 0);
+    if (!payload) payload = update_of(component, session.wants_provisional);
+    if (payload) updates.emplace_back(std::move(robot), payload);
+  }
+}
+
+void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& changed,
+                         const std::vector<Withdrawal>& withdrawn) {
+  Updates updates;
   {
     const std::lock_guard lock(mutex_);
     atlas_ = atlas;
+    for (const Withdrawal& w : withdrawn) withdrawn_.emplace_back(atlas.revision, w);
+    while (withdrawn_.size() > most_withdrawn) withdrawn_.pop_front();
     for (const Component& component : changed) {
-      const auto payload = update_of(component);
-      for (const Placement& placement : component.placements) {
-        told_.insert(placement.session);
-        if (auto robot = sessions_.at(placement.session).link.lock(); robot && payload)
-          updates.emplace_back(std::move(robot), payload);
-      }
+      for (const Placement& placement : component.placements) told_.insert(placement.session);
+      add_updates(component, true, updates);
     }
+  }
+  for (const auto& [robot, payload] : updates) robot->update_transform(payload);
+}
+
+void SessionHub::tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) {
+  Updates updates;
+  {
+    const std::lock_guard lock(mutex_);
+    atlas_ = atlas;
+    for (const Component& component : changed) add_updates(component, false, updates);
   }
   for (const auto& [robot, payload] : updates) robot->update_transform(payload);
 }

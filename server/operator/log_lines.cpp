@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/atlas/explain.hpp"
+
 namespace headframe {
 namespace {
 
@@ -28,28 +30,19 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
   }
 }
 
-std::string why_withdrawn(AlignmentState now) {
-  switch (now) {
-    case AlignmentState::verified: return "other sessions contradict it";
-    case AlignmentState::candidate: return "it is no longer sure enough";
-    case AlignmentState::retracted:
-    case AlignmentState::rejected:
-    case AlignmentState::published: break;
-  }
-  return "later evidence contradicts it";
-}
-
 std::optional<LogEntry> line_of(const Alignment* before, const AlignmentRow& row) {
   const Alignment& now = row.alignment;
   if (before && (before->state == now.state || before->ruling != now.ruling)) return std::nullopt;
   const auto line = [&](const char* kind, const std::string& text) { return LogEntry{kind, text, 0, now.id}; };
   if (now.state == AlignmentState::published) return line("merged", pair_of(row) + " are merged.");
   if (before && before->state == AlignmentState::published)
-    return line("withdrawn", "The merge of " + pair_of(row) + " was withdrawn: " + why_withdrawn(now.state) +
+    return line("withdrawn", "The merge of " + pair_of(row) + " was withdrawn: " + why_withdrawn(now) +
                                  ". The robots were told.");
   switch (now.state) {
     case AlignmentState::verified:
       return line("held_back", pair_of(row) + " fit each other but are held back: other sessions contradict it.");
+    case AlignmentState::provisional:
+      return line("provisional", pair_of(row) + " fit each other; a robot that still drives may yet tell otherwise.");
     case AlignmentState::candidate: return line("unsure", pair_of(row) + " may overlap; not sure enough to merge.");
     case AlignmentState::rejected:
       if (before) return line("no_match", pair_of(row) + ": no overlap any more.");

@@ -54,10 +54,11 @@ void add_effort(Page& page, const MergeEffort& work) {
 /// By state as they stand, and by verdict: what the evidence alone says.
 void add_alignments(Page& page, const AtlasView& view) {
   std::map<AlignmentState, std::size_t> states, verdicts;
-  for (const auto state : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::published,
-                           AlignmentState::retracted, AlignmentState::rejected})
+  for (const auto state : {AlignmentState::candidate, AlignmentState::provisional, AlignmentState::verified,
+                           AlignmentState::published, AlignmentState::retracted, AlignmentState::rejected})
     states[state] = 0;
-  for (const auto verdict : {AlignmentState::candidate, AlignmentState::verified, AlignmentState::rejected})
+  for (const auto verdict :
+       {AlignmentState::candidate, AlignmentState::provisional, AlignmentState::verified, AlignmentState::rejected})
     verdicts[verdict] = 0;
   for (const AlignmentRow& row : view.alignments) {
     ++states[row.alignment.state];

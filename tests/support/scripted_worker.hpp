@@ -89,17 +89,24 @@ class ScriptedPipeline : public Pipeline {
 struct FakeRobots : Robots {
   std::mutex mutex;
   std::vector<KeyframeRef> requested;
-  std::vector<Component> changed;
+  std::vector<Component> changed, provisional;
+  std::vector<Withdrawal> withdrawn;
   std::function<void()> on_publish = [] {};
 
   void request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) override {
     const std::lock_guard lock(mutex);
     for (const std::uint64_t sequence : sequences) requested.push_back({session, sequence});
   }
-  void publish(const Atlas&, const std::vector<Component>& components) override {
+  void publish(const Atlas&, const std::vector<Component>& components,
+               const std::vector<Withdrawal>& merges) override {
     on_publish();
     const std::lock_guard lock(mutex);
     changed = components;
+    withdrawn = merges;
+  }
+  void tell_provisional(const Atlas&, const std::vector<Component>& components) override {
+    const std::lock_guard lock(mutex);
+    provisional = components;
   }
   std::vector<KeyframeRef> asked() {
     const std::lock_guard lock(mutex);

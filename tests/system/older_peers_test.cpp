@@ -103,7 +103,7 @@ TEST_F(OlderServer, CapabilitiesComeWithTheWelcomeAndWhatIsNoNameIsPassedOver) {
             (std::vector<std::string>{"spares", std::string(32, 'x'), "of_a_later_server_2"}));
   EXPECT_EQ(usable_capabilities(std::vector<std::string>(65, "a")).size(), 64U);
   EXPECT_EQ(usable_capabilities(server_capabilities()), server_capabilities());
-  EXPECT_EQ(usable_capabilities(robot_capabilities()), robot_capabilities());
+  EXPECT_EQ(usable_capabilities(robot_capabilities(true)), robot_capabilities(true));
 }
 
 }  // namespace

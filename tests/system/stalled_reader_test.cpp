@@ -43,7 +43,7 @@ class StalledReader : public testing::Test {
   /// Every robot of the component is told this revision.
   void publish(std::uint64_t revision) {
     atlas_.revision = revision;
-    hub_->publish(atlas_, atlas_.components);
+    hub_->publish(atlas_, atlas_.components, {});
   }
 
   TempDir dir_;

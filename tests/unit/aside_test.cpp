@@ -48,7 +48,8 @@ class LoggingPipeline : public Pipeline {
 
 struct NoRobots : Robots {
   void request_submap(SessionId, const std::vector<std::uint64_t>&) override {}
-  void publish(const Atlas&, const std::vector<Component>&) override {}
+  void publish(const Atlas&, const std::vector<Component>&, const std::vector<Withdrawal>&) override {}
+  void tell_provisional(const Atlas&, const std::vector<Component>&) override {}
 };
 
 class Aside : public testing::Test {

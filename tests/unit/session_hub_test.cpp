@@ -62,7 +62,7 @@ class Hub : public testing::Test {
 };
 
 TEST_F(Hub, TheSpareHearsNothingUntilItTakesOverAndThenAllThatCounts) {
-  hub_.publish(atlas_, atlas_.components);
+  hub_.publish(atlas_, atlas_.components, {});
   hub_.request_submap(id_, {1});
   EXPECT_EQ(first_->heard, (Words{"transform", "request"}));
   EXPECT_EQ(spare_->heard, Words{});
@@ -89,7 +89,7 @@ TEST_F(Hub, ASpareThatLeavesIsNoLossAndTheFirstOneIs) {
 }
 
 TEST_F(Hub, ASpareCarriesWhatNobodyElseCarries) {
-  hub_.publish(atlas_, atlas_.components);
+  hub_.publish(atlas_, atlas_.components, {});
   hub_.left(id_, first_.get());
   const auto late = std::make_shared<HeardLink>();
   EXPECT_TRUE(hub_.admit(hello(true), late).value().transform);

@@ -59,6 +59,7 @@ LiveDrive drive(const LiveSet& set, const LiveConditions& conditions, const Sess
   watch.finish(run);
   out.wrong = watch.wrong();
   out.right = watch.right();
+  out.claims = watch.claims();
   out.right_withdrawn = watch.right_withdrawn();
   out.attempts = run.attempts();
   for (const auto& [id, session] : run.sessions())

@@ -12,12 +12,28 @@ std::string key_of(const std::string& set, const std::string& conditions, const 
   return set + "; " + conditions + "; " + pair.first + "; " + pair.second;
 }
 
+nlohmann::json to_json(const Evidence& e) {
+  nlohmann::json out;
+  for (const EvidenceField& field : evidence_fields()) out[std::string(field.name)] = e.*field.member;
+  return out;
+}
+
+nlohmann::json to_json(const Claim& c) {
+  return {{"a", c.pair.first},
+          {"b", c.pair.second},
+          {"state", to_string(c.state)},
+          {"at_s", c.at_s},
+          {"wrong", c.standing.wrong},
+          {"off_m", c.standing.off_m},
+          {"known_a_m", c.known_a_m},
+          {"known_b_m", c.known_b_m},
+          {"evidence", to_json(c.evidence)}};
+}
+
 nlohmann::json to_json(const Stood& s) {
-  nlohmann::json evidence;
-  for (const EvidenceField& field : evidence_fields()) evidence[std::string(field.name)] = s.evidence.*field.member;
   return {{"a", s.pair.first},        {"b", s.pair.second},  {"from_s", s.from_s}, {"to_s", s.to_s},
           {"path_m", s.path_m},       {"off_m", s.off_m},    {"at_end", s.at_end}, {"known_a_m", s.known_a_m},
-          {"known_b_m", s.known_b_m}, {"evidence", evidence}};
+          {"known_b_m", s.known_b_m}, {"evidence", to_json(s.evidence)}};
 }
 
 struct LiveRow {
@@ -80,6 +96,7 @@ nlohmann::json to_json(const LiveDrive& d) {
                      {"right", nlohmann::json::array()}};
   for (const Stood& s : d.wrong) out["wrong"].push_back(to_json(s));
   for (const Stood& s : d.right) out["right"].push_back(to_json(s));
+  for (const Claim& c : d.claims) out["claims"].push_back(to_json(c));
   return out;
 }
 

@@ -11,6 +11,7 @@ namespace headframe::bench {
 struct LiveDrive {
   std::string set, kind, conditions;
   std::vector<Stood> wrong, right;
+  std::vector<Claim> claims;
   std::size_t right_withdrawn = 0, attempts = 0;
   int meet = 0;                             // pairs that truly do
   std::vector<std::string> end_differs;     // from the set's first drive

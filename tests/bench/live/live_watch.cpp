@@ -62,7 +62,25 @@ void LiveWatch::close(Now& now, const LiveRun& run, bool at_end) {
   (now.wrong ? wrong_ : right_).push_back(now.stood);
 }
 
+void LiveWatch::note_claims(const LiveRun& run) {
+  for (const Alignment& k : run.pipeline().alignments()) {
+    if (k.state != AlignmentState::provisional && k.state != AlignmentState::published) {
+      claimed_.erase(k.id);
+      continue;
+    }
+    const LiveSession &a = run.sessions().at(k.a), &b = run.sessions().at(k.b);
+    const auto known = claimed_.find(k.id);
+    if (known != claimed_.end() && known->second.state == k.state &&
+        known->second.evidence.awaited_m == k.evidence.awaited_m)
+      continue;
+    claims_.push_back({named(run, k.a, k.b), k.state, run.now_s(), standing_of(*a.driven, *b.driven, k.T_a_b),
+                       k.evidence, a.path_m, b.path_m});
+    claimed_[k.id] = claims_.back();
+  }
+}
+
 void LiveWatch::look(const LiveRun& run) {
+  note_claims(run);
   const Pairs now = together(run.pipeline().atlas());
   for (auto known = standing_.begin(); known != standing_.end();) {
     if (!now.contains(known->first)) {

@@ -37,6 +37,16 @@ struct Stood {
   double known_a_m = 0, known_b_m = 0;  // path of both at first
 };
 
+/// What convinced for a while, told or not.
+struct Claim {
+  NamedPair pair;
+  AlignmentState state = AlignmentState::candidate;  // provisional or published
+  double at_s = 0;
+  Standing standing = {};
+  Evidence evidence = {};
+  double known_a_m = 0, known_b_m = 0;  // path of both
+};
+
 struct EndState {
   AlignmentState state = AlignmentState::rejected;
   bool together = false;  // in one component
@@ -54,6 +64,8 @@ class LiveWatch {
   const std::vector<Stood>& right() const { return right_; }
   /// Of pairs that meet, of which what stood rightly was withdrawn.
   std::size_t right_withdrawn() const;
+  /// Whatever was provisional or published, at each new placement or state.
+  const std::vector<Claim>& claims() const { return claims_; }
   static std::map<NamedPair, EndState> end_of(const LiveRun& run);
 
  private:
@@ -63,9 +75,12 @@ class LiveWatch {
     double max_path_m = 0;
   };
   void close(Now& now, const LiveRun& run, bool at_end);
+  void note_claims(const LiveRun& run);
 
   std::map<std::pair<SessionId, SessionId>, Now> standing_;
   std::vector<Stood> wrong_, right_;
+  std::map<AlignmentId, Claim> claimed_;
+  std::vector<Claim> claims_;
 };
 
 }  // namespace headframe::bench
