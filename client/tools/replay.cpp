@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all",
                                                                                 family = RobotConfig().family;
-  bool insecure = false, fast = false;
+  bool insecure = false, fast = false, provisional = false;
   double rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
 
@@ -112,6 +112,7 @@ int replay(Options options) {
   config.sensor = session->sensor();
   config.family = options.family;
   config.bytes_per_s = options.bytes_per_s;
+  config.provisional = options.provisional;
   config.clouds = options.clouds == "all"     ? CloudPolicy::all
                   : options.clouds == "never" ? CloudPolicy::never
                                               : CloudPolicy::on_request;
@@ -159,6 +160,7 @@ int main(int argc, char** argv) {
          "--family", o.family,
          "what describes a keyframe: learned, scan_context, lidar_iris, or onnx:FILE (with FILE.json beside it)")
       ->capture_default_str();
+  app.add_flag("--provisional", o.provisional, "print merges that still wait for path, too; nothing to drive by");
   app.add_option("--linger", o.linger_s, "stay so many seconds after the last answer (30 with on_request, else 0)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--patience", o.patience_s, "give up after so many seconds without progress")

@@ -45,12 +45,14 @@ std::string ago(const Json& seconds) { return seconds.is_number() ? fixed(second
 
 std::string component_table(const Json& component, std::size_t width) {
   Table table{{{"  session"}, {"x m", true}, {"y m", true}, {"z m", true}, {"yaw deg", true}}, {}};
-  for (const Json& placed : component.at("sessions")) {
-    const auto& T = placed.at("T_component_session");
+  const auto add = [&](const std::string& who, const Json& T) {
     const double yaw_deg = std::atan2(T.at(4).get<double>(), T.at(0).get<double>()) * 180 / M_PI;
-    table.rows.push_back(
-        {"  " + labelled(placed), number(T.at(3), 2), number(T.at(7), 2), number(T.at(11), 2), fixed(yaw_deg, 2)});
-  }
+    table.rows.push_back({"  " + who, number(T.at(3), 2), number(T.at(7), 2), number(T.at(11), 2), fixed(yaw_deg, 2)});
+  };
+  for (const Json& placed : component.at("sessions")) add(labelled(placed), placed.at("T_component_session"));
+  for (const Json& placed : component.value("provisional", Json::array()))
+    add(name(placed) + " (provisional, " + number(placed.at("awaited_m"), 0) + " m of path awaited)",
+        placed.at("T_component_session"));
   return "\ncomponent " + component.at("id").dump() + ", in the frame of " + name(component.at("anchor")) + "\n" +
          table.text(width);
 }

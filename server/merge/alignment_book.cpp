@@ -37,6 +37,13 @@ const Alignment* AlignmentBook::find(AlignmentId id) const {
   return found == alignments_.end() ? nullptr : &*found;
 }
 
+/// Of what convinces. Where places look alike even robots that ask are not told: nearly as often it is a copy.
+AlignmentState AlignmentBook::awaiting_state(const Evidence& e) const {
+  if (e.awaited_m <= 0) return AlignmentState::verified;
+  const bool worth_telling = e.awaited_m <= config_.provisional_m && e.look_alikes < config_.look_alikes;
+  return worth_telling ? AlignmentState::provisional : AlignmentState::candidate;
+}
+
 AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known,
                                        bool waits) const {
   const Evidence& e = best.evidence;
@@ -45,8 +52,7 @@ AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement&
   if (convinces(e, config_)) {
     if (stands) return AlignmentState::verified;
     if (!sessions_.may_merge(pair) || waits) return AlignmentState::candidate;
-    if (e.awaited_m <= 0) return AlignmentState::verified;
-    return e.awaited_m <= config_.provisional_m ? AlignmentState::provisional : AlignmentState::candidate;
+    return awaiting_state(e);
   }
   return e.probability >= config_.candidate_probability ? AlignmentState::candidate : AlignmentState::rejected;
 }
@@ -99,9 +105,7 @@ void AlignmentBook::release_awaited(AttemptReport& report) {
     if (!sessions_.contains(k.a) || !sessions_.contains(k.b) || wait_for_clouds_.contains(k.id)) continue;
     if (!sessions_.at(k.a).looked_at || !sessions_.at(k.b).looked_at) continue;
     k.evidence.awaited_m = sessions_.path_awaited_m({k.a, k.b}, k.T_a_b, k.evidence);
-    const AlignmentState now = k.evidence.awaited_m <= 0                       ? AlignmentState::verified
-                               : k.evidence.awaited_m <= config_.provisional_m ? AlignmentState::provisional
-                                                                               : AlignmentState::candidate;
+    const AlignmentState now = awaiting_state(k.evidence);
     if (now == k.state) continue;
     k.state = k.verdict = now;
     report.changed.push_back(k);

@@ -53,6 +53,7 @@ class AlignmentBook {
   const std::vector<Alignment>& alignments_given_out() const { return alignments_given_out_; }
 
  private:
+  AlignmentState awaiting_state(const Evidence& evidence) const;
   AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
   MergeResult merge(const Contacts& contacts, bool provisional_too) const;
   void add_provisional(std::vector<Component>& components, const Contacts& contacts) const;

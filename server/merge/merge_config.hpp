@@ -8,16 +8,17 @@ namespace headframe {
 /// Everything an operator may set about merging ([merge] in the configuration file); defaults live only here.
 struct MergeConfig : VerdictThresholds {
   RegistrationEngine registration = RegistrationEngine::vgicp;
-  int threads = 2;           // of correlation and registration; results do not depend on it
-  double shown_m = 60;       // a growing session waits until path shared and path since make up so much, ...
-  double shown_more_m = 15;  // ... and so much more for each look-alike of its places, up to four
+  int threads = 2;            // of correlation and registration; results do not depend on it
+  double shown_m = 60;        // a growing session waits until path shared and path since make up so much, ...
+  double shown_more_m = 15;   // ... and so much more for each look-alike of its places, up to four
+  double look_alikes = 2;     // from so many on two sessions alone can not tell a copy: others are waited for too
   double provisional_m = 40;  // robots that ask for it are told when no more than so much is missing
-  int hypotheses = 40;       // of wall maps that hardly contradict each other, screened for each pair
-  int searches = 4;          // pairs of sessions whose walls are searched anew in one attempt
-  int clouds_requested = 4;  // of each session for a first look at a hypothesis; twice as many while in doubt
-  int clouds_mb = 256;       // memory for prepared clouds, ...
-  int places_mb = 768;       // ... for summed up surroundings, and the sweeps they look from ...
-  int walls_mb = 64;         // ... and for drawn walls; what was used least recently is made anew
+  int hypotheses = 40;        // of wall maps that hardly contradict each other, screened for each pair
+  int searches = 4;           // pairs of sessions whose walls are searched anew in one attempt
+  int clouds_requested = 4;   // of each session for a first look at a hypothesis; twice as many while in doubt
+  int clouds_mb = 256;        // memory for prepared clouds, ...
+  int places_mb = 768;        // ... for summed up surroundings, and the sweeps they look from ...
+  int walls_mb = 64;          // ... and for drawn walls; what was used least recently is made anew
 };
 
 }  // namespace headframe

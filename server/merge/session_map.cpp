@@ -22,7 +22,7 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
 }
 
 /// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
-constexpr double most_look_alikes = 4, look_alikes_known = 2;  // set by hand on live drives of the recordings
+constexpr double most_look_alikes = 4;  // that ask for more path, set by hand on live drives of the recordings
 
 std::optional<double> path_since(const Session& session, const Session& other, const Pose& T_other_session,
                                  double reach_m) {
@@ -109,7 +109,7 @@ double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, co
   };
   wait_for(a, b, T_a_b.inverse());
   wait_for(b, a, T_a_b);
-  if (evidence.look_alikes < look_alikes_known) return awaited_m;
+  if (evidence.look_alikes < config_.look_alikes) return awaited_m;
   return std::max(awaited_m, path_awaited_of_others_m(pair, asked_m));
 }
 
@@ -117,6 +117,7 @@ double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, co
 double SessionMap::path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const {
   double awaited_m = 0;
   for (const auto& [id, session] : sessions_) {
+    if (session.keyframes.empty()) continue;
     if (session.complete && !session.looked_at) awaited_m = std::max(awaited_m, 1.0);
     if (!session.complete && id != pair.a && id != pair.b) awaited_m = std::max(awaited_m, asked_m - session.path_m());
   }

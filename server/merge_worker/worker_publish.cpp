@@ -44,7 +44,7 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
   const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0;
   if ((news || write.atlas) && !write_durably(write)) return false;
   if (report.atlas_changed || report.provisional_changed) published(report, attempt);
-  if (report.atlas_changed || !report.changed.empty()) update_view();
+  if (report.atlas_changed || report.provisional_changed || !report.changed.empty()) update_view();
   return true;
 }
 

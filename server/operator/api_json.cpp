@@ -207,7 +207,19 @@ std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& ses
       entry["T_component_session"] = transform(placement.T_component_session);
       placed.push_back(std::move(entry));
     }
-    components.push_back({{"id", component.id}, {"anchor", name(component.id)}, {"sessions", std::move(placed)}});
+    Json provisional = Json::array();
+    for (const ProvisionalPlacement& placement : component.provisional) {
+      Json entry = name(placement.session);
+      entry.update({{"id", placement.session},
+                    {"T_component_session", transform(placement.T_component_session)},
+                    {"probability", placement.probability},
+                    {"awaited_m", placement.awaited_m}});
+      provisional.push_back(std::move(entry));
+    }
+    components.push_back({{"id", component.id},
+                          {"anchor", name(component.id)},
+                          {"sessions", std::move(placed)},
+                          {"provisional", std::move(provisional)}});
   }
   Json alignments = Json::array();
   for (const AlignmentRow& row : view.alignments) alignments.push_back(alignment_object(row));

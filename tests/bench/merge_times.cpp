@@ -39,6 +39,7 @@ void time_merge(const DrivenMine& mine, const std::vector<DrivenSession>& others
   PipelineRun run;
   for (const DrivenSession& other : others) run.add(other);
   run.add(mine.sessions[0]);
+  run.take_as_tried();
   const SessionId id = run.add(mine.sessions[1]);
   StageTimes t;
   const double ms = wall_ms([&] { t = run.attempt(id); });

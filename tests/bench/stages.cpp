@@ -78,6 +78,7 @@ class PairStudy {
   PairRow run(VerdictRows& rows) {
     PipelineRun run;
     run.add(a_);
+    run.take_as_tried();
     run.add(b_);
     row_.ms = wall_ms([&] { row_.times = run.attempt(2); });
     for (const PairTrace& trace : run.traces) {

@@ -16,7 +16,7 @@ using test::Drive;
 /// So few that the first look leaves a doubt.
 constexpr std::size_t a_few = 1;
 MergeConfig config() {
-  MergeConfig out;
+  MergeConfig out = test::waits_for_no_others();
   out.clouds_requested = a_few;
   return out;
 }

@@ -23,13 +23,20 @@ class Shelf : public CloudSource {
   Result<KeyframeCloud> load(const KeyframeRef& k) override { return clouds.at(k); }
 };
 
+/// Of two drives through a drawn mine of boxes, where one place looks like another, without waiting for third sessions.
+inline MergeConfig waits_for_no_others() {
+  MergeConfig config;
+  config.look_alikes = 1e9;
+  return config;
+}
+
 /// A pipeline with these drives in it as sessions 1, 2, ...
 struct Base {
   MergePipeline pipeline;
   Shelf shelf;
   std::vector<Drive> drives;
 
-  explicit Base(const std::vector<Drive>& all, const MergeConfig& config = {}) : pipeline(config) {
+  explicit Base(const std::vector<Drive>& all, const MergeConfig& config = waits_for_no_others()) : pipeline(config) {
     for (const Drive& drive : all) arrive(drive);
   }
 

@@ -92,7 +92,7 @@ TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
   const auto path_m = [](const Drive& d) { return 3.0 * static_cast<double>(d.keyframes.size() - 1); };
   Drive shortened = a();
   while (path_m(shortened) >= MergeConfig{}.least_path_m) shortened.keyframes.pop_back();
-  MergeConfig config;
+  MergeConfig config = test::waits_for_no_others();
   config.shown_m = 0;
   Base base({b()}, config);
   const SessionId growing = base.grow(shortened);
@@ -106,8 +106,9 @@ TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
 
 /// What became of b, still driving, beside the drive to the other branch, which has ended.
 Alignment while_b_drives(double shown_m) {
-  MergeConfig config;
+  MergeConfig config = test::waits_for_no_others();
   config.shown_m = shown_m;
+  config.shown_more_m = 0;
   Base base({a()}, config);
   base.pipeline.attempt(base.grow(b()), base.shelf);
   return base.pipeline.alignments().at(0);
@@ -120,11 +121,43 @@ TEST(MergePipeline, WhatARobotHasYetToSeeMayContradictSoItDrivesOnBeforeItIsTold
   const double shown_m = 1000 - waits.evidence.awaited_m;
   EXPECT_NEAR(shown_m, waits.evidence.overlap_m, 3) << "b has just come from where they met";
   EXPECT_EQ(while_b_drives(shown_m - 0.1).state, AlignmentState::published);
-  EXPECT_EQ(while_b_drives(shown_m + 0.1).state, AlignmentState::candidate);
+  EXPECT_EQ(while_b_drives(shown_m + 0.1).state, AlignmentState::provisional);
+  const double told_m = shown_m + MergeConfig{}.provisional_m;
+  EXPECT_EQ(while_b_drives(told_m - 0.1).state, AlignmentState::provisional);
+  EXPECT_EQ(while_b_drives(told_m + 0.1).state, AlignmentState::candidate);
+}
+
+TEST(MergePipeline, WhatIsProvisionalStandsBesideTheAtlasUntilItIsTold) {
+  MergeConfig config = test::waits_for_no_others();
+  config.shown_m = 1000;
+  config.provisional_m = 2000;
+  Base base({a()}, config);
+  const SessionId growing = base.grow(b());
+  const AttemptReport report = base.pipeline.attempt(growing, base.shelf);
+  EXPECT_TRUE(report.provisional_changed);
+  EXPECT_FALSE(report.atlas_changed);
+  EXPECT_EQ(base.pipeline.atlas().revision, 0U);
+  const std::vector<Component> parts = base.pipeline.atlas().components;
+  ASSERT_EQ(parts.size(), 2U);
+  const Pose T_1_2 = base.drive(1).T_mine_local.inverse() * base.drive(2).T_mine_local;
+  for (const Component& part : parts) {
+    ASSERT_EQ(part.provisional.size(), 1U);
+    const ProvisionalPlacement& placed = part.provisional[0];
+    EXPECT_EQ(placed.session, 3 - part.id);
+    const Pose T_part_other = part.id == 1 ? T_1_2 : T_1_2.inverse();
+    EXPECT_LT((placed.T_component_session.translation() - T_part_other.translation()).norm(), 0.15);
+    EXPECT_GT(placed.probability, 0.9);
+    EXPECT_GT(placed.awaited_m, 900);
+  }
+  EXPECT_FALSE(base.pipeline.attempt(growing, base.shelf).provisional_changed) << "nothing new";
+  base.pipeline.complete_session(growing);
+  EXPECT_TRUE(base.pipeline.attempt(growing, base.shelf).provisional_changed) << "it is told now";
+  ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
+  EXPECT_TRUE(base.pipeline.atlas().components[0].provisional.empty());
 }
 
 TEST(MergePipeline, WhatWaitedIsToldWhenTheRobotEndsAndStandsWhenItDrivesOnAfterAll) {
-  MergeConfig config;
+  MergeConfig config = test::waits_for_no_others();
   config.shown_m = 1000;
   Drive first = b();
   const Keyframe last = first.keyframes.back();

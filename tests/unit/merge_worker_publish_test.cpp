@@ -164,6 +164,51 @@ TEST_F(Worker, UnfinishedAttemptsGoOnAndExceptionsEndOne) {
   EXPECT_EQ(left, 0);
 }
 
+TEST_F(Worker, WhatIsProvisionalIsToldWithoutARevision) {
+  script.on_attempt = [&](SessionId, CloudSource&) {
+    script.atlas.components = {{1, {{1, Pose::Identity()}}, {{2, pose_from_yaw(0.5, {1, 2, 3}), 0.97, 25}}},
+                               {2, {{2, Pose::Identity()}}}};
+    AttemptReport report;
+    report.provisional_changed = true;
+    return report;
+  };
+  start();
+  worker->trigger(2, Trigger::travelled);
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  const std::lock_guard lock(robots.mutex);
+  EXPECT_TRUE(robots.changed.empty());
+  ASSERT_EQ(robots.provisional.size(), 1U);
+  EXPECT_EQ(robots.provisional[0].id, 1);
+  EXPECT_EQ(store->merge()->atlas.revision, 0U);
+  EXPECT_EQ(worker->view()->atlas.components[0].provisional.size(), 1U);
+}
+
+TEST_F(Worker, RobotsAreToldWhyAMergeWasWithdrawn) {
+  const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+  bool found = false;
+  script.on_attempt = [&](SessionId, CloudSource&) {
+    const bool first = !std::exchange(found, true);
+    const Alignment now{1, 1, 2, first ? AlignmentState::published : AlignmentState::verified, T, {}};
+    script.alignments = {now};
+    if (first)
+      script.atlas = {1, {{1, {{1, Pose::Identity()}, {2, T}}}}};
+    else
+      script.atlas = {2, {{1, {{1, Pose::Identity()}}}, {2, {{2, Pose::Identity()}}}}};
+    return AttemptReport{{}, false, {now}, true, {}, {}};
+  };
+  start();
+  for (int i = 0; i < 2; ++i) {
+    worker->trigger(2, Trigger::command);
+    ASSERT_TRUE(eventually([&] { return idle(); }));
+  }
+  const std::lock_guard lock(robots.mutex);
+  ASSERT_EQ(robots.withdrawn.size(), 1U);
+  EXPECT_EQ(robots.withdrawn[0].a, 1);
+  EXPECT_EQ(robots.withdrawn[0].b, 2);
+  EXPECT_EQ(robots.withdrawn[0].reason, "other sessions contradict it");
+  EXPECT_EQ(worker->effort().withdrawn, 1U);
+}
+
 TEST(ChangedComponents, AreThoseWithOtherPlacementsAndThoseThatFellApart) {
   const Pose I = Pose::Identity(), T = pose_from_yaw(0.5, {1, 2, 3});
   const Atlas singles{0, {{1, {{1, I}}}, {2, {{2, I}}}, {3, {{3, I}}}}};

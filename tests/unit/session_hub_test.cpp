@@ -1,6 +1,7 @@
 // Which of a robot's connections the hub speaks to.
 #include "server/net/session_hub.hpp"
 
+#include "common/wire/capabilities.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/nobodys_news.hpp"
 #include "tests/support/robot_bytes.hpp"
@@ -20,7 +21,13 @@ class HeardLink : public RobotLink {
   void cloud_durable(std::uint64_t) override {}
   void cloud_refused(std::uint64_t, const std::string&) override {}
   void request_submap(const std::vector<std::uint64_t>&) override { heard.push_back("request"); }
-  void update_transform(std::shared_ptr<const std::string>) override { heard.push_back("transform"); }
+  void update_transform(std::shared_ptr<const std::string> payload) override {
+    heard.push_back("transform");
+    v1::ServerMessage message;
+    ASSERT_TRUE(message.ParseFromString(*payload));
+    update = message.transform_update();
+  }
+  v1::TransformUpdate update;  // the last
   void stand_by() override { heard.push_back("stand by"); }
   void close(v1::ErrorKind, const std::string&, bool permanent) override {
     heard.push_back(permanent ? "closed for good" : "closed");
@@ -35,6 +42,11 @@ class News : public NobodysNews {
 };
 
 using Words = std::vector<std::string>;
+
+Hello asks_for_provisional(Hello hello) {
+  hello.capabilities = robot_capabilities(true);
+  return hello;
+}
 
 class Hub : public testing::Test {
  protected:
@@ -60,6 +72,48 @@ class Hub : public testing::Test {
   SessionId id_ = 0;
   Atlas atlas_;
 };
+
+TEST_F(Hub, WhatIsProvisionalIsToldToThoseWhoAskAlone) {
+  const auto asks = std::make_shared<HeardLink>(), plain = std::make_shared<HeardLink>();
+  const SessionId cat = hub_.admit(asks_for_provisional(robot_hello("cat")), asks).value().session;
+  const SessionId dog = hub_.admit(robot_hello("dog"), plain).value().session;
+  const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+  atlas_.components = {{cat, {{cat, Pose::Identity()}}, {{dog, T, 0.97, 25}}},
+                       {dog, {{dog, Pose::Identity()}}, {{cat, T.inverse(), 0.97, 25}}}};
+  hub_.tell_provisional(atlas_, atlas_.components);
+  EXPECT_EQ(plain->heard, Words{});
+  ASSERT_EQ(asks->heard, Words{"transform"});
+  ASSERT_EQ(asks->update.provisional_size(), 1);
+  EXPECT_EQ(asks->update.provisional(0).session().robot(), "dog");
+  EXPECT_EQ(asks->update.provisional(0).awaited_m(), 25);
+  EXPECT_TRUE(from_proto(asks->update.provisional(0).t_component_session())->isApprox(T, 1e-9));
+
+  const auto comes_back = [&](const Hello& hello) {
+    return hub_.admit(hello, std::make_shared<HeardLink>()).value().transform;
+  };
+  EXPECT_NE(comes_back(asks_for_provisional(robot_hello("cat"))), nullptr);
+  EXPECT_EQ(comes_back(robot_hello("dog")), nullptr) << "nothing was merged";
+}
+
+TEST_F(Hub, WhoLosesATransformHearsWhyAlsoWhenItComesBack) {
+  const SessionId other = atlas_.components[0].placements[1].session;
+  hub_.publish(atlas_, atlas_.components, {});
+  EXPECT_EQ(first_->update.withdrawn_size(), 0);
+  atlas_.revision = 9;
+  atlas_.components = {{id_, {{id_, Pose::Identity()}}}, {other, {{other, Pose::Identity()}}}};
+  hub_.publish(atlas_, atlas_.components, {{id_, other, "other sessions contradict it"}});
+  ASSERT_EQ(first_->update.withdrawn_size(), 1);
+  EXPECT_EQ(first_->update.withdrawn(0).revision(), 9U);
+  EXPECT_EQ(first_->update.withdrawn(0).reason(), "other sessions contradict it");
+  EXPECT_EQ(first_->update.withdrawn(0).b().robot(), "bee");
+  const auto again = hub_.admit(hello(false), std::make_shared<HeardLink>());
+  ASSERT_NE(again->transform, nullptr);
+  v1::ServerMessage message;
+  ASSERT_TRUE(message.ParseFromString(*again->transform));
+  EXPECT_EQ(message.transform_update().withdrawn_size(), 1);
+  for (int i = 0; i < 40; ++i) hub_.publish(atlas_, atlas_.components, {{id_, other, "again"}});
+  EXPECT_LE(first_->update.withdrawn_size(), 16) << "an update stays small";
+}
 
 TEST_F(Hub, TheSpareHearsNothingUntilItTakesOverAndThenAllThatCounts) {
   hub_.publish(atlas_, atlas_.components, {});

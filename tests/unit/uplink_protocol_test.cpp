@@ -1,3 +1,4 @@
+#include "client/uplink/transform_update.hpp"
 #include "tests/support/uplink_fixture.hpp"
 
 namespace headframe {
@@ -233,6 +234,37 @@ TEST_F(UplinkProtocolTest, TransformsOfTheComponentPlaceTheOthersInMyFrame) {
   update.mutable_sessions(0)->clear_t_component_session();
   hear(m);
   EXPECT_TRUE(link_->ended()) << "a pose without a rotation";
+}
+
+TEST(TransformUpdate, TellsWhatIsProvisionalAndWhatWasWithdrawn) {
+  v1::TransformUpdate update;
+  *update.mutable_anchor() = to_proto(SessionKey{"rover", "s"});
+  auto& provisional = *update.add_provisional();
+  *provisional.mutable_session() = to_proto(SessionKey{"other", "s"});
+  *provisional.mutable_t_component_session() = to_proto(pose_from_yaw(0.5, {1, 2, 3}));
+  provisional.set_probability(0.97);
+  provisional.set_awaited_m(25);
+  auto& withdrawn = *update.add_withdrawn();
+  withdrawn.set_revision(4);
+  *withdrawn.mutable_a() = update.anchor();
+  *withdrawn.mutable_b() = to_proto(SessionKey{"third", "s"});
+  withdrawn.set_reason("later evidence\ncontradicts it");
+  const auto told = transforms_from(update);
+  ASSERT_TRUE(told);
+  ASSERT_EQ(told->provisional.size(), 1U);
+  EXPECT_EQ(told->provisional[0].session.robot, "other");
+  EXPECT_EQ(told->provisional[0].probability, 0.97);
+  EXPECT_EQ(told->provisional[0].awaited_m, 25);
+  EXPECT_FALSE(told->T_component({"other", "s"})) << "nothing to drive by";
+  ASSERT_EQ(told->withdrawn.size(), 1U);
+  EXPECT_EQ(told->withdrawn[0].revision, 4U);
+  EXPECT_EQ(told->withdrawn[0].b.robot, "third");
+  EXPECT_EQ(told->withdrawn[0].reason.find('\n'), std::string::npos);
+  provisional.set_awaited_m(std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(transforms_from(update));
+  provisional.set_awaited_m(0);
+  withdrawn.mutable_a()->set_robot("..");
+  EXPECT_FALSE(transforms_from(update));
 }
 
 }  // namespace

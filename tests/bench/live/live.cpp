@@ -60,6 +60,7 @@ LiveDrive drive(const LiveSet& set, const LiveConditions& conditions, const Sess
   out.wrong = watch.wrong();
   out.right = watch.right();
   out.claims = watch.claims();
+  out.wrong_provisional = watch.wrong_provisional();
   out.right_withdrawn = watch.right_withdrawn();
   out.attempts = run.attempts();
   for (const auto& [id, session] : run.sessions())

@@ -19,26 +19,22 @@ nlohmann::json to_json(const Evidence& e) {
 }
 
 nlohmann::json to_json(const Claim& c) {
-  return {{"a", c.pair.first},
-          {"b", c.pair.second},
-          {"state", to_string(c.state)},
-          {"at_s", c.at_s},
-          {"wrong", c.standing.wrong},
-          {"off_m", c.standing.off_m},
-          {"known_a_m", c.known_a_m},
-          {"known_b_m", c.known_b_m},
-          {"evidence", to_json(c.evidence)}};
+  return {{"a", c.pair.first},        {"b", c.pair.second},        {"state", to_string(c.state)},
+          {"at_s", c.at_s},           {"wrong", c.standing.wrong}, {"off_m", c.standing.off_m},
+          {"known_a_m", c.known_a_m}, {"known_b_m", c.known_b_m},  {"evidence", to_json(c.evidence)}};
 }
 
 nlohmann::json to_json(const Stood& s) {
-  return {{"a", s.pair.first},        {"b", s.pair.second},  {"from_s", s.from_s}, {"to_s", s.to_s},
-          {"path_m", s.path_m},       {"off_m", s.off_m},    {"at_end", s.at_end}, {"known_a_m", s.known_a_m},
+  return {{"a", s.pair.first},        {"b", s.pair.second},
+          {"from_s", s.from_s},       {"to_s", s.to_s},
+          {"path_m", s.path_m},       {"off_m", s.off_m},
+          {"at_end", s.at_end},       {"known_a_m", s.known_a_m},
           {"known_b_m", s.known_b_m}, {"evidence", to_json(s.evidence)}};
 }
 
 struct LiveRow {
   std::size_t drives = 0, wrong_drives = 0, wrong = 0, wrong_at_end = 0, right_at_end = 0, withdrawn = 0, differ = 0,
-              asked = 0;
+              asked = 0, provisional = 0;
   int meet = 0;
   void add(const LiveDrive& d) {
     ++drives;
@@ -47,6 +43,7 @@ struct LiveRow {
     for (const Stood& s : d.wrong) wrong_at_end += s.at_end;
     for (const Stood& s : d.right) right_at_end += s.at_end;
     withdrawn += d.right_withdrawn;
+    provisional += d.wrong_provisional;
     differ += !d.end_differs.empty();
     asked += !d.asking_changed.empty();
     meet += d.meet;
@@ -54,16 +51,21 @@ struct LiveRow {
 };
 
 void print(const std::string& name, const LiveRow& r) {
-  std::printf("  %-28s %6zu %6zu %6zu %6zu %6d %6zu %9zu %7zu %6zu\n", name.c_str(), r.drives, r.wrong_drives, r.wrong,
-              r.wrong_at_end, r.meet, r.right_at_end, r.withdrawn, r.differ, r.asked);
+  std::printf("  %-28s %6zu %6zu %6zu %6zu %11zu %6d %6zu %9zu %7zu %6zu\n", name.c_str(), r.drives, r.wrong_drives,
+              r.wrong, r.wrong_at_end, r.provisional, r.meet, r.right_at_end, r.withdrawn, r.differ, r.asked);
 }
 
 nlohmann::json to_json(const LiveRow& r) {
-  return {{"drives", r.drives},       {"wrong_drives", r.wrong_drives},
-          {"wrong", r.wrong},         {"wrong_at_end", r.wrong_at_end},
-          {"meet", r.meet},           {"right_at_end", r.right_at_end},
-          {"withdrawn", r.withdrawn}, {"ends_differ", r.differ},
-          {"asking_changed", r.asked}};
+  return {{"drives", r.drives},
+          {"wrong_drives", r.wrong_drives},
+          {"wrong", r.wrong},
+          {"wrong_at_end", r.wrong_at_end},
+          {"meet", r.meet},
+          {"right_at_end", r.right_at_end},
+          {"withdrawn", r.withdrawn},
+          {"ends_differ", r.differ},
+          {"asking_changed", r.asked},
+          {"wrong_provisional", r.provisional}};
 }
 
 }  // namespace
@@ -90,6 +92,7 @@ nlohmann::json to_json(const LiveDrive& d) {
                      {"attempts", d.attempts},
                      {"meet", d.meet},
                      {"right_withdrawn", d.right_withdrawn},
+                     {"wrong_provisional", d.wrong_provisional},
                      {"end_differs", d.end_differs},
                      {"asking_changed", d.asking_changed},
                      {"wrong", nlohmann::json::array()},
@@ -126,8 +129,8 @@ nlohmann::json summary(const std::vector<LiveDrive>& drives, const RightMerges& 
         later_m.push_back(std::max({0.0, s.known_a_m - was->second.first, s.known_b_m - was->second.second}));
     }
   }
-  std::printf("  %-28s %6s %6s %6s %6s %6s %6s %9s %7s %6s\n", "", "drives", "wrong", "merges", "at end", "meet",
-              "merged", "withdrawn", "differ", "asked");
+  std::printf("  %-28s %6s %6s %6s %6s %11s %6s %6s %9s %7s %6s\n", "", "drives", "wrong", "merges", "at end",
+              "provisional", "meet", "merged", "withdrawn", "differ", "asked");
   for (const auto& [name, row] : kinds) print(name, row);
   for (const auto& [name, row] : conditions) print(name, row);
   print("all", all);

@@ -13,6 +13,7 @@ struct LiveDrive {
   std::vector<Stood> wrong, right;
   std::vector<Claim> claims;
   std::size_t right_withdrawn = 0, attempts = 0;
+  bool wrong_provisional = false;
   int meet = 0;                             // pairs that truly do
   std::vector<std::string> end_differs;     // from the set's first drive
   std::vector<std::string> asking_changed;  // the operator's `merge` at the end

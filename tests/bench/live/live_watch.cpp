@@ -63,6 +63,11 @@ void LiveWatch::close(Now& now, const LiveRun& run, bool at_end) {
 }
 
 void LiveWatch::note_claims(const LiveRun& run) {
+  for (const Component& component : run.pipeline().atlas().components)
+    for (const ProvisionalPlacement& p : component.provisional)
+      wrong_provisional_ |= standing_of(*run.sessions().at(component.id).driven, *run.sessions().at(p.session).driven,
+                                        p.T_component_session)
+                                .wrong;
   for (const Alignment& k : run.pipeline().alignments()) {
     if (k.state != AlignmentState::provisional && k.state != AlignmentState::published) {
       claimed_.erase(k.id);

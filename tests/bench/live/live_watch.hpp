@@ -64,6 +64,8 @@ class LiveWatch {
   const std::vector<Stood>& right() const { return right_; }
   /// Of pairs that meet, of which what stood rightly was withdrawn.
   std::size_t right_withdrawn() const;
+  /// Whether something provisional that robots could ask for was wrong.
+  bool wrong_provisional() const { return wrong_provisional_; }
   /// Whatever was provisional or published, at each new placement or state.
   const std::vector<Claim>& claims() const { return claims_; }
   static std::map<NamedPair, EndState> end_of(const LiveRun& run);
@@ -81,6 +83,7 @@ class LiveWatch {
   std::vector<Stood> wrong_, right_;
   std::map<AlignmentId, Claim> claimed_;
   std::vector<Claim> claims_;
+  bool wrong_provisional_ = false;
 };
 
 }  // namespace headframe::bench

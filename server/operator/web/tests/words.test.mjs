@@ -39,6 +39,13 @@ test('an improbable pair is not confirmed without a word, a probable or merged o
   assert.equal(doubtOf(pair('published', 'none', 0.001)), '');
 });
 
+test('a provisional pair waits for path, wants no look, and is not confirmed without a word', () => {
+  assert.equal(lookOf(pair('provisional')).word, 'provisional');
+  assert.ok(!wantsLook(pair('provisional')));
+  assert.match(sureness(pair('provisional')), /sure/);
+  assert.match(doubtOf({ ...pair('provisional'), evidence: { probability: 0.99, awaited_m: 22.4 } }), /23 m of path/);
+});
+
 test('sessions of one robot are told apart, and robots more so', () => {
   const colours = new RobotColours();
   const name = (robot, session) => ({ robot, session });

@@ -13,7 +13,7 @@ export function contradiction(desk: Desk, { objection }: Alignment): string {
   return a && b ? `contradicted by ${desk.station.titleOf(a)} and ${desk.station.titleOf(b)}` : '';
 }
 
-const order: State[] = ['candidate', 'retracted', 'verified', 'published', 'rejected'];
+const order: State[] = ['candidate', 'retracted', 'verified', 'provisional', 'published', 'rejected'];
 
 function Row({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
   const { station, ui, colours } = desk;

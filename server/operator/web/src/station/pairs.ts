@@ -11,7 +11,7 @@ export const wantsLook = ({ state, decision }: Pick<Alignment, 'state' | 'decisi
 /** What the figure beside a verdict says: of a pair that others contradict, or that an operator refused, its own evidence alone. */
 export function sureness({ state, decision, evidence }: Pair): string {
   const figure = percent(evidence.probability ?? 0);
-  const stands = state === 'published' || (state === 'candidate' && decision === 'none');
+  const stands = state === 'published' || (['candidate', 'provisional'].includes(state) && decision === 'none');
   return stands ? `${figure} sure` : `${figure} by the pair alone`;
 }
 
@@ -20,6 +20,7 @@ const doubtful = 0.5;
 /** What speaks against confirming it; empty: nothing. */
 export function doubtOf({ state, evidence }: Pair): string {
   if (state === 'verified') return 'Other sessions contradict this pair: it is most likely a look-alike. A wrong merge sends robots wrong transforms.';
+  if (state === 'provisional') return `It fits, and robots that still drive may yet show that it is a look-alike: ${Math.ceil(evidence.awaited_m ?? 0)} m of path are awaited. A wrong merge sends robots wrong transforms.`;
   const probability = evidence.probability ?? 0;
   return state !== 'published' && probability < doubtful ? `The evidence gives it a probability of ${percent(probability)} only. A wrong merge sends robots wrong transforms.` : '';
 }

@@ -27,7 +27,7 @@ export interface Session extends SessionName {
   component?: number | null;
 }
 
-export type State = 'candidate' | 'verified' | 'published' | 'retracted' | 'rejected';
+export type State = 'candidate' | 'provisional' | 'verified' | 'published' | 'retracted' | 'rejected';
 export type Ruling = 'none' | 'confirmed' | 'refused' | 'retracted';
 
 export interface Alignment {

@@ -54,6 +54,7 @@ export interface Look {
 export const verdicts: Record<State, Look> = {
   published: { word: 'merged', glyph: '✓', dark: '#3ecf9a', light: '#006a4e', dash: null },
   verified: { word: 'held back', glyph: '◆', dark: '#6cc3f2', light: '#0a6093', dash: [3, 1] },
+  provisional: { word: 'provisional', glyph: '…', dark: '#b9a6f2', light: '#5b3fa8', dash: [4, 0.8] },
   candidate: { word: 'unsure', glyph: '?', dark: '#f0b44c', light: '#855400', dash: [1.6, 1.6] },
   retracted: { word: 'withdrawn', glyph: '↺', dark: '#f08c5a', light: '#9e4000', dash: [2.4, 1] },
   rejected: { word: 'no match', glyph: '✕', dark: '#9aa3af', light: '#57606b', dash: [0.6, 1.4] },

@@ -1,0 +1,127 @@
+// For how much path a placement waits before it is told, and what waited for others.
+#include <gtest/gtest.h>
+
+#include "server/merge/alignment_book.hpp"
+#include "tests/support/keyframes.hpp"
+
+namespace headframe {
+namespace {
+
+/// Sessions 1 and 2 have ended after 3 m and were looked at; others come as a test says.
+class AwaitedPath : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const SessionId id : {1, 2}) {
+      grow(id, 3);
+      sessions_.complete(id);
+      sessions_.set_looked_at(id, true);
+    }
+  }
+  void grow(SessionId id, int metres) {
+    sessions_.add(id, {"test", 1});
+    for (int m = 0; m <= metres; ++m) add_metre(id, m);
+  }
+  void add_metre(SessionId id, int m) {
+    Keyframe k = line_keyframe(static_cast<std::uint64_t>(m) + 1);
+    k.stamp_s = m;
+    sessions_.add_keyframe(id, k);
+  }
+  double awaited_m(double look_alikes) const {
+    Evidence evidence;
+    evidence.look_alikes = look_alikes;
+    evidence.overlap_m = 3;
+    return sessions_.path_awaited_m({1, 2}, Pose::Identity(), evidence);
+  }
+
+  static MergeConfig with_short_paths() {
+    MergeConfig config;
+    config.least_path_m = 0;
+    return config;
+  }
+  const MergeConfig config_ = with_short_paths();
+  SessionMap sessions_{config_};
+};
+
+TEST_F(AwaitedPath, IsLongerTheMorePlacesLookAlike) {
+  add_metre(2, 4);  // it drives on after all
+  const double alone_m = awaited_m(0);
+  EXPECT_NEAR(alone_m, config_.shown_m - 3, 0.01);
+  EXPECT_NEAR(awaited_m(1) - alone_m, config_.shown_more_m, 1e-9);
+  EXPECT_NEAR(awaited_m(4) - alone_m, 4 * config_.shown_more_m, 1e-9);
+  EXPECT_EQ(awaited_m(5), awaited_m(4)) << "a bound";
+}
+
+TEST_F(AwaitedPath, OfOthersCountsWherePlacesLookAlikeAlone) {
+  sessions_.add(4, {"test", 1});  // stands at the portal: it has told nothing yet
+  grow(3, 20);
+  EXPECT_EQ(awaited_m(1.99), 0);
+  EXPECT_NEAR(awaited_m(2), config_.shown_m + 2 * config_.shown_more_m - 20, 0.01);
+  sessions_.complete(3);
+  EXPECT_EQ(awaited_m(2), 1) << "it has ended, and nobody has looked what it says";
+  sessions_.set_looked_at(3, true);
+  EXPECT_EQ(awaited_m(2), 0);
+}
+
+TEST_F(AwaitedPath, OfOthersHasAnEnd) {
+  grow(3, static_cast<int>(config_.shown_m + 2 * config_.shown_more_m));
+  EXPECT_EQ(awaited_m(2), 0) << "a robot that drives for hours holds nobody up";
+}
+
+TEST_F(AwaitedPath, WhatWaitedForOthersIsToldWhenTheyHaveEnded) {
+  grow(3, 20);
+  AlignmentBook book(config_, sessions_);
+  AttemptReport report;
+  Judgement judged;
+  judged.T_a_b = pose_from_yaw(0.5, {1, 2, 0});
+  judged.evidence.probability = 0.99;
+  judged.evidence.inlier_fraction = 1;
+  judged.evidence.look_alikes = 3;
+  book.record({1, 2}, judged, std::nullopt, false, report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::candidate) << "85 m are awaited";
+  sessions_.complete(3);
+  book.release_awaited(report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::candidate) << "it was not looked at";
+  sessions_.set_looked_at(3, true);
+  report = {};
+  book.release_awaited(report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::verified);
+  ASSERT_EQ(report.changed.size(), 1U);
+  EXPECT_EQ(report.changed[0].verdict, AlignmentState::verified);
+}
+
+TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
+  add_metre(2, 4);
+  const auto state_with = [&](double look_alikes, double missing_m) {
+    AlignmentBook book(config_, sessions_);
+    AttemptReport report;
+    Judgement judged;
+    judged.evidence.probability = 0.99;
+    judged.evidence.look_alikes = look_alikes;
+    judged.evidence.overlap_m = config_.shown_m + config_.shown_more_m * look_alikes - missing_m;
+    book.record({1, 2}, judged, std::nullopt, false, report);
+    return book.find(1, 2)->state;
+  };
+  EXPECT_EQ(state_with(0, config_.provisional_m), AlignmentState::provisional);
+  EXPECT_EQ(state_with(0, config_.provisional_m + 1), AlignmentState::candidate);
+  EXPECT_EQ(state_with(1.9, 1), AlignmentState::provisional);
+  EXPECT_EQ(state_with(2, 1), AlignmentState::candidate);
+}
+
+TEST_F(AwaitedPath, WhatWaitsForCloudsTooIsJudgedAnewAndNotReleased) {
+  grow(3, 20);
+  AlignmentBook book(config_, sessions_);
+  AttemptReport report;
+  Judgement judged;
+  judged.evidence.probability = 0.99;
+  judged.evidence.look_alikes = 3;
+  book.record({1, 2}, judged, std::nullopt, true, report);
+  sessions_.complete(3);
+  sessions_.set_looked_at(3, true);
+  book.release_awaited(report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::candidate);
+  book.record({1, 2}, judged, std::nullopt, false, report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::verified);
+}
+
+}  // namespace
+}  // namespace headframe
