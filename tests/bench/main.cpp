@@ -151,8 +151,8 @@ int main(int argc, char** argv) {
   stages->callback([&options] { options.what = "stages"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
   live->add_option("--only", options.live.only, "sets whose names contain this");
+  live->add_option("--conditions", options.live.conditions, "drives whose conditions contain this, as \"link lost\"");
   live->add_option("--seed", options.live.first_seed, "of the first drawn mine");
-  live->add_option("--before", options.live.before, "live-drives.jsonl of another version, to compare with");
   live->callback([&options] { options.what = "live"; });
   try {
     app.parse(argc, argv);

@@ -60,6 +60,7 @@ LiveDrive drive(const LiveSet& set, const LiveConditions& conditions, const Sess
   out.wrong = watch.wrong();
   out.right = watch.right();
   out.claims = watch.claims();
+  out.later_m = watch.later_m();
   out.wrong_provisional = watch.wrong_provisional();
   out.right_withdrawn = watch.right_withdrawn();
   out.attempts = run.attempts();
@@ -84,12 +85,13 @@ nlohmann::json live(const LiveBench& bench) {
     const Sessions present = set.present(), driving = set.driving();
     std::optional<std::map<NamedPair, EndState>> first_end;
     for (const LiveConditions& conditions : set.conditions) {
+      if (text_of(conditions).find(bench.conditions) == std::string::npos) continue;
       drives.push_back(drive(set, conditions, present, driving, first_end));
       print(drives.back());
       lines << to_json(drives.back()).dump() << std::endl;
     }
   }
-  return summary(drives, read_right_merges(bench.before));
+  return summary(drives);
 }
 
 }  // namespace headframe::bench

@@ -9,8 +9,8 @@ namespace headframe::bench {
 
 struct LiveBench {
   std::filesystem::path recordings, out;
-  std::filesystem::path before;       // live.json of another version, to say how much later merges come; may be empty
   std::string only;                   // sets whose names contain it
+  std::string conditions;             // drives whose conditions contain it; ends are compared among those
   std::uint64_t first_seed = 310000;  // of the drawn mines
 };
 

@@ -1,16 +1,11 @@
 #include "tests/bench/live/live_report.hpp"
 
 #include <cstdio>
-#include <fstream>
 
 #include "tests/bench/measure.hpp"
 
 namespace headframe::bench {
 namespace {
-
-std::string key_of(const std::string& set, const std::string& conditions, const NamedPair& pair) {
-  return set + "; " + conditions + "; " + pair.first + "; " + pair.second;
-}
 
 nlohmann::json to_json(const Evidence& e) {
   nlohmann::json out;
@@ -93,6 +88,7 @@ nlohmann::json to_json(const LiveDrive& d) {
                      {"meet", d.meet},
                      {"right_withdrawn", d.right_withdrawn},
                      {"wrong_provisional", d.wrong_provisional},
+                     {"later_m", d.later_m},
                      {"end_differs", d.end_differs},
                      {"asking_changed", d.asking_changed},
                      {"wrong", nlohmann::json::array()},
@@ -103,19 +99,7 @@ nlohmann::json to_json(const LiveDrive& d) {
   return out;
 }
 
-RightMerges read_right_merges(const std::filesystem::path& lines) {
-  RightMerges out;
-  std::ifstream in(lines);
-  for (std::string line; std::getline(in, line);) {
-    const auto drive = nlohmann::json::parse(line);
-    for (const auto& s : drive["right"])
-      if (s["at_end"])
-        out[key_of(drive["set"], drive["conditions"], {s["a"], s["b"]})] = {s["known_a_m"], s["known_b_m"]};
-  }
-  return out;
-}
-
-nlohmann::json summary(const std::vector<LiveDrive>& drives, const RightMerges& before) {
+nlohmann::json summary(const std::vector<LiveDrive>& drives) {
   std::map<std::string, LiveRow> kinds, conditions;
   LiveRow all;
   std::vector<double> later_m;
@@ -123,11 +107,7 @@ nlohmann::json summary(const std::vector<LiveDrive>& drives, const RightMerges& 
     kinds[d.kind].add(d);
     conditions[d.conditions].add(d);
     all.add(d);
-    for (const Stood& s : d.right) {
-      const auto was = before.find(key_of(d.set, d.conditions, s.pair));
-      if (s.at_end && was != before.end())
-        later_m.push_back(std::max({0.0, s.known_a_m - was->second.first, s.known_b_m - was->second.second}));
-    }
+    later_m.insert(later_m.end(), d.later_m.begin(), d.later_m.end());
   }
   std::printf("  %-28s %6s %6s %6s %6s %11s %6s %6s %9s %7s %6s\n", "", "drives", "wrong", "merges", "at end",
               "provisional", "meet", "merged", "withdrawn", "differ", "asked");
@@ -138,12 +118,10 @@ nlohmann::json summary(const std::vector<LiveDrive>& drives, const RightMerges& 
   out["wrong_ever"] = all.wrong;
   for (const auto& [name, row] : kinds) out["kinds"][name] = to_json(row);
   for (const auto& [name, row] : conditions) out["conditions"][name] = to_json(row);
-  if (!before.empty()) {
-    out["later_m_p50"] = quantile(later_m, 0.5);
-    out["later_m_p95"] = quantile(later_m, 0.95);
-    std::printf("  right merges come later by %.0f m (p50), %.0f m (p95) of path; %zu compared\n",
-                quantile(later_m, 0.5), quantile(later_m, 0.95), later_m.size());
-  }
+  out["later_m_p50"] = quantile(later_m, 0.5);
+  out["later_m_p95"] = quantile(later_m, 0.95);
+  std::printf("  right merges waited for %.0f m (p50), %.0f m (p95) of path; %zu of them\n", quantile(later_m, 0.5),
+              quantile(later_m, 0.95), later_m.size());
   return out;
 }
 

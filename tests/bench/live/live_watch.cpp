@@ -69,7 +69,9 @@ void LiveWatch::note_claims(const LiveRun& run) {
                                         p.T_component_session)
                                 .wrong;
   for (const Alignment& k : run.pipeline().alignments()) {
-    if (k.state != AlignmentState::provisional && k.state != AlignmentState::published) {
+    const bool waits = k.state == AlignmentState::provisional ||
+                       (k.state == AlignmentState::candidate && k.evidence.awaited_m > 0 && convinces(k.evidence, {}));
+    if (!waits && k.state != AlignmentState::published) {
       claimed_.erase(k.id);
       continue;
     }
@@ -82,6 +84,18 @@ void LiveWatch::note_claims(const LiveRun& run) {
                        k.evidence, a.path_m, b.path_m});
     claimed_[k.id] = claims_.back();
   }
+}
+
+std::vector<double> LiveWatch::later_m() const {
+  std::vector<double> out;
+  for (const Stood& told : right_) {
+    if (!told.at_end) continue;
+    const auto first = std::find_if(claims_.begin(), claims_.end(),
+                                    [&](const Claim& c) { return c.pair == told.pair && !c.standing.wrong; });
+    if (first == claims_.end() || first->at_s > told.from_s) continue;  // merged by way of others
+    out.push_back(std::max({0.0, told.known_a_m - first->known_a_m, told.known_b_m - first->known_b_m}));
+  }
+  return out;
 }
 
 void LiveWatch::look(const LiveRun& run) {

@@ -40,7 +40,7 @@ struct Stood {
 /// What convinced for a while, told or not.
 struct Claim {
   NamedPair pair;
-  AlignmentState state = AlignmentState::candidate;  // provisional or published
+  AlignmentState state = AlignmentState::candidate;  // ... where the evidence convinces, provisional or published
   double at_s = 0;
   Standing standing = {};
   Evidence evidence = {};
@@ -66,7 +66,10 @@ class LiveWatch {
   std::size_t right_withdrawn() const;
   /// Whether something provisional that robots could ask for was wrong.
   bool wrong_provisional() const { return wrong_provisional_; }
-  /// Whatever was provisional or published, at each new placement or state.
+  /// Of each pair that stood rightly at the end: the path that its robots came along from the moment on when it first
+  /// convinced rightly until it was told. What waiting costs.
+  std::vector<double> later_m() const;
+  /// Whatever convinced, waiting, provisional or published, at each new placement or state.
   const std::vector<Claim>& claims() const { return claims_; }
   static std::map<NamedPair, EndState> end_of(const LiveRun& run);
 
