@@ -141,16 +141,57 @@ void AlignmentBook::wake(SessionId id) {
     if (alignment.a == id || alignment.b == id) alignment.state = decided_state(alignment);
 }
 
-MergeResult AlignmentBook::merge(const Contacts& contacts, bool provisional_too) const {
+bool AlignmentBook::waits(const Alignment& k) const {
+  if (k.state == AlignmentState::provisional) return true;
+  return k.state == AlignmentState::candidate && k.evidence.awaited_m > 0 && k.ruling == Ruling::none &&
+         convinces(k.evidence, config_) && !wait_for_clouds_.contains(k.id);
+}
+
+bool AlignmentBook::anything_waits() const {
+  return std::any_of(alignments_.begin(), alignments_.end(), [&](const Alignment& k) { return waits(k); });
+}
+
+MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const {
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
-  std::vector<Alignment> spoken = alignments_;
-  for (Alignment& alignment : spoken) {
-    if (provisional_too && alignment.state == AlignmentState::provisional) alignment.state = AlignmentState::verified;
-    if (!sessions_.contains(alignment.a) || !sessions_.contains(alignment.b))  // set aside: it says nothing
+  for (Alignment& alignment : spoken)  // one whose session is set aside says nothing
+    if (!sessions_.contains(alignment.a) || !sessions_.contains(alignment.b))
       alignment.state = AlignmentState::candidate;
-  }
   return merge_sessions(ids, spoken, {}, anchors_, contacts);
+}
+
+MergeResult AlignmentBook::merge(const Contacts& contacts, Waiting waiting) const {
+  std::vector<Alignment> spoken = alignments_;
+  for (Alignment& k : spoken) {
+    const bool taken = waiting == Waiting::all           ? waits(k)
+                       : waiting == Waiting::provisional ? k.state == AlignmentState::provisional
+                                                         : false;
+    if (taken) k.state = AlignmentState::verified;
+  }
+  return merge_spoken(std::move(spoken), contacts);
+}
+
+/// What still waits may turn out to be right. So where places look alike nothing new is told that would not stand
+/// beside it: it is held back, as by what others saw.
+MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
+  if (!anything_waits()) return merge(contacts);
+  const MergeResult then = merge(contacts, Waiting::all);
+  std::vector<Alignment> spoken = alignments_;
+  std::vector<std::size_t> held;
+  for (std::size_t i = 0; i < spoken.size(); ++i) {
+    Alignment& k = spoken[i];
+    const bool open = k.state == AlignmentState::verified && k.ruling == Ruling::none &&
+                      k.evidence.look_alikes >= config_.look_alikes;
+    if (!open || then.states[i] == AlignmentState::published) continue;
+    k.state = AlignmentState::candidate;
+    held.push_back(i);
+  }
+  MergeResult merged = merge_spoken(std::move(spoken), contacts);
+  for (const std::size_t i : held) {
+    merged.states[i] = AlignmentState::verified;
+    merged.contradicted_by[i] = then.contradicted_by[i];
+  }
+  return merged;
 }
 
 /// What would be added to each component if all that is provisional were merged. Where that would take something of a
@@ -158,7 +199,7 @@ MergeResult AlignmentBook::merge(const Contacts& contacts, bool provisional_too)
 void AlignmentBook::add_provisional(std::vector<Component>& components, const Contacts& contacts) const {
   const auto provisional = [](const Alignment& k) { return k.state == AlignmentState::provisional; };
   if (std::none_of(alignments_.begin(), alignments_.end(), provisional)) return;
-  const MergeResult then = merge(contacts, true);
+  const MergeResult then = merge(contacts, Waiting::provisional);
   std::map<SessionId, const Component*> comes_to;
   for (const Component& whole : then.components)
     for (const Placement& p : whole.placements) comes_to[p.session] = &whole;
@@ -188,7 +229,7 @@ void AlignmentBook::update_atlas(const Contacts& contacts,
                                  const std::function<Objection(const std::pair<SessionId, SessionId>&)>& objection,
                                  AttemptReport& report) {
   const Stopwatch watch(report.times.atlas_ms);
-  const MergeResult merged = merge(contacts);
+  const MergeResult merged = merge_undisputed(contacts);
   for (std::size_t i = 0; i < alignments_.size(); ++i) {
     Alignment& alignment = alignments_[i];
     const auto& by = merged.contradicted_by[i];

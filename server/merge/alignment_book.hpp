@@ -37,8 +37,12 @@ class AlignmentBook {
   /// A session that was set aside comes back: its alignments stand again as their verdict and the operator's word say.
   void wake(SessionId id);
 
+  /// Whether anything convinces that still waits for path.
+  bool anything_waits() const;
+  /// Alignments that wait for path and are merged all the same, to see what would come of it.
+  enum class Waiting { none, provisional, all };
   /// What merging would come to, with these answers on where sessions would meet.
-  MergeResult merge(const Contacts& contacts) const { return merge(contacts, false); }
+  MergeResult merge(const Contacts& contacts, Waiting waiting = Waiting::none) const;
   /// FRAME, step 9: maps merge one after another. `objection`: what the pair that holds an alignment back says.
   void update_atlas(const Contacts& contacts,
                     const std::function<Objection(const std::pair<SessionId, SessionId>&)>& objection,
@@ -55,7 +59,9 @@ class AlignmentBook {
  private:
   AlignmentState awaiting_state(const Evidence& evidence) const;
   AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
-  MergeResult merge(const Contacts& contacts, bool provisional_too) const;
+  bool waits(const Alignment& alignment) const;
+  MergeResult merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const;
+  MergeResult merge_undisputed(const Contacts& contacts) const;
   void add_provisional(std::vector<Component>& components, const Contacts& contacts) const;
   void note_moved_sessions(const std::vector<Component>& now, AttemptReport& report) const;
 

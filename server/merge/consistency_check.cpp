@@ -124,16 +124,23 @@ void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
   for (auto& [pair, kept] : contacts_)  // not in between: what was found is not asked for twice, so this ends
     if (kept.size() > placements_kept)
       kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(placements_kept));
+  look_while_news(AlignmentBook::Waiting::none, attempt);
+  if (book_.anything_waits()) look_while_news(AlignmentBook::Waiting::all, attempt);
+}
+
+/// What only waits is looked at too, for it may contradict what is about to be told; nothing of it is recorded.
+void ConsistencyCheck::look_while_news(AlignmentBook::Waiting waiting, const Attempt& attempt) {
   for (bool news = true; news;) {
     std::vector<ImpliedPlacement> asked;
-    const MergeResult merged = book_.merge([&](SessionId a, SessionId b, const Pose& T_a_b) {
+    const auto contacts = [&](SessionId a, SessionId b, const Pose& T_a_b) {
       const auto known = known_contact({a, b, T_a_b});
       if (known) asked.push_back({a, b, T_a_b});
       return known.value_or(Contact::none);
-    });
+    };
+    const MergeResult merged = book_.merge(contacts, waiting);
     news = false;
     for (const ImpliedPlacement& placement : asked) news |= look_at(placement, attempt);
-    news = news || record_agreeing(merged, attempt.report);
+    if (waiting == AlignmentBook::Waiting::none) news = news || record_agreeing(merged, attempt.report);
   }
 }
 

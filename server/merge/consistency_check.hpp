@@ -44,6 +44,7 @@ class ConsistencyCheck {
     bool recorded = false;  // as an alignment, once both were in one component
   };
 
+  void look_while_news(AlignmentBook::Waiting waiting, const Attempt& attempt);
   bool meet(const ImpliedPlacement& placement) const;
   SeenContact* seen(const ImpliedPlacement& placement);
   bool look_at(const ImpliedPlacement& placement, const Attempt& attempt);

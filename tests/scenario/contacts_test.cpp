@@ -50,6 +50,32 @@ TEST(Contacts, TwoMinesThatAreTheSameWhereTwoRobotsMetCanNotBeToldApartByThemAlo
   EXPECT_EQ(between(base, 1, 2).state, AlignmentState::published) << "what the tests below rest on";
 }
 
+/// The robots that met where two mines are the same have ended; one that knows better is still on its way there.
+/// Whether the two were together at any moment, and at the end.
+std::pair<bool, bool> together_while_the_witness_drives(const MergeConfig& config) {
+  Base base({of_one(), of_two()}, config);
+  const auto together = [&] { return between(base, 1, 2).state == AlignmentState::published; };
+  base.drives.push_back(witness());
+  base.pipeline.add_session(3, ScanContext().id());
+  bool ever = false;
+  for (std::size_t k = 0; k < base.drive(3).keyframes.size(); ++k) {
+    base.pipeline.add_keyframe(3, base.drive(3).keyframes[k]);
+    base.shelf.clouds[{3, k + 1}] = base.drive(3).clouds[k];
+    if (k % 4 != 0) continue;
+    attempt_all(base);
+    ever |= together();
+  }
+  base.pipeline.complete_session(3);
+  attempt_all(base);
+  return {ever, together()};
+}
+
+TEST(Contacts, AWrongMergeIsNotToldWhileARobotDrivesThatMayContradictIt) {
+  EXPECT_EQ(together_while_the_witness_drives(test::waits_for_no_others()), (std::pair{true, false}))
+      << "what the test rests on";
+  EXPECT_EQ(together_while_the_witness_drives({}), (std::pair{false, false}));
+}
+
 TEST(Contacts, AThirdSessionFullOfCopiesAsksForALongerOverlap) {
   Base base({of_one(), of_two(), drive_through_copies()});
   while (base.pipeline.prepare_ahead(base.shelf)) {
