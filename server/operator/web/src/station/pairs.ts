@@ -20,7 +20,9 @@ const doubtful = 0.5;
 /** What speaks against confirming it; empty: nothing. */
 export function doubtOf({ state, evidence }: Pair): string {
   if (state === 'verified') return 'Other sessions contradict this pair: it is most likely a look-alike. A wrong merge sends robots wrong transforms.';
-  if (state === 'provisional') return `It fits, and robots that still drive may yet show that it is a look-alike: ${Math.ceil(evidence.awaited_m ?? 0)} m of path are awaited. A wrong merge sends robots wrong transforms.`;
   const probability = evidence.probability ?? 0;
+  const awaited = evidence.awaited_m ?? 0;
+  if (state !== 'published' && probability >= doubtful && awaited > 0)
+    return `It fits, and robots that still drive may yet show that it is a look-alike: ${Math.ceil(awaited)} m of path are awaited. A wrong merge sends robots wrong transforms.`;
   return state !== 'published' && probability < doubtful ? `The evidence gives it a probability of ${percent(probability)} only. A wrong merge sends robots wrong transforms.` : '';
 }
