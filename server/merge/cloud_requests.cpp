@@ -112,6 +112,10 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
   ask(pair.a, near_other(b, c.a.obtainable, T.inverse(), judge.meet_m), T * p_b, most, wanted);
   ask(pair.b, near_other(a, c.b.obtainable, T, judge.meet_m), p_b, most, wanted);
+  if (wanted.empty()) {  // all where they meet are here, and it is in doubt: then those that look on from farther off
+    ask(pair.a, c.a.obtainable, T * p_b, most, wanted);
+    ask(pair.b, c.b.obtainable, p_b, most, wanted);
+  }
   return wanted;
 }
 
