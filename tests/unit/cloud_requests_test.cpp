@@ -1,0 +1,92 @@
+// Which clouds are asked for while a placement is in doubt.
+#include "server/merge/cloud_requests.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/support/keyframes.hpp"
+
+namespace headframe {
+namespace {
+
+/// What is stored is with the server, all else with the robots.
+class Shelves : public CloudSource {
+ public:
+  std::set<KeyframeRef> stored;
+  CloudState state(const KeyframeRef& k) const override {
+    return stored.contains(k) ? CloudState::stored : CloudState::obtainable;
+  }
+  Result<KeyframeCloud> load(const KeyframeRef&) override { return failure(ErrorCode::not_found, "none is needed"); }
+};
+
+/// Session 1 drives 60 m along a line, session 2 its first 20 m.
+class RequestsInDoubt : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const auto& [id, metres] : {std::pair<SessionId, int>{1, 60}, {2, 20}}) {
+      sessions_.add(id, {"test", 1});
+      for (int m = 0; m <= metres; ++m) {
+        Keyframe k = line_keyframe(static_cast<std::uint64_t>(m) + 1);
+        k.stamp_s = m;
+        sessions_.add_keyframe(id, k);
+      }
+      sessions_.complete(id);
+    }
+  }
+  /// Sequences asked of session 1, for a placement of which everything so far speaks, but over too little.
+  std::set<std::uint64_t> asked(double probability_of_places = 0.8) {
+    const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity()}, shelves_);
+    Judgement judged;
+    judged.status = RegistrationStatus::converged;
+    judged.T_a_b = Pose::Identity();
+    Evidence& e = judged.evidence;
+    e.pairs = 12;
+    e.places = e.places_agreeing = 6;
+    e.inlier_fraction = probability_of_places;
+    e.residual_m = 0.02;
+    e.weakest_hold = 0.1;
+    std::set<std::uint64_t> out;
+    for (const KeyframeRef& k : requests_.clouds_for_verdict({1, 2}, c, judged, {10, 0, 0})) {
+      EXPECT_EQ(shelves_.state(k), CloudState::obtainable);
+      if (k.session == 1) out.insert(k.sequence);
+    }
+    return out;
+  }
+  void bring(std::uint64_t first, std::uint64_t last) {
+    for (const SessionId id : {1, 2})
+      for (std::uint64_t s = first; s <= last; ++s) shelves_.stored.insert({id, s});
+  }
+
+  MergeConfig config_;
+  SessionMap sessions_{config_};
+  CloudRequests requests_{config_, sessions_};
+  Shelves shelves_;
+};
+
+constexpr std::uint64_t last_that_meets = 30;  // nearer than 10 m to the end of session 2, at 21 m
+
+TEST_F(RequestsInDoubt, AreForWhereTheTwoMeetFirst) {
+  const auto sequences = asked();
+  ASSERT_FALSE(sequences.empty());
+  EXPECT_LE(*sequences.rbegin(), last_that_meets);
+}
+
+TEST_F(RequestsInDoubt, AreForThoseThatLookOnFromFartherOffNext) {
+  bring(1, last_that_meets - 1);
+  EXPECT_EQ(asked(), std::set<std::uint64_t>{last_that_meets}) << "one is left where they meet";
+  bring(last_that_meets, last_that_meets);
+  const auto sequences = asked();
+  ASSERT_FALSE(sequences.empty());
+  EXPECT_EQ(*sequences.begin(), last_that_meets + 1) << "the nearest first";
+  bring(1, 61);
+  EXPECT_TRUE(asked().empty());
+}
+
+TEST_F(RequestsInDoubt, AreNoneForWhatCanNotBeBelieved) {
+  bring(1, last_that_meets);
+  EXPECT_TRUE(asked(0.05).empty());
+}
+
+}  // namespace
+}  // namespace headframe
