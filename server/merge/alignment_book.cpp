@@ -37,13 +37,6 @@ const Alignment* AlignmentBook::find(AlignmentId id) const {
   return found == alignments_.end() ? nullptr : &*found;
 }
 
-/// Of what convinces. Where places look alike even robots that ask are not told: nearly as often it is a copy.
-AlignmentState AlignmentBook::awaiting_state(const Evidence& e) const {
-  if (e.awaited_m <= 0) return AlignmentState::verified;
-  const bool worth_telling = e.awaited_m <= config_.provisional_m && e.look_alikes < config_.look_alikes;
-  return worth_telling ? AlignmentState::provisional : AlignmentState::candidate;
-}
-
 AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known,
                                        bool waits) const {
   const Evidence& e = best.evidence;
@@ -97,21 +90,6 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   if (news) report.changed.push_back(*known);
 }
 
-/// A pair whose sessions have both ended is judged no more: it waits for others alone.
-void AlignmentBook::release_awaited(AttemptReport& report) {
-  for (Alignment& k : alignments_) {
-    if (!convinces(k.evidence, config_) || k.evidence.awaited_m <= 0 || k.ruling != Ruling::none) continue;
-    if (k.state != AlignmentState::provisional && k.state != AlignmentState::candidate) continue;
-    if (!sessions_.contains(k.a) || !sessions_.contains(k.b) || wait_for_clouds_.contains(k.id)) continue;
-    if (!sessions_.at(k.a).looked_at || !sessions_.at(k.b).looked_at) continue;
-    k.evidence.awaited_m = sessions_.path_awaited_m({k.a, k.b}, k.T_a_b, k.evidence);
-    const AlignmentState now = awaiting_state(k.evidence);
-    if (now == k.state) continue;
-    k.state = k.verdict = now;
-    report.changed.push_back(k);
-  }
-}
-
 Result<void> AlignmentBook::decide(AlignmentId id, Decision decision, AttemptReport& report) {
   const auto found = std::find_if(alignments_.begin(), alignments_.end(), [&](const auto& k) { return k.id == id; });
   if (found == alignments_.end())
@@ -141,16 +119,6 @@ void AlignmentBook::wake(SessionId id) {
     if (alignment.a == id || alignment.b == id) alignment.state = decided_state(alignment);
 }
 
-bool AlignmentBook::waits(const Alignment& k) const {
-  if (k.state == AlignmentState::provisional) return true;
-  return k.state == AlignmentState::candidate && k.evidence.awaited_m > 0 && k.ruling == Ruling::none &&
-         convinces(k.evidence, config_) && !wait_for_clouds_.contains(k.id);
-}
-
-bool AlignmentBook::anything_waits() const {
-  return std::any_of(alignments_.begin(), alignments_.end(), [&](const Alignment& k) { return waits(k); });
-}
-
 MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const {
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
@@ -169,60 +137,6 @@ MergeResult AlignmentBook::merge(const Contacts& contacts, Waiting waiting) cons
     if (taken) k.state = AlignmentState::verified;
   }
   return merge_spoken(std::move(spoken), contacts);
-}
-
-/// What still waits may turn out to be right. So where places look alike nothing new is told that would not stand
-/// beside it: it is held back, as by what others saw.
-MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
-  if (!anything_waits()) return merge(contacts);
-  const MergeResult then = merge(contacts, Waiting::all);
-  std::vector<Alignment> spoken = alignments_;
-  std::vector<std::size_t> held;
-  for (std::size_t i = 0; i < spoken.size(); ++i) {
-    Alignment& k = spoken[i];
-    const bool open = k.state == AlignmentState::verified && k.ruling == Ruling::none &&
-                      k.evidence.look_alikes >= config_.look_alikes;
-    if (!open || then.states[i] == AlignmentState::published) continue;
-    k.state = AlignmentState::candidate;
-    held.push_back(i);
-  }
-  MergeResult merged = merge_spoken(std::move(spoken), contacts);
-  for (const std::size_t i : held) {
-    merged.states[i] = AlignmentState::verified;
-    merged.contradicted_by[i] = then.contradicted_by[i];
-  }
-  return merged;
-}
-
-/// What would be added to each component if all that is provisional were merged. Where that would take something of a
-/// component away, nothing is.
-void AlignmentBook::add_provisional(std::vector<Component>& components, const Contacts& contacts) const {
-  const auto provisional = [](const Alignment& k) { return k.state == AlignmentState::provisional; };
-  if (std::none_of(alignments_.begin(), alignments_.end(), provisional)) return;
-  const MergeResult then = merge(contacts, Waiting::provisional);
-  std::map<SessionId, const Component*> comes_to;
-  for (const Component& whole : then.components)
-    for (const Placement& p : whole.placements) comes_to[p.session] = &whole;
-  for (Component& part : components) {
-    const Component& whole = *comes_to.at(part.id);
-    if (std::any_of(part.placements.begin(), part.placements.end(),
-                    [&](const Placement& p) { return comes_to.at(p.session) != &whole; }))
-      continue;
-    ProvisionalPlacement held{.probability = 1};
-    for (std::size_t i = 0; i < alignments_.size(); ++i) {
-      const Alignment& k = alignments_[i];
-      if (!provisional(k) || then.states[i] != AlignmentState::published || comes_to.at(k.a) != &whole) continue;
-      held.probability = std::min(held.probability, k.evidence.probability);
-      held.awaited_m = std::max(held.awaited_m, k.evidence.awaited_m);
-    }
-    const Pose T_part_whole = placement_in(whole, part.id)->T_component_session.inverse();
-    for (const Placement& p : whole.placements) {
-      if (placement_in(part, p.session)) continue;
-      held.session = p.session;
-      held.T_component_session = orthonormalised(T_part_whole * p.T_component_session);
-      part.provisional.push_back(held);
-    }
-  }
 }
 
 void AlignmentBook::update_atlas(const Contacts& contacts,

@@ -89,6 +89,28 @@ TEST_F(AwaitedPath, WhatWaitedForOthersIsToldWhenTheyHaveEnded) {
   EXPECT_EQ(report.changed[0].verdict, AlignmentState::verified);
 }
 
+TEST_F(AwaitedPath, WhatWasRefusedOnceWaitsForTheOperatorToo) {
+  AlignmentBook book(config_, sessions_);
+  AttemptReport report;
+  Judgement judged;
+  judged.evidence.probability = 0.99;
+  judged.evidence.inlier_fraction = 1;
+  judged.evidence.seen_points = 1000;
+  book.record({1, 2}, judged, std::nullopt, false, report);
+  ASSERT_TRUE(book.decide(book.find(1, 2)->id, Decision::refuse, report));
+  grow(3, 20);
+  judged.evidence.seen_points = 10000;  // so much more that it is proposed again
+  judged.evidence.look_alikes = 3;
+  book.record({1, 2}, judged, std::nullopt, false, report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::rejected) << "what was ruled on stays in sight";
+  sessions_.complete(3);
+  sessions_.set_looked_at(3, true);
+  book.record({1, 2}, judged, std::nullopt, false, report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::candidate);
+  book.release_awaited(report);
+  EXPECT_EQ(book.find(1, 2)->state, AlignmentState::candidate);
+}
+
 TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
   add_metre(2, 4);
   const auto state_with = [&](double look_alikes, double missing_m) {
