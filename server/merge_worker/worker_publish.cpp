@@ -51,11 +51,10 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
 void MergeWorker::published(const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
   const Atlas before = std::exchange(atlas_, pipeline_->atlas());
   const auto changed = changed_components(before, atlas_);
-  if (report.provisional_changed) robots_->tell_provisional(atlas_, changed_provisionals(before, atlas_));
-  if (!report.atlas_changed) return;
   const std::vector<Withdrawal> withdrawn = withdrawn_by(report);
-  robots_->publish(atlas_, changed, withdrawn);
-  if (!attempt) return;
+  if (report.atlas_changed) robots_->publish(atlas_, changed, withdrawn);
+  if (report.provisional_changed) robots_->tell_provisional(atlas_, changed_provisionals(before, atlas_));
+  if (!report.atlas_changed || !attempt) return;
   note_withdrawn(withdrawn);
   const double ms = ms_since(attempt->triggered);
   for (const Component& component : changed)
