@@ -150,6 +150,7 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   stages->callback([&options] { options.what = "stages"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
+  live->add_option("DIR", options.live.sets, "data sets (as of stages), or folders of them; none: recordings, mines");
   live->add_option("--only", options.live.only, "sets whose names contain this");
   live->add_option("--conditions", options.live.conditions, "drives whose conditions contain this, as \"link lost\"");
   live->add_option("--seed", options.live.first_seed, "of the first drawn mine");

@@ -10,7 +10,7 @@ namespace headframe::bench {
 namespace {
 
 constexpr double spacing_m = 2;
-constexpr int rounds = 11;
+constexpr int repeats = 11;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ nlohmann::json sampling() {
     clouds.push_back({clouds.size() + 1, T, std::move(prepared)});
   }
   std::size_t points = 0;
-  for (int round = 0; round < rounds; ++round)
+  for (int round = 0; round < repeats; ++round)
     submap_ms.push_back(wall_ms([&] {
       points = make_submap(clouds, {0.1 * round, 0, 1.5}, config).source.points.size();
     }));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/descriptor/family.hpp"
+#include "tests/bench/made_sets.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/pipeline_run.hpp"
 #include "tests/bench/verdict_rows.hpp"
@@ -60,8 +61,6 @@ Pose true_placement(const test::TruePath& a, const test::TruePath& b, double nea
 struct InCommon {
   double overlap_pct = 0, nearest_m = 0;
 };
-
-std::string kind_of(const std::string& world) { return world.substr(0, world.find('-')); }
 
 class PairStudy {
  public:
@@ -152,22 +151,6 @@ struct Counts {
 
 constexpr const char* bins[] = {"o30", "o18", "o10", "o05", "apart_paths", "none"};
 
-std::vector<std::filesystem::path> sets_below(const std::vector<std::filesystem::path>& folders) {
-  std::vector<std::filesystem::path> sets;
-  for (const auto& folder : folders) {
-    if (exists(folder / "truth.json")) {
-      sets.push_back(folder);
-      continue;
-    }
-    if (!is_directory(folder)) throw std::runtime_error("no such folder: " + folder.string());
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-      if (exists(entry.path() / "truth.json")) sets.push_back(entry.path());
-  }
-  std::sort(sets.begin(), sets.end());
-  if (sets.empty()) throw std::runtime_error("no data set (a folder with truth.json) in the folders that were named");
-  return sets;
-}
-
 void write_csv(const std::vector<PairRow>& rows, const std::filesystem::path& file) {
   std::ofstream csv(file);
   csv << "set,a,b,overlap_pct,nearest_m,bin,source,rank,proposals,screened,oracle_p,oracle_status,merged,right,te_m,ms,"
@@ -203,22 +186,6 @@ void print_lost(const PairRow& r) {
 
 void print_if_lost(const PairRow& row) {
   if (!row.right && (row.overlap_pct >= 1 || row.merged)) print_lost(row);
-}
-
-std::unique_ptr<DescriptorFamily> family_named(const std::string& name) {
-  auto family = make_family(name);
-  if (!family) throw std::runtime_error(family.error().message);
-  return std::move(*family);
-}
-
-/// The robots take the families in turn.
-std::map<std::string, DrivenSession> sessions_of(const std::filesystem::path& set, const nlohmann::json& truth,
-                                                 const std::vector<std::string>& families) {
-  std::map<std::string, DrivenSession> sessions;
-  for (const auto& [robot, unused] : truth.at("robots").items())
-    sessions.emplace(robot,
-                     read_driven_session(set, robot, *family_named(families[sessions.size() % families.size()])));
-  return sessions;
 }
 
 /// Share of the poses of the one that has fewer within 8 m of the other's, in place of the share of rock.
@@ -277,9 +244,8 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
   std::vector<PairRow> rows;
   VerdictRows evidence(out / "verdict_sets.csv");
   for (const auto& set : sets) {
-    std::ifstream in(set / "truth.json");
-    const auto truth = nlohmann::json::parse(in);
-    const auto sessions = sessions_of(set, truth, families);
+    const auto truth = truth_of(set);
+    const auto sessions = sessions_of(set, families);
     for (const auto& pair : truth.at("pairs")) {
       const InCommon common{pair.at("overlap_pct"), pair.at("nearest_poses_m")};
       rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), common).run(evidence));
@@ -295,11 +261,8 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
 nlohmann::json stages_crossed(const std::vector<std::filesystem::path>& folders,
                               const std::vector<std::string>& families, const std::filesystem::path& out) {
   std::map<std::string, std::vector<DrivenSession>> by_kind;
-  for (const auto& set : sets_below(folders)) {
-    std::ifstream in(set / "truth.json");
-    for (auto& [robot, session] : sessions_of(set, nlohmann::json::parse(in), families))
-      by_kind[kind_of(session.world)].push_back(session);
-  }
+  for (const auto& set : sets_below(folders))
+    for (auto& [robot, session] : sessions_of(set, families)) by_kind[kind_of(session.world)].push_back(session);
   std::vector<PairRow> rows;
   VerdictRows evidence(out / "verdict_crossed.csv");
   for (auto& [kind, sessions] : by_kind) {

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 
+#include "tests/bench/made_sets.hpp"
+
 namespace headframe::bench {
 namespace {
 
@@ -101,6 +103,30 @@ std::vector<LiveSet> live_sets(const std::filesystem::path& recordings, std::uin
                                      mine::Kind::ramp, mine::Kind::straight};
   for (std::uint64_t i = 0; i < 2 * others.size(); ++i)
     sets.push_back(drawn(others[i % others.size()], first_seed + 100 + i, 8));
+  return sets;
+}
+
+std::vector<LiveSet> made_live_sets(const std::vector<std::filesystem::path>& folders) {
+  constexpr std::size_t drives = 2;
+  const std::vector<LiveConditions> all = conditions(16, 1);
+  std::map<std::string, std::filesystem::path> last;  // of each world
+  std::vector<LiveSet> sets;
+  for (const auto& folder : sets_below(folders)) {
+    const std::string name = folder.filename(), world = kind_of(name);
+    const auto read_all = [world](const std::filesystem::path& set) {
+      std::vector<DrivenSession> out;
+      for (auto& [robot, session] : sessions_of(set, {std::string(default_family_name)})) {
+        session.world = world;
+        out.push_back(std::move(session));
+      }
+      return out;
+    };
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(drives * sets.size() % all.size());
+    sets.push_back({name, world, {first, first + drives}, [=] { return read_all(folder); }});
+    if (const auto before = last.find(world); before != last.end())
+      sets.back().present = [read_all, set = before->second] { return read_all(set); };
+    last[world] = folder;
+  }
   return sets;
 }
 

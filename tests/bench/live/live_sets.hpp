@@ -21,6 +21,10 @@ struct LiveSet {
 /// Those of the recordings that are there, and drawn mines with seeds from first_seed on.
 std::vector<LiveSet> live_sets(const std::filesystem::path& recordings, std::uint64_t first_seed);
 
+/// Data sets below the folders, each driven twice, with the sessions of the one before it through the same world there
+/// already.
+std::vector<LiveSet> made_live_sets(const std::vector<std::filesystem::path>& folders);
+
 /// "6x busy together at once", for tables.
 std::string text_of(const LiveConditions& conditions);
 
