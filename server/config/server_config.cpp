@@ -50,6 +50,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "least_path_m", &c.merge.least_path_m, 0, 1e5},
       {"merge", "shown_m", &c.merge.shown_m, 0, 1e5},
       {"merge", "shown_more_m", &c.merge.shown_more_m, 0, 1e5},
+      {"merge", "shown_doubt_m", &c.merge.shown_doubt_m, 0, 1e5},
       {"merge", "look_alikes", &c.merge.look_alikes, 0, 1e9},
       {"merge", "provisional_m", &c.merge.provisional_m, 0, 1e5},
       {"merge", "hypotheses", &c.merge.hypotheses, 1, 1000},

@@ -10,7 +10,8 @@ struct MergeConfig : VerdictThresholds {
   RegistrationEngine registration = RegistrationEngine::vgicp;
   int threads = 2;            // of correlation and registration; results do not depend on it
   double shown_m = 60;        // a growing session waits until path shared and path since make up so much, ...
-  double shown_more_m = 15;   // ... and so much more for each look-alike of its places, up to four
+  double shown_more_m = 15;   // ... and so much more for each look-alike of its places, up to four, ...
+  double shown_doubt_m = 30;  // ... and for each unit of log-odds below a probability of .98, up to two
   double look_alikes = 2;     // from so many on two sessions alone can not tell a copy: others are waited for too
   double provisional_m = 40;  // robots that ask for it are told when no more than so much is missing
   int hypotheses = 40;        // of wall maps that hardly contradict each other, screened for each pair

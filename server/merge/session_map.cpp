@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <tuple>
 
 #include "server/place/sanity.hpp"
@@ -22,7 +23,14 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
 }
 
 /// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
-constexpr double most_look_alikes = 4;  // that ask for more path, set by hand on live drives of the recordings
+// That ask for more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
+constexpr double most_look_alikes = 4, most_doubt = 2, no_doubt = 0.98;
+
+/// In log-odds, how far it is from beyond doubt.
+double doubt(double probability) {
+  const auto log_odds = [](double p) { return std::log(std::max(p, 1e-9) / std::max(1 - p, 1e-9)); };
+  return std::max(0.0, log_odds(no_doubt) - log_odds(probability));
+}
 
 std::optional<double> path_since(const Session& session, const Session& other, const Pose& T_other_session,
                                  double reach_m) {
@@ -100,7 +108,8 @@ DescriptorAgreement SessionMap::descriptor_agreement(const OrderedPair& pair) co
 double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const {
   const Session &a = at(pair.a), &b = at(pair.b);
   const double reach_m = JudgeConfig{}.meet_m;
-  const double asked_m = config_.shown_m + config_.shown_more_m * std::min(evidence.look_alikes, most_look_alikes);
+  const double asked_m = config_.shown_m + config_.shown_more_m * std::min(evidence.look_alikes, most_look_alikes) +
+                         config_.shown_doubt_m * std::min(doubt(evidence.probability), most_doubt);
   double awaited_m = 0;
   const auto wait_for = [&](const Session& session, const Session& other, const Pose& T_other_session) {
     if (session.complete) return;

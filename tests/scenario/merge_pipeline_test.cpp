@@ -108,7 +108,7 @@ TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
 Alignment while_b_drives(double shown_m) {
   MergeConfig config = test::waits_for_no_others();
   config.shown_m = shown_m;
-  config.shown_more_m = 0;
+  config.shown_more_m = config.shown_doubt_m = 0;
   Base base({a()}, config);
   base.pipeline.attempt(base.grow(b()), base.shelf);
   return base.pipeline.alignments().at(0);

@@ -1,6 +1,8 @@
 // For how much path a placement waits before it is told, and what waited for others.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "server/merge/alignment_book.hpp"
 #include "tests/support/keyframes.hpp"
 
@@ -26,8 +28,9 @@ class AwaitedPath : public testing::Test {
     k.stamp_s = m;
     sessions_.add_keyframe(id, k);
   }
-  double awaited_m(double look_alikes) const {
+  double awaited_m(double look_alikes, double probability = 0.99) const {
     Evidence evidence;
+    evidence.probability = probability;
     evidence.look_alikes = look_alikes;
     evidence.overlap_m = 3;
     return sessions_.path_awaited_m({1, 2}, Pose::Identity(), evidence);
@@ -42,13 +45,17 @@ class AwaitedPath : public testing::Test {
   SessionMap sessions_{config_};
 };
 
-TEST_F(AwaitedPath, IsLongerTheMorePlacesLookAlike) {
+TEST_F(AwaitedPath, IsLongerTheMorePlacesLookAlikeAndTheLessSureItIs) {
   add_metre(2, 4);  // it drives on after all
   const double alone_m = awaited_m(0);
   EXPECT_NEAR(alone_m, config_.shown_m - 3, 0.01);
   EXPECT_NEAR(awaited_m(1) - alone_m, config_.shown_more_m, 1e-9);
   EXPECT_NEAR(awaited_m(4) - alone_m, 4 * config_.shown_more_m, 1e-9);
   EXPECT_EQ(awaited_m(5), awaited_m(4)) << "a bound";
+  EXPECT_NEAR(awaited_m(0, 0.98), alone_m, 1e-6);
+  const double one_less = 1 / (1 + std::exp(1) * 0.02 / 0.98);  // by a unit of log-odds
+  EXPECT_NEAR(awaited_m(0, one_less) - alone_m, config_.shown_doubt_m, 1e-6);
+  EXPECT_NEAR(awaited_m(0, 0.5) - alone_m, 2 * config_.shown_doubt_m, 1e-6) << "a bound";
 }
 
 TEST_F(AwaitedPath, OfOthersCountsWherePlacesLookAlikeAlone) {
