@@ -8,7 +8,8 @@ namespace headframe {
 /// Of what convinces. Where places look alike even robots that ask are not told: nearly as often it is a copy.
 AlignmentState AlignmentBook::awaiting_state(const Evidence& e) const {
   if (e.awaited_m <= 0) return AlignmentState::verified;
-  const bool worth_telling = e.awaited_m <= config_.provisional_m && e.look_alikes < config_.look_alikes;
+  const bool worth_telling = e.awaited_m <= config_.provisional_m && e.look_alikes < config_.look_alikes &&
+                             e.probability >= config_.provisional_probability;
   return worth_telling ? AlignmentState::provisional : AlignmentState::candidate;
 }
 

@@ -13,13 +13,14 @@ struct MergeConfig : VerdictThresholds {
   double shown_more_m = 15;   // ... and so much more for each look-alike of its places, up to four, ...
   double shown_doubt_m = 30;  // ... and for each unit of log-odds below a probability of .98, up to two
   double look_alikes = 2;     // from so many on two sessions alone can not tell a copy: others are waited for too
-  double provisional_m = 40;  // robots that ask for it are told when no more than so much is missing
-  int hypotheses = 40;        // of wall maps that hardly contradict each other, screened for each pair
-  int searches = 4;           // pairs of sessions whose walls are searched anew in one attempt
-  int clouds_requested = 4;   // of each session for a first look at a hypothesis; twice as many while in doubt
-  int clouds_mb = 256;        // memory for prepared clouds, ...
-  int places_mb = 768;        // ... for summed up surroundings, and the sweeps they look from ...
-  int walls_mb = 64;          // ... and for drawn walls; what was used least recently is made anew
+  double provisional_m = 40;  // robots that ask for it are told when no more than so much is missing, ...
+  double provisional_probability = 0.97;  // ... and it is so probable
+  int hypotheses = 40;                    // of wall maps that hardly contradict each other, screened for each pair
+  int searches = 4;                       // pairs of sessions whose walls are searched anew in one attempt
+  int clouds_requested = 4;  // of each session for a first look at a hypothesis; twice as many while in doubt
+  int clouds_mb = 256;       // memory for prepared clouds, ...
+  int places_mb = 768;       // ... for summed up surroundings, and the sweeps they look from ...
+  int walls_mb = 64;         // ... and for drawn walls; what was used least recently is made anew
 };
 
 }  // namespace headframe

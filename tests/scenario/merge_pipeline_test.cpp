@@ -108,7 +108,7 @@ TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {
 Alignment while_b_drives(double shown_m) {
   MergeConfig config = test::waits_for_no_others();
   config.shown_m = shown_m;
-  config.shown_more_m = config.shown_doubt_m = 0;
+  config.shown_more_m = config.shown_doubt_m = config.provisional_probability = 0;
   Base base({a()}, config);
   base.pipeline.attempt(base.grow(b()), base.shelf);
   return base.pipeline.alignments().at(0);
@@ -131,6 +131,7 @@ TEST(MergePipeline, WhatIsProvisionalStandsBesideTheAtlasUntilItIsTold) {
   MergeConfig config = test::waits_for_no_others();
   config.shown_m = 1000;
   config.provisional_m = 2000;
+  config.provisional_probability = 0;
   Base base({a()}, config);
   const SessionId growing = base.grow(b());
   const AttemptReport report = base.pipeline.attempt(growing, base.shelf);

@@ -120,11 +120,11 @@ TEST_F(AwaitedPath, WhatWasRefusedOnceWaitsForTheOperatorToo) {
 
 TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
   add_metre(2, 4);
-  const auto state_with = [&](double look_alikes, double missing_m) {
+  const auto state_with = [&](double look_alikes, double missing_m, double probability = 0.99) {
     AlignmentBook book(config_, sessions_);
     AttemptReport report;
     Judgement judged;
-    judged.evidence.probability = 0.99;
+    judged.evidence.probability = probability;
     judged.evidence.look_alikes = look_alikes;
     judged.evidence.overlap_m = config_.shown_m + config_.shown_more_m * look_alikes - missing_m;
     book.record({1, 2}, judged, std::nullopt, false, report);
@@ -134,6 +134,8 @@ TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
   EXPECT_EQ(state_with(0, config_.provisional_m + 1), AlignmentState::candidate);
   EXPECT_EQ(state_with(1.9, 1), AlignmentState::provisional);
   EXPECT_EQ(state_with(2, 1), AlignmentState::candidate);
+  EXPECT_EQ(state_with(0, 1, config_.provisional_probability), AlignmentState::provisional);
+  EXPECT_EQ(state_with(0, 1, config_.provisional_probability - 0.001), AlignmentState::candidate);
 }
 
 TEST_F(AwaitedPath, WhatWaitsForCloudsTooIsJudgedAnewAndNotReleased) {
