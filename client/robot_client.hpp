@@ -47,8 +47,8 @@ struct RobotConfig {
   double bytes_per_s = 0;                         // budget of what is sent; 0: no limit
   std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // of the spool; the oldest clouds go first
   bool provisional = false;  // be told of merges that still wait for path, too (Transforms::provisional)
-  bool sync = true;                               // false: a power cut may take the last seconds
-  float min_range_m = 0.1F;                       // nearer points are no returns
+  bool sync = true;          // false: a power cut may take the last seconds
+  float min_range_m = 0.1F;  // nearer points are no returns
   KeyframeConfig keyframes;
   SweepConfig sweeps;
 };
