@@ -87,8 +87,8 @@ void ReplayReport::transforms(const SessionKey& mine, const Transforms& t) {
     if (const auto T = t.T_mine_other(mine, s.session); T && s.session != mine)
       text += "; T_mine_" + name(s.session) + " " + pose(*T);
   for (const auto& p : t.provisional)
-    text += "; provisional, nothing to drive by: " + name(p.session) + ", " +
-            std::to_string(std::lround(p.awaited_m)) + " m awaited, T_component " + pose(p.T_component_session);
+    text += "; provisional, nothing to drive by: " + name(p.session) + ", " + std::to_string(std::lround(p.awaited_m)) +
+            " m awaited, T_component " + pose(p.T_component_session);
   line(text);
   for (const auto& w : t.withdrawn) {
     if (w.revision <= withdrawn_known_) continue;

@@ -179,8 +179,7 @@ void UplinkProtocol::on_keyframe_ack(std::uint64_t up_to, Events& events) {
 
 void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& events) {
   auto transforms = transforms_from(message);
-  if (!transforms)
-    return end(events, ErrorCode::bad_input, "transform update: " + transforms.error().message, false);
+  if (!transforms) return end(events, ErrorCode::bad_input, "transform update: " + transforms.error().message, false);
   events.emplace_back(std::move(*transforms));
 }
 

@@ -6,7 +6,7 @@ namespace headframe {
 namespace {
 
 constexpr std::array<std::string_view, 6> state_names{"candidate", "provisional", "verified",
-                                                       "published", "retracted",   "rejected"};
+                                                      "published", "retracted",   "rejected"};
 
 constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
 

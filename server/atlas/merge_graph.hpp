@@ -43,8 +43,8 @@ using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a
 /// close more triangles with others than they fail to close, then the more probable, aliases aside, with the less
 /// probable runner-up. The published ones are then made to agree by least squares over the session frames. The outcome
 /// depends on the set of alignments only, not on the order they came in. Alignments in state candidate,
-/// provisional, retracted or rejected are not used. Poses of a component are relative to its anchor: of `anchors`, in the order they were chosen,
-/// the last that is in the component; without one its lowest session id.
+/// provisional, retracted or rejected are not used. Poses of a component are relative to its anchor: of `anchors`, in
+/// the order they were chosen, the last that is in the component; without one its lowest session id.
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {},
                            const Contacts& contacts = {});

@@ -149,7 +149,7 @@ class SessionHub : public Robots {
   mutable std::mutex mutex_;
   std::map<SessionId, Session> sessions_;
   std::map<SessionKey, SessionId> ids_;
-  Atlas atlas_;               // published last
+  Atlas atlas_;                                                 // published last
   std::deque<std::pair<std::uint64_t, Withdrawal>> withdrawn_;  // with their revisions; the newest most_withdrawn
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;

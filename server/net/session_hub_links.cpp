@@ -89,9 +89,8 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     session.link = link;
     session.heard = Clock::now();
     session.answers = hello.clouds != CloudPolicy::never;
-    session.wants_provisional =
-        std::find(hello.capabilities.begin(), hello.capabilities.end(), provisional_capability) !=
-        hello.capabilities.end();
+    session.wants_provisional = std::find(hello.capabilities.begin(), hello.capabilities.end(),
+                                          provisional_capability) != hello.capabilities.end();
     admitted = {
         record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
     news_.session_added(record.id, record.key.robot, record.family);

@@ -36,8 +36,8 @@ std::optional<LogEntry> line_of(const Alignment* before, const AlignmentRow& row
   const auto line = [&](const char* kind, const std::string& text) { return LogEntry{kind, text, 0, now.id}; };
   if (now.state == AlignmentState::published) return line("merged", pair_of(row) + " are merged.");
   if (before && before->state == AlignmentState::published)
-    return line("withdrawn", "The merge of " + pair_of(row) + " was withdrawn: " + why_withdrawn(now) +
-                                 ". The robots were told.");
+    return line("withdrawn",
+                "The merge of " + pair_of(row) + " was withdrawn: " + why_withdrawn(now) + ". The robots were told.");
   switch (now.state) {
     case AlignmentState::verified:
       return line("held_back", pair_of(row) + " fit each other but are held back: other sessions contradict it.");

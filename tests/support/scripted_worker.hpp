@@ -97,8 +97,7 @@ struct FakeRobots : Robots {
     const std::lock_guard lock(mutex);
     for (const std::uint64_t sequence : sequences) requested.push_back({session, sequence});
   }
-  void publish(const Atlas&, const std::vector<Component>& components,
-               const std::vector<Withdrawal>& merges) override {
+  void publish(const Atlas&, const std::vector<Component>& components, const std::vector<Withdrawal>& merges) override {
     on_publish();
     const std::lock_guard lock(mutex);
     changed = components;
