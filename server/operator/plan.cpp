@@ -18,7 +18,8 @@ constexpr double around_m = 1;     // at least, around what is shown
 constexpr double fine_mm = 0.127;  // of paper for a pixel: 200 to the inch
 constexpr double most_px = 12e6;
 constexpr double png_px_per_mm = 6;
-constexpr double wall_clock_s = 1e9;  // stamps beyond are seconds since 1970
+// Stamps beyond the first are seconds since 1970, beyond the second of a year that has five digits, or of no calendar.
+constexpr double wall_clock_s = 1e9, year_10000_s = 253402300800;
 
 std::string day_of(double unix_s) {
   const auto time = static_cast<std::time_t>(unix_s);
@@ -144,7 +145,8 @@ PlanWords Plan::words() const {
     first_s[keyframe->session] = keyframe->stamp_s;
   for (std::size_t i = 0; i < placed_.sessions.size(); ++i) {
     const SessionRow& row = placed_.sessions[i];
-    const std::string when = first_s[i] > wall_clock_s ? ", " + day_of(first_s[i]) : std::string();
+    const bool dated = first_s[i] > wall_clock_s && first_s[i] < year_10000_s;
+    const std::string when = dated ? ", " + day_of(first_s[i]) : std::string();
     out.legend.push_back({(row.label.empty() ? row.key.robot : row.label) + when, plan_colour(i)});
   }
   const std::size_t count = placed_.sessions.size();

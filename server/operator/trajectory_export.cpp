@@ -24,10 +24,12 @@ Result<PlacedSession> placed(const Station& station, SessionId session, OutputFr
   return failure(ErrorCode::unavailable, "the session is not in the atlas yet; try again in a moment");
 }
 
+constexpr std::size_t most_line_bytes = 640;  // a stamp may be any number, and has up to 316 digits
+
 std::string line_of(double stamp_s, const Pose& T, TrajectoryFormat format) {
   const Eigen::Vector3d t = T.translation();
   const Eigen::Quaterniond q(T.rotation());
-  std::array<char, 320> line;
+  std::array<char, most_line_bytes> line;
   const int size = std::snprintf(line.data(), line.size(), "%.6f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n", stamp_s, t.x(),
                                  t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   std::string out(line.data(), std::min(static_cast<std::size_t>(std::max(size, 0)), line.size() - 1));
@@ -75,7 +77,7 @@ Result<std::optional<std::string>> PathJson::next() {
     if (keyframe.sequence < first_) continue;
     const Eigen::Vector3d t = keyframe.T_local_sensor.translation();
     const Eigen::Quaterniond q(keyframe.T_local_sensor.rotation());
-    std::array<char, 320> row;
+    std::array<char, most_line_bytes> row;
     const int size = std::snprintf(row.data(), row.size(), "%s[%llu,%.6f,%.3f,%.3f,%.3f,%.6f,%.6f,%.6f,%.6f]", comma,
                                    static_cast<unsigned long long>(keyframe.sequence), keyframe.stamp_s, t.x(), t.y(),
                                    t.z(), q.x(), q.y(), q.z(), q.w());

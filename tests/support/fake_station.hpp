@@ -156,7 +156,7 @@ class FakeStation : public Station {
     std::vector<Keyframe> keyframes(3);
     for (std::size_t i = 0; i < keyframes.size(); ++i) {
       keyframes[i].sequence = i + 1;
-      keyframes[i].stamp_s = 100.0 * static_cast<double>(session) + static_cast<double>(i);
+      keyframes[i].stamp_s = first_stamp_s + 100.0 * static_cast<double>(session) + static_cast<double>(i);
       keyframes[i].T_local_sensor.translation() = Eigen::Vector3d(static_cast<double>(i), 0, 0);
     }
     return keyframes;
@@ -186,6 +186,7 @@ class FakeStation : public Station {
   AtlasView view;
   Workload work;
   int points = 10;
+  double first_stamp_s = 0;
   std::uint64_t withheld = 0;  // the keyframe whose cloud has not come
   bool broken_trajectory = false;
   bool floor = false;         // clouds are a flat floor of 9 m around the sensor instead

@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <nlohmann/json.hpp>
+
+#include "server/operator/trajectory_export.hpp"
 #include "tests/support/fake_station.hpp"
 
 namespace headframe {
@@ -48,9 +51,10 @@ TEST(PlanPaper, SaysWhichScaleWouldFit) {
   EXPECT_FALSE(plan_paper(box(900e3, 300), 0));
 }
 
-std::string written(PlanRequest request) {
+std::string written(PlanRequest request, double first_stamp_s = 0) {
   FakeStation station;
   station.floor = true;
+  station.first_stamp_s = first_stamp_s;
   request.component = 1;
   Plan plan(station, request);
   std::string out;
@@ -71,6 +75,21 @@ TEST(Plan, SvgHasScaleNorthDateAndNames) {
                 svg.find("width=\"210mm\" height=\"297mm\"") != std::string::npos,
             true);
   EXPECT_EQ(svg.substr(svg.size() - 7), "</svg>\n");
+}
+
+TEST(Plan, SessionsHaveTheDayOfTheirStampsWhereACalendarHasIt) {
+  const PlanRequest svg{.format = PlanFormat::svg, .scale = 500};
+  EXPECT_NE(written(svg, 1790000000).find(">alpha, 2026-09-2"), std::string::npos);
+  for (const double stamp_s : {0.0, 253402300800.0, 1e289, -1e289})
+    EXPECT_NE(written(svg, stamp_s).find(">alpha<"), std::string::npos) << stamp_s;
+}
+
+TEST(Path, IsJsonWhateverTheStamps) {
+  FakeStation station;
+  station.first_stamp_s = -1.7e308;
+  const auto json = PathJson(station, 1, 1).next();
+  ASSERT_TRUE(json && *json);
+  EXPECT_EQ(nlohmann::json::parse(**json).at("keyframes").size(), 3U);
 }
 
 TEST(Plan, PdfIsWholeAndItsTableOfObjectsIsRight) {
