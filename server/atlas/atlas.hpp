@@ -20,6 +20,11 @@ struct ProvisionalPlacement {
   Pose T_component_session = Pose::Identity();
   double probability = 0;  // the least of the provisional alignments that would hold the two components together
   double awaited_m = 0;    // the longest path that one of them waits for
+
+  bool operator==(const ProvisionalPlacement& other) const {
+    return session == other.session && T_component_session.matrix() == other.T_component_session.matrix() &&
+           probability == other.probability && awaited_m == other.awaited_m;
+  }
 };
 
 /// id is the anchor's session id; its placement is the identity. The anchor is the session that the operator chose last

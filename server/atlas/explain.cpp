@@ -101,9 +101,11 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
           "to where the two would differ",
           runner_up_share(e), config.runner_up_share));
     if (e.awaited_m > 0)
-      missing.push_back(formatted(
-          "a robot still drives: what lies ahead of it may contradict a look-alike; %.0f m farther, or its end, tells",
-          e.awaited_m));
+      missing.push_back(
+          formatted("a robot still drives, of this pair or, where places look alike, another: what lies ahead of it "
+                    "may contradict "
+                    "a look-alike; %.0f m farther, or its end, tells",
+                    e.awaited_m));
     if (e.weakest_hold < held_well)
       missing.push_back("the position along the tunnel is held by nothing: drive on to a junction or a bend");
     if (e.overlap_m < asked_overlap_m(e)) missing.push_back("drive further together than the copies are long");

@@ -178,10 +178,9 @@ void AlignmentBook::note_moved_sessions(const std::vector<Component>& now, Attem
           !same_placement(was->second.second, p.T_component_session, Eigen::Vector3d::Zero(), same_numbers);
     }
   const auto provisional_of = [](const std::vector<Component>& components) {
-    std::vector<std::tuple<SessionId, SessionId, Eigen::Matrix4d>> all;
+    std::map<SessionId, std::vector<ProvisionalPlacement>> all;
     for (const Component& component : components)
-      for (const ProvisionalPlacement& p : component.provisional)
-        all.emplace_back(component.id, p.session, p.T_component_session.matrix());
+      if (!component.provisional.empty()) all[component.id] = component.provisional;
     return all;
   };
   report.provisional_changed = provisional_of(atlas_.components) != provisional_of(now);

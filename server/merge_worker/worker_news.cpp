@@ -136,16 +136,11 @@ std::vector<Component> changed_components(const Atlas& before, const Atlas& now)
 std::vector<Component> changed_provisionals(const Atlas& before, const Atlas& now) {
   std::map<SessionId, const Component*> was;
   for (const Component& component : before.components) was[component.id] = &component;
-  const auto same = [](const ProvisionalPlacement& p, const ProvisionalPlacement& q) {
-    return p.session == q.session && p.T_component_session.matrix() == q.T_component_session.matrix() &&
-           p.probability == q.probability && p.awaited_m == q.awaited_m;
-  };
   std::vector<Component> changed;
   for (const Component& component : now.components) {
     const auto it = was.find(component.id);
     const std::vector<ProvisionalPlacement> none, &old = it == was.end() ? none : it->second->provisional;
-    if (!std::equal(component.provisional.begin(), component.provisional.end(), old.begin(), old.end(), same))
-      changed.push_back(component);
+    if (component.provisional != old) changed.push_back(component);
   }
   return changed;
 }

@@ -17,12 +17,9 @@ ExplainedSession explained(const SessionRow& row) {
 }
 
 bool together(const Atlas& atlas, SessionId a, SessionId b) {
-  const auto holds = [](const Component& component, SessionId id) {
-    return std::any_of(component.placements.begin(), component.placements.end(),
-                       [id](const Placement& p) { return p.session == id; });
-  };
-  return std::any_of(atlas.components.begin(), atlas.components.end(),
-                     [&](const Component& component) { return holds(component, a) && holds(component, b); });
+  return std::any_of(atlas.components.begin(), atlas.components.end(), [&](const Component& component) {
+    return placement_in(component, a) && placement_in(component, b);
+  });
 }
 
 }  // namespace

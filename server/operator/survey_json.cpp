@@ -64,9 +64,8 @@ Json survey_object(const Survey& survey, const Station& station) {
     if (row.id == survey.session) out.update({{"robot", row.key.robot}, {"session", row.key.session}});
   const Atlas atlas = station.atlas().atlas;
   for (const Component& component : atlas.components) {
-    const auto placed = std::find_if(component.placements.begin(), component.placements.end(),
-                                     [&](const Placement& p) { return p.session == survey.session; });
-    if (placed == component.placements.end()) continue;
+    const Placement* placed = placement_in(component, survey.session);
+    if (!placed) continue;
     out["component"] = component.id;
     out["T_grid_component"] = row_major(survey.T_grid_session * placed->T_component_session.inverse());
   }

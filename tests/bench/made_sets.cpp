@@ -35,7 +35,12 @@ std::vector<std::filesystem::path> sets_below(const std::vector<std::filesystem:
 
 nlohmann::json truth_of(const std::filesystem::path& set) {
   std::ifstream in(set / "truth.json");
-  return nlohmann::json::parse(in);
+  try {
+    return nlohmann::json::parse(in);
+  } catch (const nlohmann::json::parse_error& e) {
+    throw std::runtime_error((set / "truth.json").string() + ": no whole JSON (byte " + std::to_string(e.byte) +
+                             "); make the data set anew");
+  }
 }
 
 std::map<std::string, DrivenSession> sessions_of(const std::filesystem::path& set,

@@ -120,8 +120,9 @@ nlohmann::json summary(const std::vector<LiveDrive>& drives) {
   for (const auto& [name, row] : conditions) out["conditions"][name] = to_json(row);
   out["later_m_p50"] = quantile(later_m, 0.5);
   out["later_m_p95"] = quantile(later_m, 0.95);
-  std::printf("  right merges waited for %.0f m (p50), %.0f m (p95) of path; %zu of them\n", quantile(later_m, 0.5),
-              quantile(later_m, 0.95), later_m.size());
+  if (!later_m.empty())
+    std::printf("  right merges waited for %.0f m (p50), %.0f m (p95) of path; %zu of them\n", quantile(later_m, 0.5),
+                quantile(later_m, 0.95), later_m.size());
   return out;
 }
 
