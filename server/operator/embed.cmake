@@ -57,5 +57,6 @@ std::optional<EmbeddedFile> embedded_file(std::string_view path) {
 
 }  // namespace headframe
 ]=] @ONLY)
-  set_source_files_properties(${out} PROPERTIES OBJECT_DEPENDS "${files}")
+  # By itself: what a source of a unity build depends on is forgotten, and an old page would stay in the server.
+  set_source_files_properties(${out} PROPERTIES OBJECT_DEPENDS "${files}" SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -2,6 +2,7 @@
 
 import type { Actions } from './actions/actions';
 import type { Station } from './station/station';
+import type { Player } from './time/player';
 import type { Ui } from './ui';
 import type { MineView } from './view/mine_view';
 import type { RobotColours } from './view/palette';
@@ -11,5 +12,6 @@ export interface Desk {
   ui: Ui;
   actions: Actions;
   colours: RobotColours;
+  player: Player;
   view: () => MineView | null;
 }

@@ -7,6 +7,7 @@ import { App } from './app';
 import type { Desk } from './context';
 import { listenForKeys } from './panels/keys';
 import { Station } from './station/station';
+import { Player } from './time/player';
 import { askForToken } from './token_dialog';
 import { Ui } from './ui';
 import { MineView } from './view/mine_view';
@@ -16,13 +17,14 @@ const panels_ms = 120; // between two drawings of the panels; the view draws wit
 
 const station = new Station(askForToken);
 const ui = new Ui();
+const player = new Player(station, ui);
 let view: MineView | null = null;
-const desk: Desk = { station, ui, actions: new Actions(station), colours: new RobotColours(), view: () => view };
+const desk: Desk = { station, ui, actions: new Actions(station), colours: new RobotColours(), player, view: () => view };
 const host = document.getElementById('app')!;
 
 /** What the server is asked for comes meanwhile. */
 function mount(canvas: HTMLCanvasElement, layer: HTMLElement): void {
-  view = new MineView(canvas, layer, station, ui, desk.colours, draw);
+  view = new MineView(canvas, layer, desk, draw);
   Object.assign(window, { headframe: { shown: view.shown } }); // for the tests and the bench
 }
 
@@ -39,10 +41,15 @@ function drawSoon(): void {
     view?.awaitsPoints() ? drawSoon() : draw();
   }, panels_ms);
 }
-station.onChange(drawSoon);
+station.onChange(() => {
+  player.sync();
+  drawSoon();
+});
+player.onChange(draw);
 
 let { measuring, measureOf } = ui.now;
 ui.onChange(() => {
+  player.sync();
   view?.stage.show(ui.now.way);
   if (measuring && (!ui.now.measuring || measureOf !== ui.now.measureOf)) view?.measure.clear();
   ({ measuring, measureOf } = ui.now);

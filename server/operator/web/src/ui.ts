@@ -1,5 +1,6 @@
 // What the operator has chosen to look at. Theme and panels only; nothing of the server.
 
+import type { Clip } from './view/clip';
 import type { ColourBy } from './view/cloud_material';
 import type { MeasureOf } from './view/measure';
 import type { Way } from './view/stage';
@@ -23,8 +24,13 @@ export interface Choices {
   roof_m: number | null;
   /** Heights between which points are drawn; null: all. */
   slice_m: [number, number] | null;
+  /** The session whose robot the view stays on. */
+  follow: number | null;
   measuring: boolean;
   measureOf: MeasureOf;
+  sectionWidth_m: number;
+  /** Outside of it nothing is shown. */
+  clip: Clip | null;
   grid: boolean;
   /** The session whose survey is worked on. */
   survey: number | null;
@@ -42,8 +48,11 @@ export class Ui {
     colourBy: 'robot',
     roof_m: 1,
     slice_m: null,
+    follow: null,
     measuring: false,
     measureOf: 'distance',
+    sectionWidth_m: 2,
+    clip: null,
     grid: true,
     survey: null,
     sheet: null,

@@ -46,6 +46,19 @@ test('a provisional pair waits for path, wants no look, and is not confirmed wit
   assert.match(doubtOf({ ...pair('provisional'), evidence: { probability: 0.99, awaited_m: 22.4 } }), /23 m of path/);
 });
 
+test('a convincing pair that waits for path says so, and for how many metres; an unconvincing one is unsure', () => {
+  const waiting = (state, probability, awaited_m, decision = 'none') => ({ state, decision, evidence: { probability, awaited_m } });
+  assert.equal(lookOf(waiting('candidate', 0.97, 22.4)).word, 'waits for 23 m of path');
+  assert.equal(lookOf(waiting('provisional', 0.9, 5)).word, 'waits for 5 m of path');
+  assert.ok(!wantsLook(waiting('candidate', 0.97, 22.4)));
+  for (const unsure of [waiting('candidate', 0.89, 22.4), waiting('candidate', 0.97, 0), waiting('candidate', 0.97, null)]) {
+    assert.equal(lookOf(unsure).word, 'unsure');
+    assert.ok(wantsLook(unsure));
+  }
+  assert.equal(lookOf(waiting('candidate', 0.97, 22.4, 'refused')).word, 'refused');
+  assert.equal(lookOf(waiting('published', 0.97, 22.4)).word, 'merged');
+});
+
 test('sessions of one robot are told apart, and robots more so', () => {
   const colours = new RobotColours();
   const name = (robot, session) => ({ robot, session });

@@ -12,6 +12,7 @@ const keys: [string, string][] = [
   ['R', 'roof on or off'],
   ['G', 'lines of coordinates'],
   ['M', 'measure; Enter takes the point under the cross, Backspace the last one back'],
+  ['P', 'play, or pause'],
   ['1 2 3', 'merges, sessions, events'],
   ['Esc', 'let go of what is selected'],
   ['?', 'this list'],
@@ -53,6 +54,7 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
   const onMap = at.tagName === 'CANVAS' || at === document.body;
   if (onMap && key in arrows) {
     const [right, up] = arrows[key];
+    if (ui.now.follow !== null) ui.set({ follow: null });
     view?.stage.pan(step * right, step * up);
     return true;
   }
@@ -88,6 +90,9 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
       view?.measure.back();
       ui.set({});
       return true;
+    case 'p':
+      desk.player.play(!desk.player.playing);
+      return true;
     case 'm':
       ui.set({ measuring: !ui.now.measuring });
       return true;
@@ -97,7 +102,7 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
       ui.set({ tab: (['merges', 'sessions', 'log'] as const)[Number(key) - 1] });
       return true;
     case 'Escape':
-      ui.set(ui.now.measuring ? { measuring: false } : { session: null, alignment: null, survey: null, sheet: null });
+      ui.set(ui.now.measuring ? { measuring: false } : ui.now.follow !== null ? { follow: null } : { session: null, alignment: null, survey: null, sheet: null });
       return true;
     case '?':
       void showKeys();

@@ -79,6 +79,12 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
             </dd>
           </dl>
           <div class="actions">
+            <button class="button button-small" aria-pressed={ui.now.follow === session.id} onClick={() => ui.set({ follow: ui.now.follow === session.id ? null : session.id, sheet: null })}>
+              Follow
+            </button>
+            <button class="button button-small" onClick={() => (ui.set({ sheet: null }), desk.player.play(true))}>
+              Play
+            </button>
             {station.can(routes.rename) && <button class="button button-small" onClick={() => void desk.actions.rename(session)}>Rename…</button>}
             {station.can(routes.anchor) && together > 1 && session.id !== placed?.component && (
               <button class="button button-small" onClick={() => void desk.actions.anchor(session)}>Anchor here…</button>

@@ -2,21 +2,30 @@
 
 import { useLayoutEffect, useRef } from 'preact/hooks';
 import type { Desk } from '../context';
-import { compact } from '../parts/format';
+import { compact, dayAndTime, duration, wallClock_s } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { ColourBy } from '../view/cloud_material';
+import { clipText } from '../view/clip';
 import { type MeasureOf, needed } from '../view/measure';
 import { ramp } from '../view/palette';
 import { showKeys } from './keys';
+import { ProfilePanel } from './profile';
+import { TimeBar } from './time_bar';
 
 const colourWords: Record<ColourBy, string> = { robot: 'Robot', height: 'Height', age: 'Age' };
 const highestRoof_m = 8;
+
+/** When the oldest and the newest points were seen. */
+function ageEnds(desk: Desk): [string, string] {
+  const { oldest_s, newest_s } = desk.view()?.ages() ?? { oldest_s: 0, newest_s: 1 };
+  return oldest_s > wallClock_s ? [dayAndTime(oldest_s), dayAndTime(newest_s)] : ['first seen', `${duration(newest_s - oldest_s)} later`];
+}
 
 function Legend({ desk }: { desk: Desk }) {
   const { colourBy } = desk.ui.now;
   if (colourBy === 'robot') return null;
   const [low, high] = desk.view()?.heights() ?? [0, 1];
-  const ends = colourBy === 'height' ? [`${low.toFixed(0)} m`, `${high.toFixed(0)} m`] : ['first seen', 'last seen'];
+  const ends = colourBy === 'height' ? [`${low.toFixed(0)} m`, `${high.toFixed(0)} m`] : ageEnds(desk);
   return (
     <div class="legend">
       <span>{ends[0]}</span>
@@ -66,7 +75,7 @@ function Cuts({ desk }: { desk: Desk }) {
   );
 }
 
-const measures: Record<MeasureOf, string> = { distance: 'Distance', line: 'Line', area: 'Area' };
+const measures: Record<MeasureOf, string> = { distance: 'Distance', line: 'Line', area: 'Area', section: 'Section', box: 'Clip' };
 const numbers = ['first', 'second', 'third'];
 
 function MeasureTools({ desk }: { desk: Desk }) {
@@ -74,7 +83,7 @@ function MeasureTools({ desk }: { desk: Desk }) {
   const { measureOf } = ui.now;
   const measure = desk.view()?.measure;
   const taken = measure?.ends.length ?? 0;
-  const next = taken === 0 ? 'Click a point of the map, or move it under the cross and press Enter.' : `Now the ${numbers[taken] ?? 'next'} point.`;
+  const next = taken === 0 ? 'Click a point of the map, or move it under the cross and press Enter.' : measureOf === 'box' ? 'Now the opposite corner.' : `Now the ${numbers[taken] ?? 'next'} point.`;
   return (
     <div class="tools tools-measure">
       <div class="switch" role="group" aria-label="What to measure">
@@ -107,6 +116,8 @@ export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanv
   const { ui, station } = desk;
   const { way, colourBy, measuring } = ui.now;
   const view = desk.view();
+  const section = view?.section();
+  const followed = station.sessions.get(ui.now.follow ?? -1);
   return (
     <main class="view">
       <div class={measuring || view?.giving ? 'stage stage-measuring' : 'stage'}>
@@ -120,44 +131,61 @@ export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanv
           </div>
         )}
       </div>
-      <div class="tools tools-top" role="toolbar" aria-label="View">
-        <div class="switch" role="group" aria-label="Seen from">
-          {(['top', 'free'] as const).map((name) => (
-            <button
-              key={name}
-              class="button button-small"
-              aria-pressed={way === name}
-              onClick={() => ui.set({ way: name })}
-            >
-              <Icon name={name} /> {name === 'top' ? 'Top' : 'Free'}
+      <div class="tools-above">
+        <div class="tools tools-top" role="toolbar" aria-label="View">
+          <div class="switch" role="group" aria-label="Seen from">
+            {(['top', 'free'] as const).map((name) => (
+              <button
+                key={name}
+                class="button button-small"
+                aria-pressed={way === name}
+                onClick={() => ui.set({ way: name })}
+              >
+                <Icon name={name} /> {name === 'top' ? 'Top' : 'Free'}
+              </button>
+            ))}
+          </div>
+          <div class="switch" role="group" aria-label="Coloured by">
+            {(Object.keys(colourWords) as ColourBy[]).map((name) => (
+              <button key={name} class="button button-small" aria-pressed={colourBy === name} onClick={() => ui.set({ colourBy: name })}>
+                {colourWords[name]}
+              </button>
+            ))}
+          </div>
+          <button class="button button-small" onClick={() => view?.frameAll()}>
+            <Icon name="fit" /> Show all
+          </button>
+          <button class="button button-small" aria-pressed={measuring} onClick={() => ui.set({ measuring: !measuring })}>
+            <Icon name="measure" /> Measure
+          </button>
+          <button class="button button-small" aria-pressed={desk.player.open} title="Show the map as it was" onClick={() => desk.player.show(!desk.player.open)}>
+            <Icon name="time" /> Time
+          </button>
+          <button class="button button-small" aria-pressed={ui.now.grid} title="Lines of coordinates" onClick={() => ui.set({ grid: !ui.now.grid })}>
+            <Icon name="top" /> Grid
+          </button>
+          {ui.now.clip && (
+            <button class="button button-small" aria-pressed="true" title="Show all of the map again" onClick={() => ui.set({ clip: null })}>
+              <Icon name="close" /> Only {clipText(ui.now.clip)}
             </button>
-          ))}
-        </div>
-        <div class="switch" role="group" aria-label="Coloured by">
-          {(Object.keys(colourWords) as ColourBy[]).map((name) => (
-            <button key={name} class="button button-small" aria-pressed={colourBy === name} onClick={() => ui.set({ colourBy: name })}>
-              {colourWords[name]}
+          )}
+          {followed && (
+            <button class="button button-small" aria-pressed="true" title="Let go" onClick={() => ui.set({ follow: null })}>
+              <Icon name="target" /> Following {station.titleOf(followed)}
             </button>
-          ))}
+          )}
+          <button class="button button-small only-phone" aria-pressed={ui.now.sheet === 'tools'} onClick={() => ui.set({ sheet: ui.now.sheet === 'tools' ? null : 'tools' })}>
+            Cuts
+          </button>
+          <button class="button button-small button-icon not-phone" aria-label="Keys" title="Keys" onClick={() => void showKeys()}>
+            <Icon name="keys" />
+          </button>
         </div>
-        <button class="button button-small" onClick={() => view?.frameAll()}>
-          <Icon name="fit" /> Show all
-        </button>
-        <button class="button button-small" aria-pressed={measuring} onClick={() => ui.set({ measuring: !measuring })}>
-          <Icon name="measure" /> Measure
-        </button>
-        <button class="button button-small" aria-pressed={ui.now.grid} title="Lines of coordinates" onClick={() => ui.set({ grid: !ui.now.grid })}>
-          <Icon name="top" /> Grid
-        </button>
-        <button class="button button-small only-phone" aria-pressed={ui.now.sheet === 'tools'} onClick={() => ui.set({ sheet: ui.now.sheet === 'tools' ? null : 'tools' })}>
-          Cuts
-        </button>
-        <button class="button button-small button-icon not-phone" aria-label="Keys" title="Keys" onClick={() => void showKeys()}>
-          <Icon name="keys" />
-        </button>
+        {measuring && <MeasureTools desk={desk} />}
       </div>
-      {measuring && <MeasureTools desk={desk} />}
-      <div class="tools tools-bottom">
+      <div class={desk.player.open || section ? 'tools tools-bottom timed' : 'tools tools-bottom'}>
+        <TimeBar desk={desk} />
+        {section && <ProfilePanel desk={desk} section={section} />}
         <Cuts desk={desk} />
         <Legend desk={desk} />
         <span class="muted points-shown">{view && view.shown.points > 0 ? `${compact(view.shown.points)} points` : ''}</span>

@@ -14,6 +14,9 @@ const paths = {
   back: 'M9.5 3.5 5 8l4.5 4.5',
   target: 'M8 4.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7M8 1v3M8 12v3M1 8h3M12 8h3',
   keys: 'M1.5 4h13v8h-13ZM4 6.5h.5M7 6.5h.5M10 6.5h.5M5 9.5h6',
+  play: 'M5 3v10l8-5Z',
+  pause: 'M5.5 3v10M10.5 3v10',
+  time: 'M8 2a6 6 0 1 0 0 12A6 6 0 0 0 8 2M8 4.5V8l2.5 2',
   close: 'M4 4l8 8M12 4l-8 8',
 };
 

@@ -5,8 +5,17 @@ import type { Alignment } from './types';
 
 type Pair = Pick<Alignment, 'state' | 'decision'> & { evidence: Record<string, number | null> };
 
+const convincing = 0.9;
+
+/** Whole metres of path that a convincing pair waits for, since robots that still drive may show that it is a look-alike; 0: it
+ * waits for nothing. */
+export function awaitedOf({ state, decision, evidence }: Pair): number {
+  const waits = decision === 'none' && ['candidate', 'provisional'].includes(state) && (evidence.probability ?? 0) >= convincing;
+  return waits ? Math.ceil(evidence.awaited_m ?? 0) : 0;
+}
+
 /** The server can not tell alone: unsure, contradicted, or withdrawn after it had been merged. */
-export const wantsLook = ({ state, decision }: Pick<Alignment, 'state' | 'decision'>) => decision === 'none' && ['candidate', 'verified', 'retracted'].includes(state);
+export const wantsLook = (pair: Pair) => pair.decision === 'none' && ['candidate', 'verified', 'retracted'].includes(pair.state) && awaitedOf(pair) === 0;
 
 /** What the figure beside a verdict says: of a pair that others contradict, or that an operator refused, its own evidence alone. */
 export function sureness({ state, decision, evidence }: Pair): string {

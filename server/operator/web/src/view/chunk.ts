@@ -73,6 +73,11 @@ export class Chunk {
     return this.seen[2 * index];
   }
 
+  /** The keyframe that saw it. */
+  sequence(index: number): number {
+    return this.seen[2 * index + 1];
+  }
+
   dispose(): void {
     this.points.removeFromParent();
     this.points.geometry.dispose();
@@ -82,13 +87,12 @@ export class Chunk {
 export interface Taken {
   blocks: number;
   points: number;
-  lastSequence: number;
 }
 
 /** Reads the blocks of GET /api/v1/sessions/ID/points; `next` gives a chunk that has room, `reach` is told of every point. */
 export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk, reach: Reach): Taken {
   const data = new DataView(bytes);
-  const taken: Taken = { blocks: 0, points: 0, lastSequence: 0 };
+  const taken: Taken = { blocks: 0, points: 0 };
   const touched = new Set<Chunk>();
   for (let at = 0; at + headBytes <= data.byteLength; taken.blocks++) {
     const sequence = data.getUint32(at, true);
@@ -104,7 +108,6 @@ export function takeBlocks(bytes: ArrayBuffer, next: () => Chunk, reach: Reach):
       reach.take(px, py);
     }
     taken.points += count;
-    taken.lastSequence = Math.max(taken.lastSequence, sequence);
   }
   for (const chunk of touched) chunk.publish();
   return taken;

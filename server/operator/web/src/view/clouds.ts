@@ -75,11 +75,16 @@ export class Clouds {
     this.fetchNext();
   }
 
-  paint(colourOf: (session: number) => { colour: string; faded: number }): void {
+  paint(colourOf: (session: number) => { colour: string; faded: number; ages: [number, number] }): void {
     for (const [id, cloud] of this.clouds) {
-      const { colour, faded } = colourOf(id);
-      cloud.paint(colour, faded);
+      const { colour, faded, ages } = colourOf(id);
+      cloud.paint(colour, faded, ages);
     }
+  }
+
+  /** Points that `lastOf` says a session saw later are left out. */
+  showUntil(lastOf: (session: number) => number): void {
+    for (const [id, cloud] of this.clouds) cloud.show(lastOf(id));
   }
 
   /** Matrices, and the share of every chunk that is drawn: as dense as the pixels ask, as many as the budget allows. */

@@ -5,7 +5,7 @@ import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
 import type { Station } from '../station/station';
-import type { Alignment } from '../station/types';
+import type { Alignment, Keyframe } from '../station/types';
 import type { Frames } from './frames';
 import { type Link, overlapLinks } from './overlap';
 import { lookOf } from './palette';
@@ -20,6 +20,7 @@ interface Edge {
   line: LineSegments2;
   drawnAt: number;
   badge: Vector3;
+  driven: number; // links that are shown
 }
 
 export class Edges {
@@ -54,7 +55,7 @@ export class Edges {
       line.renderOrder = 12;
       line.frustumCulled = false;
       this.stage.signs.add(line);
-      edge = { alignment, basis: '', links: [], line, drawnAt: -1, badge: new Vector3() };
+      edge = { alignment, basis: '', links: [], line, drawnAt: -1, badge: new Vector3(), driven: 0 };
       this.edges.set(alignment.id, edge);
     }
     edge.alignment = alignment;
@@ -63,7 +64,7 @@ export class Edges {
       edge.drawnAt = -1;
       edge.links = overlapLinks(a, b, alignment.T_a_b);
       if (edge.links.length === 0 && a.length && b.length)
-        edge.links = [{ p_a: new Vector3(...a[a.length >> 1].position), p_b: new Vector3(...b[b.length >> 1].position) }];
+        edge.links = [linkOf(a[a.length >> 1], b[b.length >> 1])];
     }
     const look = lookOf(alignment);
     const { material } = edge.line;
@@ -77,15 +78,20 @@ export class Edges {
     if (look.dash) [material.dashSize, material.gapSize] = look.dash;
   }
 
-  beforeFrame(): void {
+  /** What both sessions had driven by the moment that is shown: `lastShown` is the number of a session's last keyframe then. */
+  beforeFrame(lastShown: (session: number) => number): void {
     for (const edge of this.edges.values()) {
+      const [last_a, last_b] = [edge.alignment.a, edge.alignment.b].map((name) => lastShown(this.station.idOf(name) ?? -1));
+      const driven = edge.links.filter(({ a, b }) => a <= last_a && b <= last_b);
+      if (driven.length !== edge.driven) edge.drawnAt = -1;
+      edge.driven = driven.length;
       if (edge.drawnAt === this.frames.version) continue;
       edge.drawnAt = this.frames.version;
       const [T_a, T_b] = [edge.alignment.a, edge.alignment.b].map((name) => this.frames.of(this.station.idOf(name) ?? -1));
-      edge.line.visible = T_a !== undefined && T_b !== undefined && edge.links.length > 0;
+      edge.line.visible = T_a !== undefined && T_b !== undefined && driven.length > 0;
       if (!edge.line.visible) continue;
       const apart = this.isApart(edge.alignment);
-      const links = apart ? [edge.links[edge.links.length >> 1]] : edge.links;
+      const links = apart ? [driven[driven.length >> 1]] : driven;
       const ends = links.map(({ p_a, p_b }) => [p_a.clone().applyMatrix4(T_a!), p_b.clone().applyMatrix4(T_b!)]);
       edge.line.geometry.dispose();
       edge.line.geometry = new LineSegmentsGeometry().setPositions(ends.flatMap(([p, q]) => [...p.toArray(), ...q.toArray()]));
@@ -104,6 +110,8 @@ export class Edges {
     return x === undefined || x !== y;
   }
 }
+
+const linkOf = (a: Keyframe, b: Keyframe): Link => ({ p_a: new Vector3(...a.position), p_b: new Vector3(...b.position), a: a.sequence, b: b.sequence });
 
 function dispose({ line }: Edge): void {
   line.geometry.dispose();

@@ -10,9 +10,11 @@ import type { Label } from './labels';
 import type { Picked } from './pick';
 import type { Stage } from './stage';
 
-export type MeasureOf = 'distance' | 'line' | 'area';
+export type MeasureOf = 'distance' | 'line' | 'area' | 'section' | 'box';
 
-export const needed: Record<MeasureOf, number> = { distance: 2, line: 2, area: 3 };
+export const needed: Record<MeasureOf, number> = { distance: 2, line: 2, area: 3, section: 2, box: 2 };
+/** For these any place of a map will do, seen from above, also one without a point. */
+export const onGround = (of: MeasureOf) => of === 'section' || of === 'box';
 export const notMerged = 'These points lie in maps that are not merged: where they lie to each other is not known, so there is nothing to measure between them.';
 export const nothingThere = 'No point of a map is there: click nearer to a wall.';
 
@@ -37,7 +39,7 @@ export class Measure {
 
   /** null: nothing was there. The third point of a distance begins anew. */
   take(found: Picked | null, of: MeasureOf): void {
-    if (of === 'distance' && found && this.ends.length >= 2) this.ends.length = 0;
+    if ((of === 'distance' || of === 'box') && found && this.ends.length >= 2) this.ends.length = 0;
     this.fault = found ? '' : nothingThere;
     if (found && this.ends.length && this.componentOf(found.session) !== this.componentOf(this.ends[0].session)) this.fault = notMerged;
     if (found && !this.fault) this.ends.push(found);
@@ -65,6 +67,8 @@ export class Measure {
     if (this.ends.length < needed[of]) return '';
     if (this.apart()) return notMerged;
     const places = this.places();
+    if (of === 'section') return 'Click on for more corners.';
+    if (of === 'box') return '';
     return of === 'distance' ? distanceText(places) : of === 'line' ? lineText(places) : areaText(places);
   }
 
@@ -75,7 +79,8 @@ export class Measure {
     const places = this.places();
     this.line.visible = places.length > 1 && !this.apart();
     if (!this.line.visible) return;
-    const corners = of === 'area' && places.length > 2 ? [...places, places[0]] : places;
+    const [p, q] = places;
+    const corners = of === 'area' && places.length > 2 ? [...places, p] : of === 'box' ? [p, new Vector3(q.x, p.y, p.z), q, new Vector3(p.x, q.y, q.z), p] : places;
     this.line.geometry.dispose();
     this.line.geometry = new LineSegmentsGeometry().setPositions(corners.slice(1).flatMap((place, at) => [...corners[at].toArray(), ...place.toArray()]));
   }
@@ -83,7 +88,7 @@ export class Measure {
   labels(of: MeasureOf): Label[] {
     const places = this.places();
     const labels: Label[] = places.map((place, at) => ({ key: `measure-${at}`, place, text: String.fromCharCode(65 + (at % 26)), kind: 'measure', rank: 0 }));
-    const text = this.apart() ? '' : this.text(of);
+    const text = this.apart() || onGround(of) ? '' : this.text(of);
     const middle = places.reduce((sum, place) => sum.add(place), new Vector3()).divideScalar(Math.max(places.length, 1));
     if (text) labels.push({ key: 'measure-text', place: middle, text, kind: 'measure', rank: 0 });
     return labels;
@@ -92,6 +97,11 @@ export class Measure {
   /** A merge was taken back since. */
   private apart(): boolean {
     return new Set(this.ends.map(({ session }) => this.componentOf(session))).size > 1;
+  }
+
+  /** As the view draws them; none when they lie in maps that came apart since. */
+  corners(): Vector3[] {
+    return this.apart() ? [] : this.places();
   }
 
   private places(): Vector3[] {

@@ -1,22 +1,30 @@
 // The 3D view: what the station says, drawn as the operator chose.
 
 import { Box3, BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, Vector3 } from 'three';
+import { awaitedOf } from '../station/pairs';
 import type { Station } from '../station/station';
 import type { Session } from '../station/types';
+import type { Desk } from '../context';
+import { type Ages, agesOf, sharesOf } from '../time/ages';
+import { countUntil } from '../time/axis';
+import type { Player } from '../time/player';
 import type { Ui } from '../ui';
 import { Chunk } from './chunk';
 import { cloudMaterial, colourBy, shared, vector } from './cloud_material';
 import { type Budget, Clouds } from './clouds';
+import { boxAround, type Clip, setClip } from './clip';
 import { Edges } from './edges';
 import { Frames } from './frames';
 import { matrixOf } from './layout';
 import { type Label, Labels } from './labels';
 import { Cursor, type Spot } from './cursor';
 import { Decor, type Framed } from './decor';
-import { Measure } from './measure';
+import { moved } from './grid';
+import { Measure, onGround } from './measure';
 import { lookOf, mixed, type RobotColours } from './palette';
 import { type Picked, pick } from './pick';
 import { Robots } from './robots';
+import { type Section, SectionMaker } from './section';
 import { Stage } from './stage';
 
 const themes = {
@@ -36,6 +44,8 @@ const mostFrameLabels = 12; // more lie over each other; the robots' own labels 
 export interface Shown {
   /** Keyframes of each session at the last frame. */
   keyframes: Map<number, number>;
+  /** The number of each session's last keyframe at the moment that is shown. */
+  until: Map<number, number>;
   points: number;
   drawn: number;
   /** When the graphics card had drawn the first frame with points, since the page was asked for. */
@@ -48,9 +58,10 @@ export class MineView {
   readonly stage: Stage;
   readonly measure: Measure;
   /** What is on the screen; for the tests and the bench. */
-  readonly shown: Shown = { keyframes: new Map(), points: 0, drawn: 0, firstPicture_ms: null, frame_ms: 0 };
+  readonly shown: Shown = { keyframes: new Map(), until: new Map(), points: 0, drawn: 0, firstPicture_ms: null, frame_ms: 0 };
   private readonly frames: Frames;
   private readonly clouds: Clouds;
+  private readonly sections: SectionMaker;
   private readonly robots: Robots;
   private readonly edges: Edges;
   private readonly labels: Labels;
@@ -66,15 +77,19 @@ export class MineView {
   private dirty = true;
   private lastTold = '';
   private readonly begun = performance.now();
+  private readonly station: Station;
+  private readonly ui: Ui;
+  private readonly colours: RobotColours;
+  private readonly player: Player;
 
   constructor(
     canvas: HTMLCanvasElement,
     layer: HTMLElement,
-    private readonly station: Station,
-    private readonly ui: Ui,
-    private readonly colours: RobotColours,
+    desk: Desk,
     private readonly onPicked: () => void,
   ) {
+    ({ station: this.station, ui: this.ui, colours: this.colours, player: this.player } = desk);
+    const { station, ui } = this;
     this.stage = new Stage(
       canvas,
       () => (this.framedByHand = true),
@@ -83,6 +98,7 @@ export class MineView {
     this.stage.prepare(new Chunk(cloudMaterial(), true).points);
     this.frames = new Frames(station, (id) => this.clouds?.clouds.get(id)?.reach);
     this.clouds = new Clouds(this.stage.scene, station, this.frames, this.stage, budget(this.stage.renderer.getContext()));
+    this.sections = new SectionMaker(this.clouds, this.frames);
     this.robots = new Robots(station, this.frames, this.stage);
     this.edges = new Edges(station, this.frames, this.stage);
     this.labels = new Labels(layer, this.stage);
@@ -103,11 +119,15 @@ export class MineView {
       mark();
     });
     ui.onChange(mark);
+    this.player.onChange(mark);
     setTimeout(() => this.stage.draw(), alone_ms); // with all that waited for points
     let pressed = { x: 0, y: 0 };
     canvas.addEventListener('pointerdown', ({ offsetX: x, offsetY: y }) => (pressed = { x, y }));
     canvas.addEventListener('click', ({ offsetX: x, offsetY: y }) => Math.hypot(x - pressed.x, y - pressed.y) <= dragged_px && this.onClick(x, y));
-    canvas.addEventListener('pointermove', ({ offsetX, offsetY, buttons }) => buttons === 0 && this.onPointer(offsetX, offsetY));
+    canvas.addEventListener('pointermove', ({ offsetX: x, offsetY: y, buttons }) => {
+      if (buttons === 0) this.onPointer(x, y);
+      else if (ui.now.follow !== null && Math.hypot(x - pressed.x, y - pressed.y) > dragged_px) ui.set({ follow: null });
+    });
     canvas.addEventListener('pointerleave', () => {
       clearTimeout(this.resting);
       this.cursor.show(null);
@@ -117,14 +137,17 @@ export class MineView {
   /** Everything in sight, and again whenever the map grows, until the operator moves the view. */
   frameAll(): void {
     this.framedByHand = false;
-    this.stage.frame(this.contents());
+    this.stage.frame(this.contents(), lowerTools_px());
   }
 
   /** Of the middle of the view, or what was clicked: a point to measure from, or of a survey. */
   takePoint(x = this.stage.size.x / 2, y = this.stage.size.y / 2): void {
-    const found = pick(x, y, this.stage, this.clouds, this.frames);
+    const { measureOf } = this.ui.now;
+    const found = pick(x, y, this.stage, this.clouds, this.frames) ?? (onGround(measureOf) ? this.ground(x, y) : null);
     if (this.taker) this.taker(found);
-    else this.measure.take(found, this.ui.now.measureOf);
+    else this.measure.take(found, measureOf);
+    const [p, q] = this.measure.corners();
+    if (!this.taker && measureOf === 'box' && found && q) this.ui.set({ clip: this.boxOf(found.session, p, q) });
     this.dirty = true;
     this.onPicked();
   }
@@ -179,6 +202,53 @@ export class MineView {
     }, rested_ms);
   }
 
+  /** From above, where a map's plot is: a place of the first of its sessions. */
+  private ground(x: number, y: number): Picked | null {
+    if (this.stage.way !== 'top') return null;
+    const place = this.stage.onGround(x, y);
+    for (const [component, { box }] of this.frames.plots) {
+      const session = this.membersOf(component)[0]?.id;
+      const T = this.frames.of(session);
+      if (!T || !(box.containsPoint(place) || this.frames.plots.size === 1)) continue;
+      return { session, p_session: new Vector3(place.x, place.y, 0).applyMatrix4(T.clone().invert()) };
+    }
+    return null;
+  }
+
+  private boxOf(session: number, p: Vector3, q: Vector3): Clip {
+    const component = this.componentOf(session);
+    const offset = this.offsetOf(component);
+    return boxAround(component, p.clone().sub(offset), q.clone().sub(offset));
+  }
+
+  private offsetOf(component: number): Vector3 {
+    const offset = this.frames.plots.get(component)?.offset;
+    return new Vector3(offset?.x ?? 0, offset?.y ?? 0, 0);
+  }
+
+  /** Along the line that is measured; null: there is none. */
+  section(): Section | null {
+    const { measuring, measureOf, sectionWidth_m, slice_m } = this.ui.now;
+    const corners = measuring && measureOf === 'section' ? this.measure.corners() : [];
+    if (corners.length < 2) return null;
+    const component = this.componentOf(this.measure.ends[0].session);
+    return this.sections.of({
+      component,
+      members: this.membersOf(component).map(({ id }) => id),
+      offset: this.offsetOf(component),
+      corners,
+      width_m: sectionWidth_m,
+      slice_m,
+      T_grid_component: this.station.gridOf(component),
+    });
+  }
+
+  /** From the component's frame into the mine's grid; null: it was not surveyed. */
+  intoGrid(component: number): ((place: [number, number, number]) => [number, number, number]) | null {
+    const T = this.station.gridOf(component);
+    return T && (([x, y, z]) => moved(T, x, y, z));
+  }
+
   /** From above, where a map's plot is; its height is not known. */
   private flatSpot(x: number, y: number): Spot | null {
     if (this.stage.way !== 'top') return null;
@@ -212,21 +282,46 @@ export class MineView {
   private frame(): boolean {
     const now = performance.now();
     if (this.dirty || this.clouds.reached !== this.reachedAt) this.sync();
+    const playing = this.player.step(now);
     const moving = this.frames.step(now);
-    if (!this.framedByHand && (moving || this.outlinesAt !== this.frames.version)) this.stage.frame(this.contents());
+    if (this.ui.now.follow === null && !this.framedByHand && (moving || this.outlinesAt !== this.frames.version)) this.stage.frame(this.contents(), lowerTools_px());
     if (this.outlinesAt !== this.frames.version) this.drawOutlines();
+    this.clouds.showUntil((id) => this.lastShown(id));
+    this.robots.beforeFrame((id) => this.player.until(id));
+    this.followRobot();
     this.clouds.beforeFrame();
     this.stage.signs.visible = !this.awaitsPoints();
     if (this.stage.signs.visible) {
-      this.robots.beforeFrame();
-      this.edges.beforeFrame();
+      this.edges.beforeFrame((id) => this.lastShown(id));
       this.measure.beforeFrame(this.ui.now.measureOf);
       this.decor.draw(this.framed(), this.ui.now.grid);
       this.labels.set(this.allLabels());
       this.labels.place();
     }
     this.note();
-    return moving;
+    return moving || playing;
+  }
+
+  /** The number of the last keyframe of a session at the moment that is shown; 0: it has not begun; Infinity: all are shown. */
+  private lastShown(session: number): number {
+    const until_s = this.player.until(session);
+    if (until_s === Infinity) return Infinity;
+    const path = this.station.paths.get(session) ?? [];
+    return path[countUntil(path, until_s) - 1]?.sequence ?? 0;
+  }
+
+  private followRobot(): void {
+    const place = this.ui.now.follow === null ? undefined : this.robots.positionOf(this.ui.now.follow);
+    if (!place) return;
+    this.framedByHand = true;
+    this.stage.follow(place);
+  }
+
+  /** From when to when the colours of age go. */
+  ages(): Ages {
+    const { session } = this.ui.now;
+    const path = this.station.paths.get(session ?? -1);
+    return agesOf(path ? [path] : this.station.paths.values());
   }
 
   private tookFrame(frame_ms: number, moved: boolean): void {
@@ -241,7 +336,7 @@ export class MineView {
   private told(): string {
     const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
-    const pairs = [...alignments.values()].map(({ id, state, decision, T_a_b }) => [id, state, decision, T_a_b]);
+    const pairs = [...alignments.values()].map((pair) => [pair.id, pair.state, pair.decision, pair.T_a_b, awaitedOf(pair)]);
     return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.components.length]);
   }
 
@@ -254,7 +349,10 @@ export class MineView {
   private note(): void {
     this.shown.points = this.clouds.loadedPoints;
     this.shown.drawn = this.clouds.drawnPoints;
-    for (const [id, path] of this.station.paths) this.shown.keyframes.set(id, path.length);
+    for (const [id, path] of this.station.paths) {
+      this.shown.keyframes.set(id, path.length);
+      this.shown.until.set(id, Math.min(this.lastShown(id), path.at(-1)?.sequence ?? 0));
+    }
   }
 
   private sync(): void {
@@ -267,12 +365,19 @@ export class MineView {
     colourBy(now.colourBy);
     shared.roof.value = now.roof_m ?? 1e6;
     shared.slice.value.set(...(now.slice_m ?? [-1e6, 1e6]));
+    if (now.clip && !this.frames.plots.has(now.clip.component)) setTimeout(() => this.ui.set({ clip: null })); // its map became part of another
+    setClip(now.clip, this.offsetOf(now.clip?.component ?? 0));
     this.clouds.sync(); // its first points count for the frames
     this.reachedAt = this.clouds.reached;
     this.frames.sync();
     const [low, high] = this.frames.heights();
     shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
-    this.clouds.paint((id) => ({ colour: this.colourOf(this.station.sessions.get(id)!), faded: this.fadedOf(id) }));
+    const ages = this.ages();
+    this.clouds.paint((id) => ({
+      colour: this.colourOf(this.station.sessions.get(id)!),
+      faded: this.fadedOf(id),
+      ages: sharesOf(this.station.paths.get(id) ?? [], ages),
+    }));
     this.robots.sync((session) => ({
       colour: mixed(this.colourOf(session), theme.ink, 0.15),
       paper: theme.paper,
@@ -385,6 +490,12 @@ export class MineView {
       return { key: `frame-${id}`, place: new Vector3(box.min.x, box.max.y, 0), text, kind: 'frame', rank: 5 };
     });
   }
+}
+
+/** What the tools at the lower edge cover. */
+function lowerTools_px(): number {
+  const height = document.querySelector<HTMLElement>('.tools-bottom')?.offsetHeight ?? 0;
+  return height > 0 ? height + 24 : 0;
 }
 
 /** #points=N says how many are kept. Software rendering shows itself by its name; it gets fewer. */

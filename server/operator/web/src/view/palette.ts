@@ -1,6 +1,7 @@
 // Colours that mean something. Robots: after Okabe and Ito, told apart with any colour vision; beyond eight they come
 // again, lighter, and names always stand beside them. Verdicts have a glyph and a dash of their own as well.
 
+import { awaitedOf } from '../station/pairs';
 import type { Alignment, SessionName, State } from '../station/types';
 
 const dark = ['#e8a33d', '#58b6ea', '#2fb98c', '#d98bb5', '#efe06a', '#e8703a', '#8f9df5', '#a8d672'];
@@ -60,8 +61,11 @@ export const verdicts: Record<State, Look> = {
   rejected: { word: 'no match', glyph: '✕', dark: '#9aa3af', light: '#57606b', dash: [0.6, 1.4] },
 };
 
-/** What became of it, in a word: who took it back matters. */
-export function lookOf({ state, decision }: Pick<Alignment, 'state' | 'decision'>): Look {
+/** What became of it, in a word: who took it back matters, and so does what it waits for. */
+export function lookOf(pair: Pick<Alignment, 'state' | 'decision' | 'evidence'>): Look {
+  const { state, decision } = pair;
+  const awaited_m = awaitedOf(pair);
+  if (awaited_m > 0) return { ...verdicts.provisional, word: `waits for ${awaited_m} m of path` };
   if (state === 'published' || decision === 'none' || decision === 'confirmed') return verdicts[state];
   return { ...verdicts[decision === 'refused' ? 'rejected' : 'retracted'], word: decision === 'refused' ? 'refused' : 'taken apart' };
 }

@@ -1,6 +1,7 @@
 // The drawn point nearest to a pixel.
 
 import { Matrix4, Vector3, Vector4 } from 'three';
+import { isClipped } from './clip';
 import { shared } from './cloud_material';
 import type { Clouds } from './clouds';
 import type { Frames } from './frames';
@@ -28,9 +29,9 @@ export function pick(x: number, y: number, stage: Stage, clouds: Clouds, frames:
     if (!T) continue;
     for (const [chunk] of cloud.chunks())
       for (let i = 0; i < chunk.count; i++) {
-        if (chunk.above_m(i) > roof) continue;
+        if (chunk.above_m(i) > roof || chunk.sequence(i) > cloud.lastShown) continue;
         chunk.at(i, p).applyMatrix4(T);
-        if (p.z < low || p.z > high) continue;
+        if (p.z < low || p.z > high || isClipped(p.x, p.y)) continue;
         clip.set(p.x, p.y, p.z, 1).applyMatrix4(view);
         if (clip.w <= 0) continue;
         const dx = ((clip.x / clip.w + 1) / 2) * size.x - x;

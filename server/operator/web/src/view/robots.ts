@@ -6,6 +6,7 @@ import { LineGeometry } from 'three/addons/lines/LineGeometry.js';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import type { Station } from '../station/station';
 import type { Keyframe, Session } from '../station/types';
+import { countUntil } from '../time/axis';
 import type { Frames } from './frames';
 import type { Stage } from './stage';
 
@@ -44,12 +45,6 @@ class Robot {
   follow(path: Keyframe[]): void {
     if (path === this.path || path.length === 0) return;
     this.path = path;
-    const { position, quaternion } = path.at(-1)!;
-    this.marker.visible = true;
-    this.marker.position.fromArray(position);
-    // Flat, as a map's arrow: only the heading is shown.
-    const ahead = new Vector3(1, 0, 0).applyQuaternion(new Quaternion(...quaternion));
-    this.marker.rotation.set(0, 0, Math.atan2(ahead.y, ahead.x));
     if (path.length < 2) return;
     this.trail?.geometry.dispose();
     const geometry = new LineGeometry().setPositions(path.flatMap((keyframe) => keyframe.position));
@@ -67,6 +62,25 @@ class Robot {
     this.material.color.setStyle(colour, 'srgb-linear');
     this.material.opacity = 0.9 * (1 - faded);
     this.material.linewidth = faded > 0 ? 1.5 : 2.5;
+  }
+
+  /** Where it was when it had made so many of its keyframes and `share` of the way to the next; nowhere before the first. */
+  show(count: number, share: number): void {
+    this.group.visible = count > 0;
+    if (count === 0) return;
+    this.marker.visible = true;
+    const at = Math.min(count, this.path.length) - 1;
+    const [from, to] = [this.path[at], this.path[Math.min(at + 1, this.path.length - 1)]];
+    this.marker.position.fromArray(from.position).lerp(new Vector3(...to.position), share);
+    // Flat, as a map's arrow: only the heading is shown.
+    const turned = new Quaternion(...from.quaternion).slerp(new Quaternion(...to.quaternion), share);
+    const ahead = new Vector3(1, 0, 0).applyQuaternion(turned);
+    this.marker.rotation.set(0, 0, Math.atan2(ahead.y, ahead.x));
+    if (this.trail) this.trail.geometry.instanceCount = at;
+  }
+
+  get p_session(): Vector3 {
+    return this.marker.position;
   }
 
   place(stage: Stage): void {
@@ -111,11 +125,13 @@ export class Robots {
       }
   }
 
-  beforeFrame(): void {
+  /** As of the moment that `untilOf` says for each session. */
+  beforeFrame(untilOf: (session: number) => number): void {
     for (const [id, robot] of this.robots) {
       const T = this.frames.of(id);
-      robot.group.visible = T !== undefined;
-      if (!T) continue;
+      robot.show(...momentOf(this.station.paths.get(id) ?? [], untilOf(id)));
+      if (!T) robot.group.visible = false;
+      if (!T || !robot.group.visible) continue;
       robot.group.matrix.copy(T);
       robot.group.updateMatrixWorld(true);
       robot.place(this.stage);
@@ -125,7 +141,15 @@ export class Robots {
   /** Of the arrow, as drawn. */
   positionOf(session: number): Vector3 | undefined {
     const T = this.frames.of(session);
-    const last = this.station.paths.get(session)?.at(-1);
-    return T && last && new Vector3(...last.position).applyMatrix4(T);
+    const robot = this.robots.get(session);
+    return T && robot?.group.visible ? robot.p_session.clone().applyMatrix4(T) : undefined;
   }
+}
+
+/** How many keyframes there were, and the share of the way to the next. */
+function momentOf(path: Keyframe[], until_s: number): [number, number] {
+  const count = countUntil(path, until_s);
+  if (count === 0 || count === path.length) return [count, 0];
+  const [from_s, to_s] = [path[count - 1].stamp_s, path[count].stamp_s];
+  return [count, (until_s - from_s) / (to_s - from_s)];
 }

@@ -1,6 +1,6 @@
 // The points of one session: a level of detail that is shown, and perhaps a finer one that is on its way.
 
-import { Group, type ShaderMaterial, type Vector2 } from 'three';
+import { Group, type ShaderMaterial } from 'three';
 import { inTurn, points } from '../station/api';
 import { Chunk, takeBlocks } from './chunk';
 import { cloudMaterial, vector } from './cloud_material';
@@ -24,8 +24,6 @@ class Level {
     const taken = takeBlocks(bytes, () => this.room(), reach);
     this.blocks += taken.blocks;
     this.points += taken.points;
-    const ages: Vector2 = this.material.uniforms.ages.value;
-    ages.y = Math.max(ages.y, taken.lastSequence);
     return taken.points;
   }
 
@@ -59,6 +57,8 @@ export class SessionCloud {
   private coming: Level | null = null;
   private colour = '#888888';
   private faded = 0;
+  private ages: [number, number] = [0, 0];
+  private until = Infinity;
 
   constructor(
     readonly id: number,
@@ -85,9 +85,21 @@ export class SessionCloud {
       if (level) for (const chunk of level.chunks) yield [chunk, levelCube_m[level.level]];
   }
 
-  paint(colour: string, faded: number): void {
+  /** The last keyframe whose points are shown. */
+  get lastShown(): number {
+    return this.until;
+  }
+
+  show(until: number): void {
+    this.until = until;
+    for (const level of [this.shown, this.coming]) if (level) level.material.uniforms.until.value = Math.min(until, 1e9);
+  }
+
+  /** `ages` as sharesOf() has them. */
+  paint(colour: string, faded: number, ages: [number, number]): void {
     this.colour = colour;
     this.faded = faded;
+    this.ages = ages;
     for (const level of [this.shown, this.coming]) if (level) this.dress(level);
   }
 
@@ -152,5 +164,7 @@ export class SessionCloud {
   private dress(level: Level): void {
     level.material.uniforms.ink.value = vector(this.colour);
     level.material.uniforms.faded.value = this.faded;
+    level.material.uniforms.ages.value.set(...this.ages);
+    level.material.uniforms.until.value = Math.min(this.until, 1e9);
   }
 }

@@ -6,7 +6,7 @@ import { MapControls } from 'three/addons/controls/MapControls.js';
 export type Way = 'top' | 'free';
 
 const fieldOfView_deg = 45;
-const tools_px = 62; // lie over the picture's upper and lower edge
+const tools_px = 62; // lie over the picture's upper edge, and as much at least over its lower one
 const beside_px = 28;
 const rest_ms = 300;
 
@@ -161,13 +161,15 @@ export class Stage {
     this.draw();
   }
 
-  /** All of the box in sight. */
-  frame(box: Box3): void {
+  /** All of the box in sight, over what covers so many pixels of the lower edge. */
+  frame(box: Box3, covered_px = 0): void {
     if (box.isEmpty()) return;
     const centre = box.getCenter(new Vector3());
     const span = box.getSize(new Vector3());
-    const room = { x: Math.max(this.size.x - 2 * beside_px, 1), y: Math.max(this.size.y - 2 * tools_px, 1) };
+    const lower_px = Math.min(Math.max(tools_px, covered_px), this.size.y / 2);
+    const room = { x: Math.max(this.size.x - 2 * beside_px, 1), y: Math.max(this.size.y - tools_px - lower_px, 1) };
     const height = this.size.y * Math.max(span.y / room.y, span.x / room.x, 10 / this.size.y);
+    centre.y -= (((lower_px - tools_px) / 2) * height) / this.size.y;
     this.target.copy(centre);
     if (this.way === 'top') {
       this.top.position.set(centre.x, centre.y, 1000);
@@ -194,6 +196,17 @@ export class Stage {
     this.camera.position.add(move);
     this.controls.update();
     this.onOperated();
+    this.draw();
+  }
+
+  /** The view goes along, without having been moved by hand. */
+  follow(place: Vector3): void {
+    const shift = place.clone().sub(this.target);
+    if (this.way === 'top') shift.z = 0;
+    if (shift.length() < 1e-3) return;
+    this.target.add(shift);
+    this.camera.position.add(shift);
+    this.camera.updateMatrixWorld();
     this.draw();
   }
 
