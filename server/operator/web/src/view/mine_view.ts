@@ -142,6 +142,7 @@ export class MineView {
 
   /** Of the middle of the view, or what was clicked: a point to measure from, or of a survey. */
   takePoint(x = this.stage.size.x / 2, y = this.stage.size.y / 2): void {
+    if (this.dirty) this.sync(); // what was just hidden or shown is so for this click
     const { measureOf } = this.ui.now;
     const found = pick(x, y, this.stage, this.clouds, this.frames) ?? (onGround(measureOf) ? this.ground(x, y) : null);
     if (this.taker) this.taker(found);
