@@ -18,7 +18,11 @@ void AlignmentBook::restore(std::vector<Alignment> alignments, std::vector<Decis
   const SessionFrames& frames = sessions_.frames();
   alignments_ = std::move(alignments);
   anchors_ = std::move(anchors);
-  for (Alignment& alignment : alignments_) alignment = frames.local(alignment);
+  by_pair_.clear();
+  for (std::size_t i = 0; i < alignments_.size(); ++i) {
+    alignments_[i] = frames.local(alignments_[i]);
+    by_pair_[{alignments_[i].a, alignments_[i].b}] = i;
+  }
   for (DecisionRecord& record : decisions)
     if (const Alignment* of = find(record.alignment)) record.T_a_b = frames.local(of->a, of->b, record.T_a_b);
   decisions_.restore(std::move(decisions));
@@ -26,15 +30,22 @@ void AlignmentBook::restore(std::vector<Alignment> alignments, std::vector<Decis
 }
 
 Alignment* AlignmentBook::find(SessionId one, SessionId other) {
-  const auto [a, b] = std::minmax(one, other);
-  for (Alignment& alignment : alignments_)
-    if (alignment.a == a && alignment.b == b) return &alignment;
-  return nullptr;
+  const auto found = by_pair_.find(std::minmax(one, other));
+  return found == by_pair_.end() ? nullptr : &alignments_[found->second];
 }
 
 const Alignment* AlignmentBook::find(AlignmentId id) const {
-  const auto found = std::find_if(alignments_.begin(), alignments_.end(), [&](const auto& k) { return k.id == id; });
-  return found == alignments_.end() ? nullptr : &*found;
+  const auto found = std::lower_bound(alignments_.begin(), alignments_.end(), id,
+                                      [](const Alignment& k, AlignmentId of) { return k.id < of; });
+  return found == alignments_.end() || found->id != id ? nullptr : &*found;
+}
+
+std::set<SessionId> AlignmentBook::aligned_with(SessionId id) const {
+  std::set<SessionId> out;
+  for (const Alignment& k : alignments_)
+    if ((k.a == id || k.b == id) && (k.state != AlignmentState::rejected || k.ruling != Ruling::none))
+      out.insert(k.a == id ? k.b : k.a);
+  return out;
 }
 
 AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known,
@@ -60,7 +71,8 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   Alignment* known = find(a, b);
   AlignmentState now = state_of(pair, best, known, waits);
   if (!known) {
-    const auto id = static_cast<AlignmentId>(alignments_.size()) + 1;
+    const AlignmentId id = alignments_.empty() ? 1 : alignments_.back().id + 1;
+    by_pair_[{a, b}] = alignments_.size();
     alignments_.push_back({id, a, b, now, best.T_a_b, best.evidence, now, Ruling::none, T_runner_up});
     report.changed.push_back(alignments_.back());
     if (waits) wait_for_clouds_.insert(id);
@@ -91,10 +103,11 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
 }
 
 Result<void> AlignmentBook::decide(AlignmentId id, Decision decision, AttemptReport& report) {
-  const auto found = std::find_if(alignments_.begin(), alignments_.end(), [&](const auto& k) { return k.id == id; });
-  if (found == alignments_.end())
+  const Alignment* known = find(id);
+  if (!known)
     return failure(ErrorCode::not_found,
                    "there is no alignment " + std::to_string(id) + "; the atlas lists those there are");
+  Alignment* found = find(known->a, known->b);
   const auto record = decisions_.decide(*found, decision);
   if (!record) return tl::unexpected(record.error());
   if (!*record) return {};

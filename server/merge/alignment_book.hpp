@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <set>
 
 #include "server/atlas/merge_graph.hpp"
@@ -22,6 +23,9 @@ class AlignmentBook {
   /// Of the two, whichever comes first; null: none.
   Alignment* find(SessionId one, SessionId other);
   const Alignment* find(AlignmentId id) const;
+  /// The sessions that something is known of besides "not there": candidates and better, and what the operator ruled
+  /// on.
+  std::set<SessionId> aligned_with(SessionId id) const;
   const DecisionBook& decisions() const { return decisions_; }
 
   /// The verdict on the best placement of a pair becomes its alignment. waits: however probable, a candidate for now.
@@ -67,7 +71,8 @@ class AlignmentBook {
 
   const MergeConfig config_;
   const SessionMap& sessions_;
-  std::vector<Alignment> alignments_;
+  std::vector<Alignment> alignments_;  // by id
+  std::map<std::pair<SessionId, SessionId>, std::size_t> by_pair_;
   std::set<AlignmentId> wait_for_clouds_;
   DecisionBook decisions_;
   std::vector<SessionId> anchors_;  // in the order they were chosen

@@ -1,11 +1,13 @@
 #pragma once
 // What one attempt to merge a session works with, and what it did.
 
+#include <map>
 #include <vector>
 
 #include "server/atlas/decisions.hpp"
 #include "server/merge/cloud_source.hpp"
 #include "server/place/leads.hpp"
+#include "server/session/self_likeness.hpp"
 #include "server/support/stage_times.hpp"
 #include "server/verification/verification.hpp"
 
@@ -34,6 +36,7 @@ struct AttemptReport {
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
   std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged anew
   StageTimes times = {};
+  std::map<SessionId, SelfLikeness> self_likeness = {};  // found since the last attempt, to be stored
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
 };
 

@@ -1,6 +1,5 @@
 #include "server/merge/consistency_check.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "server/session/same_placement.hpp"
@@ -20,10 +19,10 @@ constexpr double contradiction = 0.015;
 bool ConsistencyCheck::meet(const ImpliedPlacement& placement) const {
   const Session &a = sessions_.at(placement.a), &b = sessions_.at(placement.b);
   const double reach_m = JudgeConfig{}.meet_m;
-  Eigen::AlignedBox3d box;
-  for (const Keyframe& k : a.keyframes) box.extend(k.T_local_sensor.translation());
-  if (box.isEmpty()) return false;
-  const Eigen::AlignedBox3d reach(box.min().array() - reach_m, box.max().array() + reach_m);
+  if (a.keyframes.empty() || b.keyframes.empty()) return false;
+  const Eigen::AlignedBox3d reach(a.box.min().array() - reach_m, a.box.max().array() + reach_m);
+  const double radius_b_m = b.box.diagonal().norm() / 2;
+  if (reach.exteriorDistance(placement.T_a_b * b.box.center()) > radius_b_m) return false;
   return std::any_of(b.keyframes.begin(), b.keyframes.end(), [&](const Keyframe& k) {
     const Eigen::Vector3d p = placement.T_a_b * k.T_local_sensor.translation();
     return reach.contains(p) && a.passes_near(p, reach_m);

@@ -1,6 +1,7 @@
 #include "server/merge/merge_pipeline.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "server/merge/merge_state.hpp"
 #include "server/session/same_placement.hpp"
@@ -17,11 +18,12 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   const Attempt attempt{clouds, report};
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
   s.sessions.set_looked_at(id, true);
-  for (const SessionId other : s.partners.rank(id, s.sessions)) s.merge_pair(s.sessions.ordered(id, other), attempt);
+  for (const SessionId other : s.partners_of(id)) s.merge_pair(s.sessions.ordered(id, other), attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
   s.update_atlas(report);                   // 9: maps merge one after another
+  report.self_likeness = s.self.take_news();
   return s.book.given_out(std::move(report));
 }
 
@@ -66,6 +68,16 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))
     return;  // rivals of what would be accepted are looked at first
   book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
+}
+
+/// Those whose places look most like its own, and those that something is known of already.
+std::vector<SessionId> MergePipeline::State::partners_of(SessionId id) const {
+  std::vector<SessionId> order = partners.rank(id, sessions);
+  std::set<SessionId> aligned = book.aligned_with(id);
+  for (const SessionId ranked : order) aligned.erase(ranked);
+  std::copy_if(aligned.begin(), aligned.end(), std::back_inserter(order),
+               [&](SessionId other) { return sessions.contains(other); });
+  return order;
 }
 
 const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {

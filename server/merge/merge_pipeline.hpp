@@ -41,6 +41,10 @@ class MergePipeline {
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
                std::vector<SessionId> anchors = {});
 
+  /// Before restore(): how often sessions look like themselves, as attempts reported it. What is not known is looked at
+  /// by prepare_ahead(), or when an attempt asks for it.
+  void restore_self_likeness(std::map<SessionId, SelfLikeness> known);
+
   /// The operator's word on an alignment, put into the atlas at once. not_found: no such alignment; refused: the
   /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
   /// what had been suppressed.

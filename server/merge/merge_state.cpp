@@ -7,6 +7,7 @@ namespace headframe {
 MergePipeline::State::State(const MergeConfig& c)
     : config(c),
       sessions(c),
+      partners(c),
       finder({.seats = {.coherent = static_cast<std::size_t>(c.hypotheses)},
               .walls_bytes = 1000000 * static_cast<std::size_t>(c.walls_mb),
               .threads = c.threads}),
@@ -28,15 +29,20 @@ void MergePipeline::add_session(SessionId id, const FamilyId& family) {
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   const Keyframe& taken = state_->sessions.add_keyframe(id, std::move(keyframe));
   state_->partners.add(id, taken, state_->sessions);
+  state_->to_prepare.insert(id);
 }
 
-void MergePipeline::complete_session(SessionId id) { state_->sessions.complete(id); }
+void MergePipeline::complete_session(SessionId id) {
+  state_->sessions.complete(id);
+  state_->to_prepare.insert(id);
+}
 
 AttemptReport MergePipeline::set_aside(SessionId id) {
   AttemptReport report;
   State& s = *state_;
   if (!s.sessions.contains(id)) return report;
   s.sessions.forget(id);
+  s.to_prepare.erase(id);
   s.submaps.forget(id);
   s.self.forget(id);
   s.judged.forget(id);
@@ -48,16 +54,20 @@ AttemptReport MergePipeline::set_aside(SessionId id) {
 
 void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {
   state_->submaps.prepare_cloud(keyframe, clouds);
+  if (state_->sessions.contains(keyframe.session)) state_->to_prepare.insert(keyframe.session);
 }
 
 bool MergePipeline::prepare_ahead(CloudSource& clouds) {
   State& s = *state_;
-  for (const auto& [id, session] : s.sessions.all()) {
+  while (!s.to_prepare.empty()) {
+    const SessionId id = *s.to_prepare.begin();
     clouds.working_on(id, id);
     if (s.submaps.prepare_next(id, clouds)) return true;
-    if (!s.sessions.may_merge(id) || s.self.known(id, clouds)) continue;
-    (void)s.self.of(id, clouds);
-    return true;
+    if (s.sessions.may_merge(id) && !s.self.known(id, clouds)) {
+      (void)s.self.of(id, clouds);
+      return true;
+    }
+    s.to_prepare.erase(id);  // until there is news of it
   }
   return false;
 }
@@ -92,11 +102,20 @@ Result<AttemptReport> MergePipeline::anchor(SessionId id) {
   return s.book.given_out(std::move(report));
 }
 
+void MergePipeline::restore_self_likeness(std::map<SessionId, SelfLikeness> known) {
+  std::erase_if(known, [&](const auto& entry) { return !state_->sessions.contains(entry.first); });
+  state_->self.restore(std::move(known));
+}
+
 void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t revision,
                             std::vector<DecisionRecord> decisions, std::vector<SessionId> anchors) {
   State& s = *state_;
   s.book.restore(std::move(alignments), std::move(decisions), std::move(anchors));
-  for (const auto& [id, session] : s.sessions.all()) s.sessions.set_looked_at(id, true);  // what ended was tried
+  for (const auto& [id, session] : s.sessions.all()) {
+    s.sessions.set_looked_at(id, true);  // what ended was tried
+    s.submaps.leave_for_attempts(id);    // those of all sessions would not fit
+    if (s.self.last(id).path_m >= 0) s.to_prepare.erase(id);
+  }
   AttemptReport ignored;
   s.update_atlas(ignored);
   s.book.set_revision(revision);

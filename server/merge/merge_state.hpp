@@ -1,6 +1,8 @@
 #pragma once
 // The parts of the merge pipeline, each of which owns its state; merge_pipeline.cpp is the page on which they meet.
 
+#include <set>
+
 #include "server/merge/consistency_check.hpp"
 #include "server/merge/judged_pairs.hpp"
 #include "server/merge/merge_pipeline.hpp"
@@ -22,8 +24,10 @@ struct MergePipeline::State {
   JudgedPairs judged;
   AlignmentBook book;
   ConsistencyCheck consistency;
+  std::set<SessionId> to_prepare;  // there is news of them that attempts will need something made of
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
+  std::vector<SessionId> partners_of(SessionId id) const;
   const Found* propose(const OrderedPair& pair, AttemptReport& report);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);
   JudgedOn what_there_is(const OrderedPair& pair, const Found& found, const std::vector<Case>& cases) const;

@@ -8,19 +8,30 @@
 
 namespace headframe {
 
-/// Which sessions look like one: the place index over the whole database, by family and length of q, for two robots may
-/// call different vectors by one name. Compares with every keyframe up to 20000 of a family, and asks FLANN's trees
-/// beyond. Not thread safe.
+/// Which sessions are worth a search with one: the place index over the whole database. Sessions of one family vote by
+/// their place vectors (by family and length of q, for two robots may call different vectors by one name), sessions of
+/// other families by their wall profiles. Compares with every keyframe up to exact_up_to of a family, and asks
+/// FLANN's trees beyond. Not thread safe.
 class PartnerRanking {
  public:
+  explicit PartnerRanking(const MergeConfig& config, std::size_t exact_up_to = 500000)
+      : config_(config), exact_up_to_(exact_up_to) {}
+
   /// A keyframe of the session as it was taken in; `sessions` holds it already.
   void add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions);
 
-  /// All other sessions, those whose descriptors look most alike first. Of another family nothing is known.
+  /// The sessions whose places look most like those of this one, best first: at most MergeConfig::partners of its
+  /// family and half as many of others. While there are no more than `partners` others, all of them.
   std::vector<SessionId> rank(SessionId id, const SessionMap& sessions) const;
 
  private:
-  std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>> indices_;
+  using Indices = std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>>;
+  using Votes = std::map<SessionId, double>;
+  Votes votes(SessionId id, const SessionMap& sessions, bool of_family) const;
+
+  const MergeConfig config_;
+  const std::size_t exact_up_to_;
+  Indices indices_;  // of place vectors; of wall signatures under no family's name
 };
 
 }  // namespace headframe

@@ -83,6 +83,7 @@ const SelfLikeness& SelfSimilarity::of(SessionId id, CloudSource& clouds) {
                          .aliases = static_cast<double>(copies_within(id, screened, clouds)),
                          .look_alikes = look_alikes(screened, Pose::Identity()),
                          .wanted = std::move(wanted)};
+  news_[id] = found_now;
   return known_[id] = std::move(found_now);
 }
 

@@ -3,17 +3,9 @@
 // counts.
 
 #include "server/merge/screening.hpp"
+#include "server/session/self_likeness.hpp"
 
 namespace headframe {
-
-/// How often a session looks like itself elsewhere, and what that was found from.
-struct SelfLikeness {
-  double path_m = -1;
-  std::size_t clouds = 0;
-  double aliases = 0;               // see Evidence::aliases
-  double look_alikes = 0;           // see Evidence::look_alikes
-  std::vector<KeyframeRef> wanted;  // clouds of spots whose walls look alike, and that nobody has looked at closely
-};
 
 /// Owns what is known of it. Not thread safe.
 class SelfSimilarity {
@@ -33,7 +25,15 @@ class SelfSimilarity {
   /// said, and of sessions that have yet to be looked at nothing.
   double repetition() const;
 
-  void forget(SessionId id) { known_.erase(id); }
+  /// What was found before a restart; of() looks no further while it still holds.
+  void restore(std::map<SessionId, SelfLikeness> known) { known_ = std::move(known); }
+  /// What was found since it was taken last.
+  std::map<SessionId, SelfLikeness> take_news() { return std::exchange(news_, {}); }
+
+  void forget(SessionId id) {
+    known_.erase(id);
+    news_.erase(id);
+  }
 
  private:
   /// The same placement of a session on itself, looked at 15 m before and behind along its path.
@@ -47,7 +47,7 @@ class SelfSimilarity {
   HypothesisFinder& finder_;
   SessionSubmaps& submaps_;
   const CloudRequests& requests_;
-  std::map<SessionId, SelfLikeness> known_;
+  std::map<SessionId, SelfLikeness> known_, news_;
 };
 
 }  // namespace headframe

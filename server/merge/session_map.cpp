@@ -47,6 +47,7 @@ void Session::add(Keyframe keyframe) {
   const Eigen::Vector3d here = keyframe.T_local_sensor.translation();
   if (keyframes.empty()) fingerprint = fingerprint_of(keyframe);
   path_to_m.push_back(keyframes.empty() ? 0 : path_m() + (here - keyframes.back().T_local_sensor.translation()).norm());
+  box.extend(here);
   keyframes.push_back(std::move(keyframe));
   set_aside_outliers();
 }

@@ -1,6 +1,7 @@
 #pragma once
 // The sessions as the merge pipeline keeps them, each in a local frame near zero.
 
+#include <Eigen/Geometry>
 #include <map>
 #include <string>
 
@@ -15,6 +16,7 @@ struct Session {
   FamilyId family;
   std::vector<Keyframe> keyframes;
   std::vector<double> path_to_m;  // to each keyframe
+  Eigen::AlignedBox3d box;        // around all keyframes
   bool complete = false;          // no keyframe is expected: it ended, or rests
   bool looked_at = false;         // ... and was tried since, with every other session
   std::size_t asked = 0;          // keyframes whose neighbours were asked whether they see the same

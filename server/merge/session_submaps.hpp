@@ -31,6 +31,9 @@ class SessionSubmaps {
   /// Makes the next submap of the session's path ahead; false: all whose surroundings are known by now are made.
   bool prepare_next(SessionId id, CloudSource& clouds);
 
+  /// None of the keyframes that are here by now are made ahead.
+  void leave_for_attempts(SessionId id) { made_ahead_[id] = sessions_.at(id).keyframes.size(); }
+
   void forget(SessionId id) { made_ahead_.erase(id); }
 
  private:

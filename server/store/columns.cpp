@@ -32,4 +32,14 @@ std::vector<float> floats_from_blob(std::string_view blob) {
   return values;
 }
 
+std::string integers_blob(const std::vector<std::uint64_t>& values) {
+  return {reinterpret_cast<const char*>(values.data()), sizeof(std::uint64_t) * values.size()};
+}
+
+std::vector<std::uint64_t> integers_from_blob(std::string_view blob) {
+  std::vector<std::uint64_t> values(blob.size() / sizeof(std::uint64_t));
+  if (!values.empty()) std::memcpy(values.data(), blob.data(), values.size() * sizeof(std::uint64_t));
+  return values;
+}
+
 }  // namespace headframe

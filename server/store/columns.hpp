@@ -1,6 +1,7 @@
 #pragma once
 // Values that are stored as blobs: little-endian numbers, bit for bit what they were.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,5 +16,8 @@ Pose pose_from_blob(std::string_view blob);
 
 std::string floats_blob(const std::vector<float>& values);
 std::vector<float> floats_from_blob(std::string_view blob);
+
+std::string integers_blob(const std::vector<std::uint64_t>& values);
+std::vector<std::uint64_t> integers_from_blob(std::string_view blob);
 
 }  // namespace headframe

@@ -68,6 +68,16 @@ CREATE TABLE troubles (
     R"sql(
 ALTER TABLE keyframes ADD COLUMN checksum INTEGER;
 )sql",
+    // placed: the atlas as it is. placements keeps what changed with each revision, from here on that alone; component
+    // 0: the session is in the atlas no more.
+    R"sql(
+CREATE TABLE self_likeness (
+  session INTEGER PRIMARY KEY REFERENCES sessions(id), path_m REAL NOT NULL, clouds INTEGER NOT NULL,
+  aliases REAL NOT NULL, look_alikes REAL NOT NULL, wanted BLOB NOT NULL);
+CREATE TABLE placed (session INTEGER PRIMARY KEY, component INTEGER NOT NULL, T_component_session BLOB NOT NULL);
+INSERT INTO placed SELECT session, component, T_component_session FROM placements
+  WHERE revision = (SELECT max(number) FROM revisions);
+)sql",
 };
 
 }  // namespace

@@ -150,6 +150,7 @@ class SqliteStore : public Store {
     auto read = read_alignments(merge.alignments);
     if (read) read = read_atlas(merge.atlas);
     if (read) read = read_decisions(merge.decisions);
+    if (read) read = read_self_likeness(merge.self_likeness);
     if (read)
       read = reader_.each("SELECT session FROM anchors ORDER BY choice",
                           [&](const Row& row) { merge.anchors.push_back(row.integer(0)); });
@@ -214,14 +215,23 @@ class SqliteStore : public Store {
     auto read = reader_.each("SELECT coalesce(max(number), 0) FROM revisions",
                              [&](const Row& row) { atlas.revision = static_cast<std::uint64_t>(row.integer(0)); });
     if (!read) return read;
-    return reader_.each(
-        "SELECT component, session, T_component_session FROM placements WHERE revision=? ORDER BY component, session",
-        [&](const Row& row) {
-          if (atlas.components.empty() || atlas.components.back().id != row.integer(0))
-            atlas.components.push_back({row.integer(0), {}});
-          atlas.components.back().placements.push_back({row.integer(1), pose_from_blob(row.blob(2))});
-        },
-        atlas.revision);
+    return reader_.each("SELECT component, session, T_component_session FROM placed ORDER BY component, session",
+                        [&](const Row& row) {
+                          if (atlas.components.empty() || atlas.components.back().id != row.integer(0))
+                            atlas.components.push_back({row.integer(0), {}});
+                          atlas.components.back().placements.push_back({row.integer(1), pose_from_blob(row.blob(2))});
+                        });
+  }
+
+  Result<void> read_self_likeness(std::map<SessionId, SelfLikeness>& known) {
+    return reader_.each("SELECT session, path_m, clouds, aliases, look_alikes, wanted FROM self_likeness",
+                        [&](const Row& row) {
+                          const SessionId session = row.integer(0);
+                          SelfLikeness& found = known[session];
+                          found = {row.real(1), static_cast<std::size_t>(row.integer(2)), row.real(3), row.real(4), {}};
+                          for (const std::uint64_t sequence : integers_from_blob(row.blob(5)))
+                            found.wanted.push_back({session, sequence});
+                        });
   }
 
   Result<void> read_decisions(std::vector<DecisionRecord>& decisions) {

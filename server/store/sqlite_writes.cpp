@@ -1,6 +1,7 @@
 #include "server/store/sqlite_writes.hpp"
 
 #include <chrono>
+#include <map>
 
 #include "server/store/columns.hpp"
 #include "server/store/keyframe_row.hpp"
@@ -101,15 +102,36 @@ Result<void> put_decision(Database& db, const DecisionRecord& record) {
 
 Result<void> put_atlas(Database& db, const Atlas& atlas) {
   auto done = db.run("INSERT INTO revisions (number, time_s) VALUES (?,?)", atlas.revision, now_s());
-  for (const Component& component : atlas.components) {
-    for (const Placement& placement : component.placements) {
-      if (!done) return done;
-      const std::string T = pose_blob(placement.T_component_session);
-      done =
-          db.run("INSERT INTO placements VALUES (?,?,?,?)", atlas.revision, placement.session, component.id, Blob{T});
-    }
+  using Placed = std::pair<SessionId, std::string>;  // component, T_component_session
+  std::map<SessionId, Placed> before, now;
+  if (done)
+    done = db.each("SELECT session, component, T_component_session FROM placed", [&](const Row& row) {
+      before[row.integer(0)] = {row.integer(1), std::string(row.blob(2))};
+    });
+  for (const Component& component : atlas.components)
+    for (const Placement& placement : component.placements)
+      now[placement.session] = {component.id, pose_blob(placement.T_component_session)};
+  constexpr SessionId gone = 0;
+  for (const auto& [session, placed] : before) {
+    if (now.contains(session)) continue;
+    if (done) done = db.run("DELETE FROM placed WHERE session=?", session);
+    if (done)
+      done = db.run("INSERT INTO placements VALUES (?,?,?,?)", atlas.revision, session, gone, Blob{placed.second});
+  }
+  for (const auto& [session, placed] : now) {
+    if (const auto was = before.find(session); was != before.end() && was->second == placed) continue;
+    const auto& [component, T] = placed;
+    if (done) done = db.run("INSERT OR REPLACE INTO placed VALUES (?,?,?)", session, component, Blob{T});
+    if (done) done = db.run("INSERT INTO placements VALUES (?,?,?,?)", atlas.revision, session, component, Blob{T});
   }
   return done;
+}
+
+Result<void> put_self_likeness(Database& db, SessionId session, const SelfLikeness& found) {
+  std::vector<std::uint64_t> wanted;
+  for (const KeyframeRef& keyframe : found.wanted) wanted.push_back(keyframe.sequence);
+  return db.run("INSERT OR REPLACE INTO self_likeness VALUES (?,?,?,?,?,?)", session, found.path_m, found.clouds,
+                found.aliases, found.look_alikes, Blob{integers_blob(wanted)});
 }
 
 Result<void> put(Database& db, const PutMerge& write) {
@@ -128,6 +150,8 @@ Result<void> put(Database& db, const PutMerge& write) {
     if (!done) return done;
     done = put_decision(db, record);
   }
+  for (const auto& [session, found] : write.self_likeness)
+    if (done) done = put_self_likeness(db, session, found);
   if (done && write.anchored != 0)
     done = db.run("INSERT OR REPLACE INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors", write.anchored);
   if (!done || write.attempted == 0) return done;
@@ -161,7 +185,7 @@ Result<void> put(Database& db, const PutSurvey& write) {
 
 Result<void> delete_content(Database& db, SessionId session) {
   auto done = put(db, DropSurvey{session});
-  for (const char* table : {"clouds", "keyframes", "anchors"})
+  for (const char* table : {"clouds", "keyframes", "anchors", "self_likeness"})
     if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
   return done;
 }

@@ -16,6 +16,7 @@
 #include "server/atlas/decisions.hpp"
 #include "server/atlas/survey.hpp"
 #include "server/session/ids.hpp"
+#include "server/session/self_likeness.hpp"
 
 namespace headframe {
 
@@ -66,9 +67,10 @@ struct PutMerge {
   SessionId attempted = 0;  // 0: none
   std::uint64_t attempted_keyframes = 0;
   std::vector<Alignment> changed;
-  std::optional<Atlas> atlas;           // a new revision
-  std::vector<DecisionRecord> decided;  // new ones, and those that were undone
-  SessionId anchored = 0;               // chosen as its component's anchor; 0: none
+  std::optional<Atlas> atlas;                            // a new revision
+  std::vector<DecisionRecord> decided;                   // new ones, and those that were undone
+  SessionId anchored = 0;                                // chosen as its component's anchor; 0: none
+  std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces what was known
 };
 /// The operator's name for a session; empty: none.
 struct PutLabel {
@@ -122,6 +124,7 @@ struct StoredMerge {
   Atlas atlas;                            // the last revision
   std::vector<DecisionRecord> decisions;  // ordered by id
   std::vector<SessionId> anchors;         // in the order they were chosen
+  std::map<SessionId, SelfLikeness> self_likeness = {};
 };
 
 struct StoredNotes {

@@ -16,6 +16,7 @@
 #include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/bench/stages.hpp"
+#include "tests/bench/years/years.hpp"
 #include "tests/support/box_mine.hpp"
 
 namespace headframe::bench {
@@ -53,6 +54,7 @@ struct Options {
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
   std::uint64_t first_seed = Campaign{}.first_seed;
   LiveBench live = {};
+  YearsBench years = {};
 
   LiveBench live_bench() const {
     LiveBench bench = live;
@@ -114,13 +116,18 @@ int run(const Options& options) {
   part("stages", false,
        [&] { return (options.crossed ? stages_crossed : stages)(options.sets, options.set_families, options.out); });
   part("live", false, [&] { return live(options.live_bench()); });
+  part("years", false, [&] {
+    YearsBench bench = options.years;
+    bench.out = options.out;
+    return years(bench);
+  });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, live, descriptors, link",
+          "recordings, merge-times, stages, live, years, descriptors, link",
       2);
 }
 
@@ -154,6 +161,11 @@ int main(int argc, char** argv) {
   live->add_option("--only", options.live.only, "sets whose names contain this");
   live->add_option("--conditions", options.live.conditions, "drives whose conditions contain this, as \"link lost\"");
   live->add_option("--seed", options.live.first_seed, "of the first drawn mine");
+  auto* years = app.add_subcommand("years", "what one more session costs a base station that has kept many");
+  years->add_option("--stored", options.years.stored, "sessions, comma separated")->delimiter(',');
+  years->add_option("--keyframes", options.years.keyframes, "of each")->check(CLI::Range(30, 10000));
+  years->add_option("--visits", options.years.visits, "sessions that then come")->check(CLI::Range(1, 100));
+  years->callback([&options] { options.what = "years"; });
   live->callback([&options] { options.what = "live"; });
   try {
     app.parse(argc, argv);

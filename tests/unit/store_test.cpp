@@ -127,14 +127,6 @@ TEST(Store, KeepsDecisionsAndThatTheyWereUndone) {
   EXPECT_FALSE(decisions[1].undone);
   EXPECT_EQ(decisions[1].decision, Decision::confirm);
 }
-
-/// What takes a database back to the schema before labels, anchors, surveys and rates.
-constexpr const char* to_schema_3 =
-    "ALTER TABLE sessions DROP COLUMN label; ALTER TABLE alignments DROP COLUMN T_a_b_runner_up;"
-    "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; DROP TABLE troubles; ALTER TABLE robots DROP "
-    "COLUMN rate_kib_s; ALTER TABLE keyframes DROP COLUMN checksum;"
-    "PRAGMA user_version=3;";
-
 Survey survey_of(SessionId session) {
   return {session,
           pose_from_yaw(0.5, {431250.123456789, 6212400.25, -3}),
@@ -190,55 +182,6 @@ TEST(Store, KeepsTheRunnerUpsPlacement) {
   ASSERT_TRUE(merge->alignments[0].T_a_b_runner_up);
   EXPECT_EQ(merge->alignments[0].T_a_b_runner_up->matrix(), with.T_a_b_runner_up->matrix());
   EXPECT_FALSE(merge->alignments[1].T_a_b_runner_up);
-}
-
-TEST(Store, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
-  const TempDir dir;
-  {
-    const auto store = open(dir);
-    for (const SessionId id : {1, 2})
-      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
-    const Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {alignment}, {}, {}}));
-  }
-  {
-    auto database = Database::open((dir.path() / "headframe.db").string());
-    ASSERT_TRUE(database);
-    const auto back = database->execute(to_schema_3);
-    ASSERT_TRUE(back) << back.error().message;
-  }
-  const auto store = open(dir);
-  ASSERT_NE(store, nullptr);
-  EXPECT_EQ(store->sessions()->size(), 2U);
-  const auto merge = store->merge();
-  ASSERT_EQ(merge->alignments.size(), 1U);
-  EXPECT_EQ(merge->alignments[0].state, AlignmentState::published);
-  EXPECT_FALSE(merge->alignments[0].T_a_b_runner_up);
-  EXPECT_TRUE(merge->anchors.empty());
-  EXPECT_TRUE(store->notes()->labels.empty());
-  ASSERT_TRUE(write_and_wait(*store, PutLabel{1, "north"})) << "and it is written to";
-  ASSERT_TRUE(write_and_wait(*store, PutSurvey{survey_of(1)}));
-}
-
-TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
-  const TempDir dir;
-  {
-    auto database = Database::open((dir.path() / "headframe.db").string());
-    ASSERT_TRUE(database && migrate(*database));
-    ASSERT_TRUE(database->execute(std::string(to_schema_3) +
-                                  "DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"
-                                  "DROP TABLE robots; ALTER TABLE sessions DROP COLUMN spool_run;"
-                                  "PRAGMA foreign_keys=OFF; PRAGMA user_version=1;"
-                                  "INSERT INTO alignments VALUES (1, 2, 1, 'published', x''),"
-                                  "(1, 3, 2, 'rejected', x''), (2, 3, 3, 'retracted', x'')"));
-  }
-  const auto merge = open(dir)->merge();
-  ASSERT_TRUE(merge);
-  ASSERT_EQ(merge->alignments.size(), 3U);
-  EXPECT_EQ(merge->alignments[0].verdict, AlignmentState::verified);
-  EXPECT_EQ(merge->alignments[1].verdict, AlignmentState::rejected);
-  EXPECT_EQ(merge->alignments[2].verdict, AlignmentState::candidate);
-  EXPECT_TRUE(merge->decisions.empty());
 }
 
 TEST(Store, RepeatsChangeNothingAndHolesFail) {
