@@ -10,6 +10,7 @@
 #include "server/map_merge_server.hpp"
 #include "server/merge_worker/work_mark.hpp"
 #include "server/stop_deadline.hpp"
+#include "server/store/backup.hpp"
 #include "server/support/printable_log.hpp"
 
 namespace {
@@ -65,8 +66,15 @@ int serve(const ServerOptions& options) {
   return 0;
 }
 
+int restore(const std::string& backup, const std::string& data) {
+  if (auto restored = restore_backup(backup, data); !restored) return fail("--restore: " + restored.error().message, 1);
+  std::cout << "headframe-server: " << data << " is as it was when " << backup
+            << " was written; robots send again what they still have of the time since\n";
+  return 0;
+}
+
 int run(int argc, char** argv) {
-  std::string data, listen = "127.0.0.1:7447", http = "127.0.0.1:7448", config;
+  std::string data, listen = "127.0.0.1:7447", http = "127.0.0.1:7448", config, backup;
   bool insecure = false, insecure_any = false, new_identity = false;
   CLI::App app("The base station: robots stream their maps, the server merges them.", "headframe-server");
   app.add_option("--data", data, "directory of the database; made when it is not there")->required();
@@ -76,6 +84,7 @@ int run(int argc, char** argv) {
   app.add_flag("--insecure-any", insecure_any, "the same on any address: who reaches the ports may do anything");
   app.add_flag("--new-identity", new_identity,
                "make another key where the server's own is lost: all robots enrol anew");
+  app.add_option("--restore", backup, "make --data from this file, which headframe backup has written, and end");
   app.add_option("--config", config, "TOML file: [server], [limits], [merge]");
   app.set_version_flag("--version", "headframe-server " HEADFRAME_VERSION);
   try {
@@ -83,6 +92,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : bad_usage;
   }
+  if (!backup.empty()) return restore(backup, data);
   const auto robots = parse_endpoint(listen), operators = parse_endpoint(http);
   if (!robots) return fail("--listen: " + robots.error().message, bad_usage);
   if (!operators) return fail("--http: " + operators.error().message, bad_usage);

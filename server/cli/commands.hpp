@@ -52,6 +52,9 @@ class Commands {
   /// CSV when the file ends in .csv, TUM otherwise. frame: as MapRequest's.
   Result<int> trajectory(const std::string& session, const std::string& file, const std::string& frame);
 
+  /// All of the base station as one file that nobody else may read.
+  Result<int> backup(const std::string& file);
+
   // session_commands.cpp
   Result<int> rename(const std::string& session, const std::string& label);
   Result<int> anchor(const std::string& session);
@@ -91,7 +94,7 @@ class Commands {
   Result<std::string> fetched(const std::string& target);
   Result<Waited> wait_for_idle(std::optional<double> wait_s, bool progress);
   Result<int> print_waited(const Waited& waited);
-  Result<std::size_t> download(const std::string& target, const std::string& file);
+  Result<std::size_t> download(const std::string& target, const std::string& file, bool secret = false);
 
   HttpEndpoint endpoint_;
   bool json_;

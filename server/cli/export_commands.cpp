@@ -55,8 +55,8 @@ std::string in_frame(const std::string& frame) { return frame.empty() ? "" : "&f
 
 }  // namespace
 
-Result<std::size_t> Commands::download(const std::string& target, const std::string& file) {
-  auto part = PartFile::create(file);
+Result<std::size_t> Commands::download(const std::string& target, const std::string& file, bool secret) {
+  auto part = PartFile::create(file, secret);
   if (!part) return tl::unexpected(part.error());
   std::size_t received_bytes = 0;
   std::uint64_t total_bytes = 0;
@@ -123,6 +123,19 @@ Result<int> Commands::trajectory(const std::string& session, const std::string& 
   } else {
     std::cout << file << ": " << printable(robot + "/" + name) << ", "
               << bytes_text(static_cast<double>(*received_bytes)) << '\n';
+  }
+  return exit_ok;
+}
+
+Result<int> Commands::backup(const std::string& file) {
+  const auto received_bytes = download("/api/v1/backup", file, true);
+  if (!received_bytes) return tl::unexpected(received_bytes.error());
+  if (json_) {
+    std::cout << Json{{"file", file}, {"bytes", *received_bytes}}.dump() << '\n';
+  } else {
+    std::cout << file << ": all of the base station, " << bytes_text(static_cast<double>(*received_bytes))
+              << "; it holds the server's key and the operator's token. headframe-server --data NEW --restore " << file
+              << " brings it back\n";
   }
   return exit_ok;
 }

@@ -115,6 +115,10 @@ void add_export_commands(CLI::App& app, Options& options) {
   add_frame(path, options.frame);
   path->add_option("SESSION", options.session, session_help)->required();
   path->add_option("FILE", options.file, "Where to write it; CSV when it ends in .csv")->required();
+  add("backup", "All of the base station as one file, while it runs; headframe-server --restore takes it",
+      [&](Commands& c) { return c.backup(options.file); })
+      ->add_option("FILE", options.file, "Where to write it; nobody else may read it")
+      ->required();
 }
 
 void add_session_commands(CLI::App& app, Options& options) {

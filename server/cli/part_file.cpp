@@ -1,5 +1,6 @@
 #include "server/cli/part_file.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,12 +35,14 @@ tl::unexpected<Error> cannot_write(const std::string& path, const std::string& w
 
 }  // namespace
 
-Result<PartFile> PartFile::create(const std::string& path) {
+Result<PartFile> PartFile::create(const std::string& path, bool secret) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return cannot_write(path, "it is a directory");
   const std::string part = path + ".part";
   if (part.size() >= part_name.size()) return cannot_write(path, "its name is too long");
-  std::FILE* file = std::fopen(part.c_str(), "wb");
+  if (secret) ::unlink(part.c_str());  // it may be there with another mode
+  const int opened = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, secret ? 0600 : 0666);
+  std::FILE* file = opened < 0 ? nullptr : ::fdopen(opened, "wb");
   if (!file) return cannot_write(path, std::strerror(errno));
   watch_signals(part);
   return PartFile(path, file);

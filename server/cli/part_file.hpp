@@ -13,8 +13,8 @@ namespace headframe {
 /// otherwise, also when SIGINT, SIGTERM or SIGHUP ends the process. One at a time.
 class PartFile {
  public:
-  /// unavailable: the file can not be written, with the reason.
-  static Result<PartFile> create(const std::string& path);
+  /// unavailable: the file can not be written, with the reason. secret: nobody but its owner may read it.
+  static Result<PartFile> create(const std::string& path, bool secret = false);
   PartFile(PartFile&& other) noexcept;
   PartFile& operator=(PartFile&&) = delete;
   ~PartFile();

@@ -199,6 +199,8 @@ std::string atlas_view(const Json& atlas, std::size_t width) {
                     " of " + counted(sessions, "session") + "\n";
   for (const Json& component : components) out += component_table(component, width);
   if (!atlas.at("alignments").empty()) out += alignment_table(atlas.at("alignments"), width);
+  if (const auto rejected = atlas.value("rejected", std::size_t{0}); rejected > 0)
+    out += "\n" + counted(rejected, "pair") + " came to nothing: headframe alignments lists them too\n";
   return out;
 }
 

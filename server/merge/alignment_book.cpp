@@ -40,11 +40,20 @@ const Alignment* AlignmentBook::find(AlignmentId id) const {
   return found == alignments_.end() || found->id != id ? nullptr : &*found;
 }
 
+const Alignment* AlignmentBook::find(SessionId one, SessionId other) const {
+  const auto found = by_pair_.find(std::minmax(one, other));
+  return found == by_pair_.end() ? nullptr : &alignments_[found->second];
+}
+
+bool AlignmentBook::live(SessionId one, SessionId other) const {
+  const Alignment* known = find(one, other);
+  return known && (known->state != AlignmentState::rejected || known->ruling != Ruling::none);
+}
+
 std::set<SessionId> AlignmentBook::aligned_with(SessionId id) const {
   std::set<SessionId> out;
   for (const Alignment& k : alignments_)
-    if ((k.a == id || k.b == id) && (k.state != AlignmentState::rejected || k.ruling != Ruling::none))
-      out.insert(k.a == id ? k.b : k.a);
+    if ((k.a == id || k.b == id) && live(k.a, k.b)) out.insert(k.a == id ? k.b : k.a);
   return out;
 }
 

@@ -22,9 +22,11 @@ class AlignmentBook {
 
   /// Of the two, whichever comes first; null: none.
   Alignment* find(SessionId one, SessionId other);
+  const Alignment* find(SessionId one, SessionId other) const;
   const Alignment* find(AlignmentId id) const;
-  /// The sessions that something is known of besides "not there": candidates and better, and what the operator ruled
-  /// on.
+  /// Something is known of the pair besides "not there": a candidate or better, or what the operator ruled on.
+  bool live(SessionId one, SessionId other) const;
+  /// The sessions of which that is so.
   std::set<SessionId> aligned_with(SessionId id) const;
   const DecisionBook& decisions() const { return decisions_; }
 

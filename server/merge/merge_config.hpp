@@ -16,8 +16,8 @@ struct MergeConfig : VerdictThresholds {
   double provisional_m = 40;  // robots that ask for it are told when no more than so much is missing, ...
   double provisional_probability = 0.97;  // ... and it is so probable
   int hypotheses = 40;                    // of wall maps that hardly contradict each other, screened for each pair
-  int partners = 32;                      // sessions that one is tried with: those whose places look most like its own
-  int searches = 4;                       // pairs of sessions whose walls are searched anew in one attempt
+  int partners = 16;         // an attempt ends when so many sessions came to nothing, those that look most alike first
+  int searches = 4;          // pairs of sessions whose walls are searched anew in one attempt
   int clouds_requested = 4;  // of each session for a first look at a hypothesis; twice as many while in doubt
   int clouds_mb = 256;       // memory for prepared clouds, ...
   int places_mb = 768;       // ... for summed up surroundings, and the sweeps they look from ...

@@ -18,7 +18,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   const Attempt attempt{clouds, report};
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
   s.sessions.set_looked_at(id, true);
-  for (const SessionId other : s.partners_of(id)) s.merge_pair(s.sessions.ordered(id, other), attempt);
+  s.merge_with_partners(id, attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
@@ -70,14 +70,21 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
 }
 
-/// Those whose places look most like its own, and those that something is known of already.
-std::vector<SessionId> MergePipeline::State::partners_of(SessionId id) const {
-  std::vector<SessionId> order = partners.rank(id, sessions);
-  std::set<SessionId> aligned = book.aligned_with(id);
-  for (const SessionId ranked : order) aligned.erase(ranked);
-  std::copy_if(aligned.begin(), aligned.end(), std::back_inserter(order),
-               [&](SessionId other) { return sessions.contains(other); });
-  return order;
+/// With those whose places look most like its own, until enough of them came to nothing; and with those that something
+/// is known of already.
+void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& attempt) {
+  const std::set<SessionId> aligned = book.aligned_with(id);
+  std::set<SessionId> left = aligned;
+  const bool few = sessions.all().size() <= static_cast<std::size_t>(config.partners) + 1;
+  int came_to_nothing = 0;
+  for (const SessionId other : partners.rank(id, sessions)) {
+    if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
+    left.erase(other);
+    merge_pair(sessions.ordered(id, other), attempt);
+    came_to_nothing += !attempt.report.unfinished && !book.live(id, other);
+  }
+  for (const SessionId other : left)
+    if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
 }
 
 const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {

@@ -27,7 +27,7 @@ struct MergePipeline::State {
   std::set<SessionId> to_prepare;  // there is news of them that attempts will need something made of
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
-  std::vector<SessionId> partners_of(SessionId id) const;
+  void merge_with_partners(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);
   JudgedOn what_there_is(const OrderedPair& pair, const Found& found, const std::vector<Case>& cases) const;

@@ -90,7 +90,7 @@ std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sess
       Votes votes = this->votes(id, sessions, of_family);
       std::stable_sort(group.begin(), group.end(), [&](SessionId x, SessionId y) { return votes[x] > votes[y]; });
     }
-    const std::size_t seats = of_family ? partners : (partners + 1) / 2;
+    const std::size_t seats = (of_family ? 4 : 2) * partners;
     if (!all && group.size() > seats) group.resize(seats);
     order.insert(order.end(), group.begin(), group.end());
   }

@@ -20,8 +20,8 @@ class PartnerRanking {
   /// A keyframe of the session as it was taken in; `sessions` holds it already.
   void add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions);
 
-  /// The sessions whose places look most like those of this one, best first: at most MergeConfig::partners of its
-  /// family and half as many of others. While there are no more than `partners` others, all of them.
+  /// The sessions whose places look most like those of this one, best first: at most four times MergeConfig::partners
+  /// of its family, then at most half as many of others. While there are no more than `partners` others, all of them.
   std::vector<SessionId> rank(SessionId id, const SessionMap& sessions) const;
 
  private:

@@ -163,9 +163,10 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
   return text({{"sessions", std::move(rows)}});
 }
 
-std::string alignments_json(const AtlasView& view) {
+std::string alignments_json(const AtlasView& view, std::optional<AlignmentState> state) {
   Json rows = Json::array();
-  for (const AlignmentRow& row : view.alignments) rows.push_back(alignment_object(row));
+  for (const AlignmentRow& row : view.alignments)
+    if (!state || row.alignment.state == *state) rows.push_back(alignment_object(row));
   return text({{"revision", view.atlas.revision}, {"alignments", std::move(rows)}});
 }
 
@@ -222,9 +223,18 @@ std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& ses
                           {"provisional", std::move(provisional)}});
   }
   Json alignments = Json::array();
-  for (const AlignmentRow& row : view.alignments) alignments.push_back(alignment_object(row));
-  Json out{
-      {"revision", view.atlas.revision}, {"components", std::move(components)}, {"alignments", std::move(alignments)}};
+  std::size_t rejected = 0;
+  for (const AlignmentRow& row : view.alignments) {
+    const Alignment& k = row.alignment;
+    if (k.state == AlignmentState::rejected && k.ruling == Ruling::none)
+      ++rejected;
+    else
+      alignments.push_back(alignment_object(row));
+  }
+  Json out{{"revision", view.atlas.revision},
+           {"components", std::move(components)},
+           {"alignments", std::move(alignments)},
+           {"rejected", rejected}};
   if (wait) {
     out["pending"] = pending_object(wait->pending);
     out["waited_out"] = wait->waited_out;

@@ -24,11 +24,13 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                         const LinkHealth& links, double uptime_s);
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas);
 
-/// Transforms are 16 numbers, row-major. `sessions` gives the names of the ids in the atlas; `wait` may be null.
+/// Transforms are 16 numbers, row-major. Of pairs that were rejected by the evidence alone it says only how many there
+/// are: in a database of some years there are many. `sessions` gives the names of the ids in the atlas; `wait` may be
+/// null.
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait);
 
-/// All alignments, with the revision they are of.
-std::string alignments_json(const AtlasView& view);
+/// All alignments, or those in this state, with the revision they are of.
+std::string alignments_json(const AtlasView& view, std::optional<AlignmentState> state);
 /// One of them; an error's JSON when it is not there.
 std::string alignment_json(const AtlasView& view, AlignmentId id);
 

@@ -44,6 +44,7 @@ Result<Reply> readyz(const Query&, const Context&);
 Result<Reply> metrics(const Query&, const Context&);
 Result<Reply> events(const Query&, const Context&);
 Result<Reply> log(const Query&, const Context&);
+Result<Reply> backup(const Query&, const Context&);
 
 // view_routes.cpp
 Result<Reply> status(const Query&, const Context&);

@@ -1,5 +1,6 @@
 #include "server/operator/routes.hpp"
 
+#include "server/operator/backup_body.hpp"
 #include "server/operator/metrics.hpp"
 
 namespace headframe::routes {
@@ -24,6 +25,10 @@ Result<Reply> metrics(const Query&, const Context& context) {
                metrics_text(station.sessions(), station.atlas(), station.pending(), station.workload(),
                             station.link_health(), station.surveys(), context.uptime_s),
                {}};
+}
+
+Result<Reply> backup(const Query&, const Context& context) {
+  return Stream{"application/vnd.sqlite3", std::make_unique<BackupBody>(context.station)};
 }
 
 Result<Reply> page(const Query&, const Context&) {

@@ -37,8 +37,16 @@ Result<Reply> atlas(const Query& query, const Context& context) {
   }};
 }
 
-Result<Reply> alignments(const Query&, const Context& context) {
-  return json(alignments_json(context.station.atlas()));
+Result<Reply> alignments(const Query& query, const Context& context) {
+  std::optional<AlignmentState> state;
+  if (const auto asked = query.find("state"); asked != query.end()) {
+    state = alignment_state_from(asked->second);
+    if (!state)
+      return failure(ErrorCode::invalid_argument, "there is no state \"" + asked->second + "\"" +
+                                                      "; there are candidate, provisional, verified, published, "
+                                                      "retracted, rejected");
+  }
+  return json(alignments_json(context.station.atlas(), state));
 }
 
 Result<Reply> explain_pair(const Query& query, const Context& context) {

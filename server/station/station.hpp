@@ -2,6 +2,7 @@
 // What the operator API may see and do. map_merge_server implements it; the HTTP room knows nothing else of the server.
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -88,6 +89,8 @@ class Station {
   /// The stored cloud, in the keyframe's sensor frame; not_found when there is none, or none that can be read: what is
   /// damaged on the disk costs itself and not the map around it, and is logged and counted (Workload).
   virtual Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const = 0;
+  /// As Store::backup(): blocks while the database is copied.
+  virtual Result<std::filesystem::path> backup() = 0;
 };
 
 }  // namespace headframe

@@ -38,6 +38,7 @@ class StationView : public Station {
   void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) override;
   Result<std::vector<Keyframe>> trajectory(SessionId session) const override;
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
+  Result<std::filesystem::path> backup() override { return store_.backup(); }
 
  private:
   Error damaged(const KeyframeRef& cloud, const Error& why) const;

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "server/store/backup.hpp"
 #include "server/store/columns.hpp"
 #include "server/store/data_directory.hpp"
 #include "server/store/keyframe_row.hpp"
@@ -168,6 +169,13 @@ class SqliteStore : public Store {
     return notes;
   }
 
+  Result<std::filesystem::path> backup() override {
+    const std::unique_lock one(backup_mutex_, std::try_to_lock);
+    if (!one) return failure(ErrorCode::unavailable, "another backup is being made; try again when it is there");
+    const auto file = directory_.path() / ("headframe.backup-" + std::to_string(++backups_));
+    return write_backup(directory_.path(), file).map([&] { return file; });
+  }
+
  private:
   /// Under the lock.
   void note_damage(const KeyframeRef& keyframe) {
@@ -248,6 +256,8 @@ class SqliteStore : public Store {
   std::mutex mutex_;  // of reader_ and damaged_
   std::set<KeyframeRef> damaged_;
   std::atomic<std::size_t> damaged_count_ = 0;
+  std::mutex backup_mutex_;
+  int backups_ = 0;
   Database reader_;
   SqliteWriter writer_;
 };
@@ -257,6 +267,7 @@ class SqliteStore : public Store {
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::filesystem::path& directory, const SqliteOptions& options) {
   auto owned = DataDirectory::open(directory);
   if (!owned) return tl::unexpected(owned.error());
+  remove_unfinished_backups(directory);
   const std::string path = (directory / "headframe.db").string();
   auto writer = Database::open(path);
   if (!writer) return tl::unexpected(writer.error());

@@ -3,6 +3,7 @@
 // behind the same interface.
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -163,6 +164,11 @@ class Store {
   virtual Result<StoredNotes> notes() = 0;
   virtual Result<std::vector<RobotRecord>> robots() = 0;
   virtual Result<std::vector<TroubleRecord>> troubles() = 0;
+
+  /// A file with all that is durable now and what robots and operators know the server by (see backup.hpp), on the
+  /// disk of the database; the caller removes it. Writes go on meanwhile. unavailable: the disk says no, or another
+  /// backup is being made.
+  virtual Result<std::filesystem::path> backup() = 0;
 };
 
 }  // namespace headframe

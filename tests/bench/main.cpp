@@ -16,6 +16,7 @@
 #include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/bench/stages.hpp"
+#include "tests/bench/years/partners.hpp"
 #include "tests/bench/years/years.hpp"
 #include "tests/support/box_mine.hpp"
 
@@ -121,13 +122,14 @@ int run(const Options& options) {
     bench.out = options.out;
     return years(bench);
   });
+  part("partners", false, [&] { return partners(options.sets); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, live, years, descriptors, link",
+          "recordings, merge-times, stages, live, years, partners, descriptors, link",
       2);
 }
 
@@ -165,6 +167,9 @@ int main(int argc, char** argv) {
   years->add_option("--stored", options.years.stored, "sessions, comma separated")->delimiter(',');
   years->add_option("--keyframes", options.years.keyframes, "of each")->check(CLI::Range(30, 10000));
   years->add_option("--visits", options.years.visits, "sessions that then come")->check(CLI::Range(1, 100));
+  auto* partners = app.add_subcommand("partners", "is the right session among those that one is tried with");
+  partners->add_option("DIR", options.sets, "data sets (as of stages), or folders of them")->required();
+  partners->callback([&options] { options.what = "partners"; });
   years->callback([&options] { options.what = "years"; });
   live->callback([&options] { options.what = "live"; });
   try {

@@ -162,6 +162,11 @@ class FakeStation : public Station {
     return keyframes;
   }
 
+  Result<std::filesystem::path> backup() override {
+    if (backup_file.empty()) return failure(ErrorCode::unavailable, "the disk is full");
+    return backup_file;
+  }
+
   /// Keyframes 1 and 2 have `points` points 1 m apart on the x axis, in two sweeps; 3 has none.
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override {
     ++clouds_read;
@@ -182,6 +187,7 @@ class FakeStation : public Station {
     return out;
   }
 
+  std::filesystem::path backup_file;
   std::vector<SessionRow> rows;
   AtlasView view;
   Workload work;

@@ -84,7 +84,7 @@ TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
 
 TEST_F(OperatorApiTest, AtlasHasTheSchemaOfItsContract) {
   const Json atlas = Json::parse(get("/api/v1/atlas").body);
-  EXPECT_EQ(atlas.size(), 3U) << "nothing else without wait";
+  EXPECT_EQ(atlas.size(), 4U) << "nothing else without wait";
   EXPECT_EQ(atlas["revision"], 7);
   ASSERT_EQ(atlas["components"].size(), 2U);
   const Json& merged = atlas["components"][0];
@@ -103,7 +103,17 @@ TEST_F(OperatorApiTest, AtlasHasTheSchemaOfItsContract) {
   EXPECT_EQ(published["evidence"].size(), evidence_fields().size());
   EXPECT_EQ(published["evidence"]["probability"], 0.97);
   EXPECT_TRUE(published["evidence"]["tilt_deg"].is_null()) << "NaN";
-  EXPECT_EQ(atlas["alignments"][1]["state"], "rejected");
+  EXPECT_EQ(atlas["alignments"].size(), 1U) << "of what came to nothing only how much there is";
+  EXPECT_EQ(atlas["rejected"], 1);
+}
+
+TEST_F(OperatorApiTest, AlignmentsAreAllOrThoseInOneState) {
+  EXPECT_EQ(Json::parse(get("/api/v1/alignments").body)["alignments"].size(), 2U);
+  const Json rejected = Json::parse(get("/api/v1/alignments?state=rejected").body)["alignments"];
+  ASSERT_EQ(rejected.size(), 1U);
+  EXPECT_EQ(rejected[0]["state"], "rejected");
+  EXPECT_TRUE(Json::parse(get("/api/v1/alignments?state=verified").body)["alignments"].empty());
+  EXPECT_EQ(get("/api/v1/alignments?state=good").status, 400);
 }
 
 TEST_F(OperatorApiTest, NamesThatAreNoUtf8AreStillShown) {

@@ -50,7 +50,11 @@ export function MergesPanel({ desk }: { desk: Desk }) {
   const selected = ui.now.alignment === null ? undefined : station.alignments.get(ui.now.alignment);
   if (selected) return <Evidence key={selected.id} desk={desk} alignment={selected} />;
   const all = [...station.alignments.values()].sort((x, y) => order.indexOf(x.state) - order.indexOf(y.state) || (y.evidence.probability ?? 0) - (x.evidence.probability ?? 0));
-  const rejected = all.filter(({ state }) => state === 'rejected').length;
+  const rejected = Math.max(station.rejected, all.filter(({ state }) => state === 'rejected').length);
+  const showRejected = (shown: boolean): void => {
+    ui.set({ showRejected: shown });
+    void station.showRejected(shown).catch(() => {}); // the next revision fetches them
+  };
   const shown = all.filter(({ state }) => state !== 'rejected' || ui.now.showRejected);
   return (
     <>
@@ -74,7 +78,7 @@ export function MergesPanel({ desk }: { desk: Desk }) {
       )}
       {rejected > 0 && (
         <label class="check">
-          <input type="checkbox" checked={ui.now.showRejected} onChange={(event) => ui.set({ showRejected: event.currentTarget.checked })} />
+          <input type="checkbox" checked={ui.now.showRejected} onChange={(event) => showRejected(event.currentTarget.checked)} />
           Show {rejected} {rejected === 1 ? 'pair' : 'pairs'} without a match
         </label>
       )}

@@ -31,7 +31,9 @@ export class Station {
   sessions = new Map<number, Session>();
   components: Component[] = [];
   placed = new Map<number, Placed>();
+  /** Those that came to nothing are in it while showRejected() asks for them, or as they happen. */
   alignments = new Map<number, Alignment>();
+  rejected = 0;
   paths = new Map<number, Keyframe[]>();
   revision = 0;
   pending: Pending = { attempts: 0, keyframes: 0, awaited_submaps: 0 };
@@ -52,6 +54,7 @@ export class Station {
   private readonly earlyPoints = new Map<number, ArrayBuffer>();
   private overviewRead = false;
   private atlasDue = false;
+  private rejectedShown = false;
 
   /** askForToken gets what was wrong with the last one, if there was one, and settles when there is another to try. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
@@ -127,7 +130,19 @@ export class Station {
 
   async refreshAtlas(): Promise<void> {
     this.takeAtlas(await askJson<Atlas>('/api/v1/atlas'));
+    if (this.rejectedShown) await this.readRejected();
     this.changed();
+  }
+
+  /** Pairs that came to nothing are many in a database of some years: they are fetched when somebody asks for them. */
+  async showRejected(shown: boolean): Promise<void> {
+    this.rejectedShown = shown;
+    await this.refreshAtlas();
+  }
+
+  private async readRejected(): Promise<void> {
+    const { alignments } = await askJson<{ alignments: Alignment[] }>('/api/v1/alignments?state=rejected');
+    this.alignments = new Map([...this.alignments, ...alignments.map((alignment) => [alignment.id, alignment] as const)]);
   }
 
   async refreshSurveys(): Promise<void> {
@@ -281,6 +296,7 @@ export class Station {
     this.components = atlas.components;
     this.placed = placed;
     this.alignments = new Map(atlas.alignments.map((alignment) => [alignment.id, alignment]));
+    this.rejected = atlas.rejected ?? 0;
   }
 
   /** Fetches what the path lacks; one request a session at a time. */

@@ -63,6 +63,8 @@ export interface Atlas {
   revision: number;
   components: Component[];
   alignments: Alignment[];
+  /** How many pairs came to nothing; they are not in `alignments`. */
+  rejected?: number;
 }
 
 export interface Status {
