@@ -1,6 +1,7 @@
 #include "client/uplink/uplink_protocol.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "client/uplink/transform_update.hpp"
 #include "common/printable.hpp"
@@ -180,7 +181,33 @@ void UplinkProtocol::on_keyframe_ack(std::uint64_t up_to, Events& events) {
 void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& events) {
   auto transforms = transforms_from(message);
   if (!transforms) return end(events, ErrorCode::bad_input, "transform update: " + transforms.error().message, false);
-  events.emplace_back(std::move(*transforms));
+  if (joins_pages(message, *transforms)) events.emplace_back(std::move(*transforms));
+}
+
+/// True: the update is whole, with all pages. A page that does not follow the one before is passed over, and so is all
+/// until the next update begins: the server sends another one then.
+bool UplinkProtocol::joins_pages(const v1::TransformUpdate& message, Transforms& transforms) {
+  constexpr std::size_t most_sessions = 200000;
+  if (message.page() == 0) {
+    pages_ = std::move(transforms);
+    next_page_ = 1;
+  } else {
+    const bool follows = pages_ && pages_->revision == transforms.revision &&
+                         pages_->component == transforms.component && message.page() == next_page_ &&
+                         pages_->sessions.size() + transforms.sessions.size() <= most_sessions;
+    if (!follows) {
+      pages_.reset();
+      return false;
+    }
+    ++next_page_;
+    std::move(transforms.sessions.begin(), transforms.sessions.end(), std::back_inserter(pages_->sessions));
+    pages_->provisional = std::move(transforms.provisional);
+    pages_->withdrawn = std::move(transforms.withdrawn);
+  }
+  if (next_page_ < message.pages()) return false;
+  transforms = std::move(*pages_);
+  pages_.reset();
+  return true;
 }
 
 void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {

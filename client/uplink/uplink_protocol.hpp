@@ -129,6 +129,7 @@ class UplinkProtocol {
   void on_cloud_refusal(const v1::CloudRefusal& message, Events& events);
   void on_submap_request(const v1::SubmapRequest& message);
   void on_transforms(const v1::TransformUpdate& message, Events& events);
+  bool joins_pages(const v1::TransformUpdate& message, Transforms& transforms);
   void on_error(const v1::ErrorReport& message, Events& events);
   void end(Events& events, ErrorCode code, const std::string& message, bool permanent);
   void queue(const v1::RobotMessage& message);
@@ -164,6 +165,8 @@ class UplinkProtocol {
   std::set<std::uint64_t> clouds_in_flight_;  // wholly sent, not acknowledged
   std::uint64_t background_from_ = 1;         // clouds before it were sent or are gone
   std::optional<Transfer> requested_transfer_, background_transfer_;
+  std::optional<Transforms> pages_;  // of an update whose other pages are still to come, from next_page_ on
+  std::uint32_t next_page_ = 0;
 };
 
 }  // namespace headframe

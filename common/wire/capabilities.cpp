@@ -5,7 +5,7 @@
 namespace headframe {
 
 std::vector<std::string> robot_capabilities(bool provisional) {
-  std::vector<std::string> names{"cloud_refusal", "link_policy", "spares"};
+  std::vector<std::string> names{"cloud_refusal", "link_policy", "spares", std::string(transform_pages_capability)};
   if (provisional) names.emplace_back(provisional_capability);
   return names;
 }

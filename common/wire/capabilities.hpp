@@ -16,6 +16,9 @@ inline constexpr std::size_t most_capability_bytes = 32;  // of one name; a long
 /// A robot that lists it is told of merges that still wait for path (ProvisionalTransform).
 inline constexpr std::string_view provisional_capability = "provisional";
 
+/// A robot that lists it takes the transforms of a component in pages, however many sessions it has.
+inline constexpr std::string_view transform_pages_capability = "transform_pages";
+
 /// What the robot library lists in its hello, and this server in its welcome.
 std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();

@@ -238,8 +238,8 @@ void RobotConnection::request_submap(const std::vector<std::uint64_t>& sequences
   on_strand([sequences](RobotConnection& self) { self.protocol_.request_submap(sequences); });
 }
 
-void RobotConnection::update_transform(std::shared_ptr<const std::string> payload) {
-  on_strand([payload = std::move(payload)](RobotConnection& self) { self.protocol_.update_transform(payload); });
+void RobotConnection::update_transform(std::shared_ptr<const TransformPages> pages) {
+  on_strand([pages = std::move(pages)](RobotConnection& self) { self.protocol_.update_transform(pages); });
 }
 
 void RobotConnection::stand_by() {

@@ -95,7 +95,7 @@ std::string RobotOutbox::take() {
     append(out, message);
   }
   append_lists(out);
-  if (transform_) (void)append_frame(out, *transform_);  // its maker saw that it fits
+  if (transform_) (void)append_frame(out, transform_->at(next_page_++));  // its maker saw that it fits
   if (pong_) {
     message.mutable_pong()->set_nonce(*pong_);
     append(out, message);
@@ -112,7 +112,7 @@ std::string RobotOutbox::take() {
   keyframe_ack_.reset();
   ping_.reset();
   pong_.reset();
-  transform_.reset();
+  if (transform_ && next_page_ == transform_->size()) transform_.reset();
   error_.reset();
   return out;
 }

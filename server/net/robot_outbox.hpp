@@ -10,6 +10,7 @@
 
 #include "headframe/v1/robot.pb.h"
 #include "server/net/robot_events.hpp"
+#include "server/net/transform_pages.hpp"
 
 namespace headframe {
 
@@ -23,14 +24,18 @@ class RobotOutbox {
   void acknowledge_cloud(std::uint64_t sequence) { cloud_acks_.insert(sequence); }
   void refuse_cloud(std::uint64_t sequence, const std::string& reason);
   void request_submap(const std::vector<std::uint64_t>& sequences);
-  /// A serialised ServerMessage, shared by all robots of the component.
-  void update_transform(std::shared_ptr<const std::string> payload) { transform_ = std::move(payload); }
+  /// Shared by all robots of the component.
+  void update_transform(std::shared_ptr<const TransformPages> pages) {
+    transform_ = std::move(pages);
+    next_page_ = 0;
+  }
   void policy(LinkPolicy policy) { policy_ = std::move(policy); }
   void ping(std::uint64_t nonce) { ping_ = nonce; }
   void pong(std::uint64_t nonce) { pong_ = nonce; }
   void error(v1::ErrorKind kind, const std::string& message, bool permanent);
 
-  /// All of it as frames, most urgent first; empty when there is nothing.
+  /// All of it as frames, most urgent first, but for transforms that come in pages one page at a time, so that the next
+  /// acknowledgement waits for one at most. Empty when there is nothing.
   std::string take();
 
  private:
@@ -41,8 +46,9 @@ class RobotOutbox {
   std::optional<std::uint64_t> keyframe_ack_, ping_, pong_;
   std::set<std::uint64_t> cloud_acks_;
   std::map<std::uint64_t, std::string> cloud_refusals_;
-  std::vector<std::uint64_t> submap_;  // nearest to the sphere's centre first
-  std::shared_ptr<const std::string> transform_;
+  std::vector<std::uint64_t> submap_;                // nearest to the sphere's centre first
+  std::shared_ptr<const TransformPages> transform_;  // from next_page_ on
+  std::size_t next_page_ = 0;
   std::optional<LinkPolicy> policy_;
   std::optional<v1::ErrorReport> error_;
 };

@@ -52,7 +52,7 @@ class RobotProtocol {
   /// The robot drops this cloud; the connection goes on.
   void refuse_cloud(std::uint64_t sequence, const std::string& reason) { outbox_.refuse_cloud(sequence, reason); }
   void request_submap(const std::vector<std::uint64_t>& sequences) { outbox_.request_submap(sequences); }
-  void update_transform(std::shared_ptr<const std::string> payload) { outbox_.update_transform(std::move(payload)); }
+  void update_transform(std::shared_ptr<const TransformPages> pages) { outbox_.update_transform(std::move(pages)); }
 
   void tell_policy(LinkPolicy policy) { outbox_.policy(std::move(policy)); }
 

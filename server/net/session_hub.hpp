@@ -14,6 +14,7 @@
 #include "server/net/robot_events.hpp"
 #include "server/net/robot_limits.hpp"
 #include "server/net/robot_quota.hpp"
+#include "server/net/transform_pages.hpp"
 #include "server/session/session_row.hpp"
 #include "server/store/store.hpp"
 
@@ -35,7 +36,7 @@ class RobotLink {
   virtual void cloud_durable(std::uint64_t sequence) = 0;
   virtual void cloud_refused(std::uint64_t sequence, const std::string& reason) = 0;
   virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
-  virtual void update_transform(std::shared_ptr<const std::string> payload) = 0;
+  virtual void update_transform(std::shared_ptr<const TransformPages> pages) = 0;
   /// Another connection carries the session from now on.
   virtual void stand_by() = 0;
   virtual void close(v1::ErrorKind kind, const std::string& message, bool permanent) = 0;
@@ -53,7 +54,7 @@ class SessionHub : public Robots {
   struct Admitted {
     SessionId session = 0;
     Durable durable;
-    std::shared_ptr<const std::string> transform;  // null: the session has never been merged
+    std::shared_ptr<const TransformPages> transform;  // null: the session has never been merged
   };
   /// refused: the session belongs to another spool or another copy of it, or has another family. unavailable: as many
   /// robots as limits.robots are connected, or the robot's own quota is used up. A living connection of the same spool
@@ -119,6 +120,7 @@ class SessionHub : public Robots {
     std::vector<std::weak_ptr<RobotLink>> spares;  // the oldest first
     bool answers = false;                          // requests for clouds
     bool wants_provisional = false;                // merges that still wait for path
+    bool takes_pages = false;                      // of transforms
     bool deleted = false;                          // nobody may go on with it
   };
   static constexpr std::size_t most_withdrawn = 16;  // an update has to stay small
@@ -137,9 +139,12 @@ class SessionHub : public Robots {
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
   std::optional<Result<Admitted>> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
-  std::shared_ptr<const std::string> transform_of(SessionId session) const;
-  std::shared_ptr<const std::string> update_of(const Component& component, bool provisional) const;
-  using Updates = std::vector<std::pair<std::shared_ptr<RobotLink>, std::shared_ptr<const std::string>>>;
+  using PagesPtr = std::shared_ptr<const TransformPages>;
+  using MadePages = std::map<std::pair<bool, bool>, PagesPtr>;  // with what is provisional; in pages
+  PagesPtr transform_of(SessionId session) const;
+  v1::TransformUpdate update_of(const Component& component, bool provisional) const;
+  PagesPtr pages_for(SessionId receiver, const Component& component, MadePages& made) const;
+  using Updates = std::vector<std::pair<std::shared_ptr<RobotLink>, PagesPtr>>;
   void add_updates(const Component& component, bool all, Updates& updates) const;
   std::shared_ptr<RobotLink> link_of(SessionId session) const;
 

@@ -89,8 +89,11 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     session.link = link;
     session.heard = Clock::now();
     session.answers = hello.clouds != CloudPolicy::never;
-    session.wants_provisional = std::find(hello.capabilities.begin(), hello.capabilities.end(),
-                                          provisional_capability) != hello.capabilities.end();
+    const auto lists = [&](std::string_view name) {
+      return std::find(hello.capabilities.begin(), hello.capabilities.end(), name) != hello.capabilities.end();
+    };
+    session.wants_provisional = lists(provisional_capability);
+    session.takes_pages = lists(transform_pages_capability);
     admitted = {
         record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
     news_.session_added(record.id, record.key.robot, record.family);

@@ -2,12 +2,16 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <array>
 
 #include "common/wire/limits.hpp"
 #include "server/net/session_hub.hpp"
 
 namespace headframe {
+namespace {
+
+constexpr std::size_t comfortable_page_bytes = 16384;  // two seconds of a link of 64 kbit/s, for which an ack may wait
+
+}  // namespace
 
 LinkPolicy SessionHub::policy() {
   constexpr auto good_for = std::chrono::milliseconds(50);  // every connection asks often
@@ -59,10 +63,9 @@ void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {
     rates_bytes_per_s_.erase(robot);
 }
 
-/// Under the lock. Null when it does not fit a frame.
-std::shared_ptr<const std::string> SessionHub::update_of(const Component& component, bool provisional) const {
-  v1::ServerMessage message;
-  auto& update = *message.mutable_transform_update();
+/// Under the lock.
+v1::TransformUpdate SessionHub::update_of(const Component& component, bool provisional) const {
+  v1::TransformUpdate update;
   update.set_revision(atlas_.revision);
   update.set_component(static_cast<std::uint64_t>(component.id));
   const auto key_of = [&](SessionId id) { return to_proto(sessions_.at(id).record.key); };
@@ -88,33 +91,44 @@ std::shared_ptr<const std::string> SessionHub::update_of(const Component& compon
       transform.set_probability(placement.probability);
       transform.set_awaited_m(placement.awaited_m);
     }
-  auto payload = std::make_shared<const std::string>(message.SerializeAsString());
-  if (payload->size() <= limits::frame_bytes) return payload;
-  spdlog::error("component {} has {} sessions: its transform update does not fit a frame and is not sent", component.id,
-                component.placements.size());
-  return nullptr;
+  return update;
+}
+
+/// Under the lock. A robot that takes no pages, of a component that does not fit a frame, is told of itself and of the
+/// anchor.
+SessionHub::PagesPtr SessionHub::pages_for(SessionId receiver, const Component& component, MadePages& made) const {
+  const Session& session = sessions_.at(receiver);
+  const std::size_t page_bytes = session.takes_pages ? comfortable_page_bytes : limits::frame_bytes;
+  PagesPtr& pages = made[{session.wants_provisional, session.takes_pages}];
+  if (!pages)
+    pages = std::make_shared<const TransformPages>(
+        transform_pages(update_of(component, session.wants_provisional), page_bytes));
+  if (session.takes_pages || pages->size() == 1) return pages;
+  Component part{component.id, {}};
+  for (const Placement& placement : component.placements)
+    if (placement.session == receiver || placement.session == component.id) part.placements.push_back(placement);
+  return std::make_shared<const TransformPages>(transform_pages(update_of(part, false), page_bytes));
 }
 
 /// Under the lock. Null: the session has never been merged, and nothing that its robot asks for is provisional.
-std::shared_ptr<const std::string> SessionHub::transform_of(SessionId session) const {
+SessionHub::PagesPtr SessionHub::transform_of(SessionId session) const {
+  MadePages made;
   const bool provisional = sessions_.at(session).wants_provisional;
   for (const Component& component : atlas_.components)
     if (placement_in(component, session) &&
         (told_.contains(session) || (provisional && !component.provisional.empty())))
-      return update_of(component, provisional);
+      return pages_for(session, component, made);
   return nullptr;
 }
 
 /// Under the lock: for the connected robots of the component, or for those alone that ask for what is provisional.
 void SessionHub::add_updates(const Component& component, bool all, Updates& updates) const {
-  std::array<std::shared_ptr<const std::string>, 2> payloads;  // without what is provisional, and with it
+  MadePages made;
   for (const Placement& placement : component.placements) {
     const Session& session = sessions_.at(placement.session);
     auto robot = session.link.lock();
     if (!robot || (!all && !session.wants_provisional)) continue;
-    auto& payload = payloads.at(session.wants_provisional ? 1 : 0);
-    if (!payload) payload = update_of(component, session.wants_provisional);
-    if (payload) updates.emplace_back(std::move(robot), payload);
+    updates.emplace_back(std::move(robot), pages_for(placement.session, component, made));
   }
 }
 
@@ -131,7 +145,7 @@ void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& chang
       add_updates(component, true, updates);
     }
   }
-  for (const auto& [robot, payload] : updates) robot->update_transform(payload);
+  for (const auto& [robot, pages] : updates) robot->update_transform(pages);
 }
 
 void SessionHub::tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) {
@@ -141,7 +155,7 @@ void SessionHub::tell_provisional(const Atlas& atlas, const std::vector<Componen
     atlas_ = atlas;
     for (const Component& component : changed) add_updates(component, false, updates);
   }
-  for (const auto& [robot, payload] : updates) robot->update_transform(payload);
+  for (const auto& [robot, pages] : updates) robot->update_transform(pages);
 }
 
 }  // namespace headframe

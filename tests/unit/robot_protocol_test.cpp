@@ -225,7 +225,7 @@ TEST_F(Protocol, OutputKeepsTheLatestWordOnly) {
     feed(frame(ping));
     v1::ServerMessage update;
     update.mutable_transform_update()->set_revision(nonce);
-    protocol.update_transform(std::make_shared<const std::string>(update.SerializeAsString()));
+    protocol.update_transform(std::make_shared<const TransformPages>(TransformPages{update.SerializeAsString()}));
     protocol.cloud_durable(3);
     protocol.request_submap({4, 2, 4});
   }

@@ -2,6 +2,7 @@
 #include "server/net/session_hub.hpp"
 
 #include "common/wire/capabilities.hpp"
+#include "common/wire/limits.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/nobodys_news.hpp"
 #include "tests/support/robot_bytes.hpp"
@@ -21,13 +22,15 @@ class HeardLink : public RobotLink {
   void cloud_durable(std::uint64_t) override {}
   void cloud_refused(std::uint64_t, const std::string&) override {}
   void request_submap(const std::vector<std::uint64_t>&) override { heard.push_back("request"); }
-  void update_transform(std::shared_ptr<const std::string> payload) override {
+  void update_transform(std::shared_ptr<const TransformPages> all) override {
     heard.push_back("transform");
     v1::ServerMessage message;
-    ASSERT_TRUE(message.ParseFromString(*payload));
+    ASSERT_TRUE(message.ParseFromString(all->front()));
     update = message.transform_update();
+    pages = *all;
   }
-  v1::TransformUpdate update;  // the last
+  v1::TransformUpdate update;  // the last; its first page
+  TransformPages pages;
   void stand_by() override { heard.push_back("stand by"); }
   void close(v1::ErrorKind, const std::string&, bool permanent) override {
     heard.push_back(permanent ? "closed for good" : "closed");
@@ -109,10 +112,37 @@ TEST_F(Hub, WhoLosesATransformHearsWhyAlsoWhenItComesBack) {
   const auto again = hub_.admit(hello(false), std::make_shared<HeardLink>());
   ASSERT_NE(again->transform, nullptr);
   v1::ServerMessage message;
-  ASSERT_TRUE(message.ParseFromString(*again->transform));
+  ASSERT_TRUE(message.ParseFromString(again->transform->front()));
   EXPECT_EQ(message.transform_update().withdrawn_size(), 1);
   for (int i = 0; i < 40; ++i) hub_.publish(atlas_, atlas_.components, {{id_, other, "again"}});
   EXPECT_LE(first_->update.withdrawn_size(), 16) << "an update stays small";
+}
+
+TEST_F(Hub, FiveThousandSessionsReachARobotThatTakesPagesAndOthersHearOfThemselves) {
+  const auto takes_pages = std::make_shared<HeardLink>(), old = std::make_shared<HeardLink>();
+  const SessionId cat = hub_.admit(asks_for_provisional(robot_hello("cat")), takes_pages).value().session;
+  const SessionId dog = hub_.admit(robot_hello("dog"), old).value().session;
+  Component all{cat, {{cat, Pose::Identity()}, {dog, pose_from_yaw(0.5, {1, 2, 3})}}};
+  for (int i = 0; i < 4998; ++i) {
+    const auto gone = std::make_shared<HeardLink>();
+    const SessionId id =
+        hub_.admit(robot_hello("a robot of a long name, number " + std::to_string(i)), gone).value().session;
+    all.placements.push_back({id, pose_from_yaw(0, {1.0 * i, 0, 0})});
+  }
+  atlas_.components = {all};
+  hub_.publish(atlas_, atlas_.components, {});
+  int told = 0;
+  for (const std::string& page : takes_pages->pages) {
+    v1::ServerMessage message;
+    ASSERT_TRUE(message.ParseFromString(page));
+    EXPECT_LE(page.size(), limits::frame_bytes);
+    told += message.transform_update().sessions_size();
+  }
+  EXPECT_EQ(told, 5000);
+  ASSERT_EQ(old->pages.size(), 1U);
+  ASSERT_EQ(old->update.sessions_size(), 2);
+  EXPECT_EQ(old->update.sessions(1).session().robot(), "dog");
+  EXPECT_EQ(old->update.anchor().robot(), "cat");
 }
 
 TEST_F(Hub, TheSpareHearsNothingUntilItTakesOverAndThenAllThatCounts) {
