@@ -11,73 +11,91 @@ namespace {
 constexpr std::size_t asked_of_index = 200;  // nearest keyframes of any session, to see whose places look alike ...
 constexpr std::size_t keyframes_asked = 48;  // ... for so many keyframes spread over a session
 
-const FamilyId no_family{};  // of wall signatures
-
 using Vector = std::vector<float>;
 
-/// The vector of a keyframe by which it is found: its place vector, or its wall signature.
-std::optional<Vector> vector_of(const Keyframe& keyframe, bool of_family) {
-  if (!of_family) return wall_signature(keyframe.walls);
-  return keyframe.descriptor.q.empty() ? std::nullopt : std::optional(keyframe.descriptor.q);
-}
-
-/// All keyframes of the sessions that belong into the index, but for the last of `newest`, which is added next.
-void add_all(DescriptorIndex& index, const FamilyId& family, std::size_t size, const SessionMap& sessions,
+/// All place vectors of these sessions but the last of `newest`, which is added next.
+void add_all(DescriptorIndex& index, const FamilyId& family, std::size_t q_size, const SessionMap& sessions,
              SessionId newest) {
-  const bool of_family = family != no_family;
   for (const auto& [id, session] : sessions.all()) {
-    if (of_family && session.family != family) continue;
+    if (session.family != family) continue;
     const std::size_t count = session.keyframes.size() - (id == newest ? 1 : 0);
     for (std::size_t i = 0; i < count; ++i)
-      if (const auto vector = vector_of(session.keyframes[i], of_family); vector && vector->size() == size)
-        index.add({id, session.keyframes[i].sequence}, *vector);
+      if (const Keyframe& k = session.keyframes[i]; k.descriptor.q.size() == q_size)
+        index.add({id, k.sequence}, k.descriptor.q);
+  }
+}
+
+/// Spread over the session.
+template <class Ask>
+void for_some_keyframes(const Session& session, Ask ask) {
+  const std::size_t step = std::max<std::size_t>(1, session.keyframes.size() / keyframes_asked);
+  for (std::size_t i = 0; i < session.keyframes.size(); i += step) ask(session.keyframes[i]);
+}
+
+/// Each vector asked gives the session with the most alike keyframe 1, the next 1/2, then 1/3 and so on.
+template <class Votes, class MayVote>
+void vote(const DescriptorIndex& index, const std::vector<Vector>& asked, int threads, MayVote may_vote, Votes& votes) {
+  const std::vector<std::span<const float>> queries(asked.begin(), asked.end());
+  for (const auto& neighbours : index.nearest_of_each(queries, asked_of_index, threads)) {
+    std::set<SessionId> met;
+    for (const PlaceNeighbour& n : neighbours)
+      if (may_vote(n.keyframe.session) && met.insert(n.keyframe.session).second)
+        votes[n.keyframe.session] += 1 / static_cast<double>(met.size());
   }
 }
 
 }  // namespace
 
 void PartnerRanking::add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions) {
-  for (const bool of_family : {true, false}) {
-    const auto vector = vector_of(keyframe, of_family);
-    if (!vector) continue;
-    const FamilyId& family = of_family ? sessions.at(id).family : no_family;
-    auto& index = indices_[{family, vector->size()}];
-    if (!index) index = make_exact_index(vector->size());
-    if (index->size() == exact_up_to_) {
-      index = make_flann_index(vector->size());
-      add_all(*index, family, vector->size(), sessions, id);
-    }
-    index->add({id, keyframe.sequence}, *vector);
+  const FamilyId& family = sessions.at(id).family;
+  const auto& q = keyframe.descriptor.q;
+  if (q.empty()) return;
+  auto& index = places_[{family, q.size()}];
+  if (!index) index = make_exact_index(q.size());
+  if (index->size() == exact_up_to_) {
+    index = make_flann_index(q.size());
+    add_all(*index, family, q.size(), sessions, id);
   }
+  index->add({id, keyframe.sequence}, q);
 }
 
-/// Each keyframe asked gives its most alike session 1, the next 1/2, then 1/3 and so on.
-PartnerRanking::Votes PartnerRanking::votes(SessionId id, const SessionMap& sessions, bool of_family) const {
+PartnerRanking::Votes PartnerRanking::votes_by_places(SessionId id, const SessionMap& sessions) const {
   const Session& self = sessions.at(id);
-  std::vector<Vector> asked;
-  const std::size_t step = std::max<std::size_t>(1, self.keyframes.size() / keyframes_asked);
-  for (std::size_t i = 0; i < self.keyframes.size(); i += step)
-    if (auto vector = vector_of(self.keyframes[i], of_family)) asked.push_back(std::move(*vector));
+  std::map<std::size_t, std::vector<Vector>> asked;  // by length
+  for_some_keyframes(self, [&](const Keyframe& k) { asked[k.descriptor.q.size()].push_back(k.descriptor.q); });
+  const auto may_vote = [&](SessionId other) { return other != id && sessions.contains(other); };
   Votes out;
-  for (const auto& [key, index] : indices_) {
-    if (key.first != (of_family ? self.family : no_family)) continue;
-    std::vector<std::span<const float>> queries;
-    for (const Vector& vector : asked)
-      if (vector.size() == key.second) queries.emplace_back(vector);
-    for (const auto& neighbours : index->nearest_of_each(queries, asked_of_index, config_.threads)) {
-      std::set<SessionId> met;
-      for (const PlaceNeighbour& n : neighbours) {
-        const SessionId other = n.keyframe.session;
-        if (other == id || !sessions.contains(other) || (sessions.at(other).family == self.family) != of_family)
-          continue;
-        if (met.insert(other).second) out[other] += 1 / static_cast<double>(met.size());
-      }
-    }
-  }
+  for (const auto& [size, vectors] : asked)
+    if (const auto index = places_.find({self.family, size}); index != places_.end())
+      vote(*index->second, vectors, config_.threads, may_vote, out);
   return out;
 }
 
-std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sessions) const {
+PartnerRanking::Votes PartnerRanking::votes_by_walls(SessionId id, const SessionMap& sessions) {
+  take_in_walls(sessions);
+  const Session& self = sessions.at(id);
+  std::vector<Vector> asked;
+  for_some_keyframes(self, [&](const Keyframe& k) {
+    if (auto signature = wall_signature(k.walls)) asked.push_back(std::move(*signature));
+  });
+  const auto may_vote = [&](SessionId other) {
+    return sessions.contains(other) && sessions.at(other).family != self.family;
+  };
+  Votes out;
+  vote(*walls_, asked, config_.threads, may_vote, out);
+  return out;
+}
+
+/// Those that came since it was asked last.
+void PartnerRanking::take_in_walls(const SessionMap& sessions) {
+  if (!walls_) walls_ = make_exact_index(wall_signature_size);
+  for (const auto& [id, session] : sessions.all())
+    for (std::size_t& i = walls_of_[id]; i < session.keyframes.size(); ++i)
+      if (const auto signature = wall_signature(session.keyframes[i].walls))
+        walls_->add({id, session.keyframes[i].sequence}, *signature);
+}
+
+std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sessions) {
   const auto partners = static_cast<std::size_t>(config_.partners);
   const bool all = sessions.all().size() <= partners + 1;
   std::vector<SessionId> order;
@@ -85,9 +103,8 @@ std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sess
     std::vector<SessionId> group;
     for (const auto& [other, session] : sessions.all())
       if (other != id && (session.family == sessions.at(id).family) == of_family) group.push_back(other);
-    if (group.empty()) continue;
     if (group.size() > 1) {
-      Votes votes = this->votes(id, sessions, of_family);
+      Votes votes = of_family ? votes_by_places(id, sessions) : votes_by_walls(id, sessions);
       std::stable_sort(group.begin(), group.end(), [&](SessionId x, SessionId y) { return votes[x] > votes[y]; });
     }
     const std::size_t seats = (of_family ? 4 : 2) * partners;

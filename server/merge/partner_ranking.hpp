@@ -10,8 +10,8 @@ namespace headframe {
 
 /// Which sessions are worth a search with one: the place index over the whole database. Sessions of one family vote by
 /// their place vectors (by family and length of q, for two robots may call different vectors by one name), sessions of
-/// other families by their wall profiles. Compares with every keyframe up to exact_up_to of a family, and asks
-/// FLANN's trees beyond. Not thread safe.
+/// other families by their wall profiles. Compares with every keyframe up to exact_up_to of a family, and asks FLANN's
+/// trees beyond. Not thread safe.
 class PartnerRanking {
  public:
   explicit PartnerRanking(const MergeConfig& config, std::size_t exact_up_to = 500000)
@@ -22,16 +22,19 @@ class PartnerRanking {
 
   /// The sessions whose places look most like those of this one, best first: at most four times MergeConfig::partners
   /// of its family, then at most half as many of others. While there are no more than `partners` others, all of them.
-  std::vector<SessionId> rank(SessionId id, const SessionMap& sessions) const;
+  std::vector<SessionId> rank(SessionId id, const SessionMap& sessions);
 
  private:
-  using Indices = std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>>;
   using Votes = std::map<SessionId, double>;
-  Votes votes(SessionId id, const SessionMap& sessions, bool of_family) const;
+  Votes votes_by_places(SessionId id, const SessionMap& sessions) const;
+  Votes votes_by_walls(SessionId id, const SessionMap& sessions);
+  void take_in_walls(const SessionMap& sessions);
 
   const MergeConfig config_;
   const std::size_t exact_up_to_;
-  Indices indices_;  // of place vectors; of wall signatures under no family's name
+  std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>> places_;
+  std::unique_ptr<DescriptorIndex> walls_;     // none while all sessions are of one family
+  std::map<SessionId, std::size_t> walls_of_;  // keyframes of each session that are in it
 };
 
 }  // namespace headframe

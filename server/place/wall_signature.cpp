@@ -32,13 +32,14 @@ std::optional<std::vector<float>> wall_signature(const WallProfile& walls) {
   const auto returns = std::count_if(walls.code.begin(), walls.code.end(), [](std::uint8_t code) { return code > 0; });
   if (returns < least_returns) return std::nullopt;
   const std::uint8_t farthest = *std::max_element(walls.code.begin(), walls.code.end());
+  const auto& roots = unit_roots();
   std::vector<float> signature;
   signature.reserve(wall_signature_size);
   for (std::size_t harmonic = 0; harmonic < wall_signature_size; ++harmonic) {
     Complex sum = 0;
     for (std::size_t i = 0; i < WallProfile::sectors; ++i) {
       const auto code = static_cast<float>(walls.code[i] > 0 ? walls.code[i] : farthest);
-      sum += code * unit_roots()[harmonic * i % WallProfile::sectors];
+      sum += code * roots[harmonic * i % WallProfile::sectors];
     }
     signature.push_back(std::sqrt(harmonic == 0 ? std::abs(sum) / 2 : std::abs(sum)));
   }

@@ -36,7 +36,7 @@ struct Database {
       ranking.add(id, sessions.add_keyframe(id, std::move(k)), sessions);
     }
   }
-  std::vector<SessionId> rank(SessionId id) const { return ranking.rank(id, sessions); }
+  std::vector<SessionId> rank(SessionId id) { return ranking.rank(id, sessions); }
 };
 
 TEST(PartnerRanking, NearSessionsComeFirstBelowAndAboveTheSwitchToFlann) {
@@ -101,14 +101,14 @@ struct Tunnels {
 };
 
 TEST(PartnerRanking, AllAreTriedUpToTheLimitAndTheMostAlikeBeyond) {
-  const Tunnels few(2, 1), many(40, 1);
+  Tunnels few(2, 1), many(40, 1);
   EXPECT_EQ(few.ranking.rank(1, few.sessions).size(), 1U);
   const auto chosen = many.ranking.rank(20, many.sessions);
   EXPECT_EQ(std::set<SessionId>(chosen.begin(), chosen.end()), (std::set<SessionId>{18, 19, 21, 22}));
 }
 
 TEST(PartnerRanking, SessionsOfOtherFamiliesHaveSeatsByTheirWallsWhicheverWayTheSensorFaced) {
-  const Tunnels tunnels(40, 2);  // even and odd ids
+  Tunnels tunnels(40, 2);  // even and odd ids
   const auto chosen = tunnels.ranking.rank(20, tunnels.sessions);
   ASSERT_EQ(chosen.size(), 6U) << "four of its family, two of the other";
   EXPECT_EQ(std::set<SessionId>(chosen.begin(), chosen.begin() + 4), (std::set<SessionId>{16, 18, 22, 24}));
