@@ -18,6 +18,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   const Attempt attempt{clouds, report};
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
   s.sessions.set_looked_at(id, true);
+  report.whole = s.sessions.at(id).complete;
   s.merge_with_partners(id, attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);

@@ -235,6 +235,7 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   if (report.wanted.empty() && !report.unfinished) {
     write.attempted = attempt.session;
     write.attempted_keyframes = known_[attempt.session].keyframes;
+    write.attempted_whole = report.whole;
   }
   if (!commit(std::move(write), report, &attempt)) return;  // the server stops
   request(schedule_.wait_for(attempt, report.wanted, Clock::now()));

@@ -123,6 +123,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   // worker_restore.cpp
   void bring_back();
   void bring_in(const SessionRecord& session);
+  bool settled(const SessionRecord& session);
   // worker_aside.cpp
   Result<void> restore_troubles();
   bool is_aside(SessionId session) const;

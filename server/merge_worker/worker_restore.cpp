@@ -34,7 +34,7 @@ void MergeWorker::bring_back() {
     bring_in(session);
     if (is_aside(session.id)) continue;  // by what came of it
     keyframes += known_[session.id].keyframes;
-    if (!session.complete) schedule_.grows(session.id, Clock::now());
+    if (!session.complete && !settled(session)) schedule_.grows(session.id, Clock::now());
     if (known_[session.id].keyframes > session.attempted_keyframes)
       schedule_.trigger(session.id, Trigger::restart, Clock::now());
   }
@@ -54,6 +54,11 @@ void MergeWorker::bring_back() {
     spdlog::info("{} sessions with {} keyframes are back, {:.1f} s after the start", sessions, keyframes, s);
 }
 
+/// It rested when the server ended, and had been tried as it is: nothing is to be done until its robot drives on.
+bool MergeWorker::settled(const SessionRecord& session) {
+  return session.attempted_whole && known_[session.id].keyframes == session.attempted_keyframes;
+}
+
 /// A stored session, into the pipeline. One that can not be read, or that is too much, costs itself.
 void MergeWorker::bring_in(const SessionRecord& session) {
   working_on(session.id, session.id);
@@ -61,7 +66,7 @@ void MergeWorker::bring_in(const SessionRecord& session) {
     schedule_.belongs(session.id, session.key.robot);
     pipeline_->add_session(session.id, session.family);
     feed(session.id, false);
-    if (session.complete) pipeline_->complete_session(session.id);
+    if (session.complete || settled(session)) pipeline_->complete_session(session.id);
     if (const auto clouds = store_.cloud_sequences(session.id); clouds)
       known_[session.id].stored = {clouds->begin(), clouds->end()};
     else

@@ -155,7 +155,8 @@ Result<void> put(Database& db, const PutMerge& write) {
   if (done && write.anchored != 0)
     done = db.run("INSERT OR REPLACE INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors", write.anchored);
   if (!done || write.attempted == 0) return done;
-  return db.run("UPDATE sessions SET attempted_keyframes=? WHERE id=?", write.attempted_keyframes, write.attempted);
+  return db.run("UPDATE sessions SET attempted_keyframes=?, attempted_whole=? WHERE id=?", write.attempted_keyframes,
+                int{write.attempted_whole}, write.attempted);
 }
 
 Result<void> put(Database& db, const PutLabel& write) {

@@ -32,6 +32,7 @@ struct SessionRecord {
   std::uint64_t spool_run = 0;            // the last opening of the spool that was admitted; 0: it does not say
   bool complete = false;                  // the robot said that no keyframe follows
   std::uint64_t attempted_keyframes = 0;  // how many the last finished merge attempt has seen
+  bool attempted_whole = false;           // ... and it expected no more: the session had ended, or rested
 };
 
 /// A robot that was let in, or may be. Only digests are kept: SHA-256 of secrets that are random and long.
@@ -72,6 +73,7 @@ struct PutMerge {
   std::vector<DecisionRecord> decided;                   // new ones, and those that were undone
   SessionId anchored = 0;                                // chosen as its component's anchor; 0: none
   std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces what was known
+  bool attempted_whole = false;
 };
 /// The operator's name for a session; empty: none.
 struct PutLabel {

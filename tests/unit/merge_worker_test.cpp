@@ -16,6 +16,38 @@ TEST_F(Worker, ARestartFeedsAllAndTriesOnlyWhatNoAttemptHasSeen) {
   EXPECT_EQ(worker->view()->atlas.components.size(), 2U) << "sessions that merged with none are components of one";
 }
 
+TEST_F(Worker, WhoRestedAndWasTriedAsAWholeIsNotTriedAgainAfterARestartUntilItDrivesOn) {
+  for (const SessionId id : {1, 2}) {
+    PutMerge tried{id, 5, {}, std::nullopt, {}};
+    tried.attempted_whole = id == 1;
+    keep(tried);
+  }
+  worker =
+      std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, ScheduleConfig{.rest_s = 0});
+  ASSERT_TRUE(worker->restore());
+  worker->start(robots);
+  ASSERT_TRUE(eventually([&] { return script.attempted() == 1 && idle(); }));
+  EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "it rests from now on";
+  EXPECT_EQ(script.completed, (std::set<SessionId>{1, 2}));
+  keep(PutKeyframe{1, line_keyframe(6)});
+  worker->keyframes_durable(1, 6);
+  ASSERT_TRUE(eventually([&] { return script.attempted() == 2 && idle(); }));
+  EXPECT_EQ(script.attempts.back(), 1);
+}
+
+TEST_F(Worker, ThatASessionWasTriedAsAWholeIsStored) {
+  script.on_attempt = [](SessionId id, CloudSource&) {
+    AttemptReport report;
+    report.whole = id == 1;
+    return report;
+  };
+  start();
+  for (const SessionId id : {1, 2}) worker->trigger(id, Trigger::command);
+  ASSERT_TRUE(eventually([&] { return script.attempted() == 2 && idle(); }));
+  EXPECT_TRUE(store->sessions()->at(0).attempted_whole);
+  EXPECT_FALSE(store->sessions()->at(1).attempted_whole);
+}
+
 TEST_F(Worker, TheAtlasIsThereBeforeTheKeyframesAreBackAndWhatComesMeanwhileIsFedOnce) {
   const Alignment merged{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
   keep(PutMerge{2, 5, {merged}, Atlas{7, {{1, {{1, Pose::Identity()}, {2, merged.T_a_b}}}}}, {}});

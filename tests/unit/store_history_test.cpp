@@ -12,7 +12,8 @@ namespace {
 constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN label; ALTER TABLE alignments DROP COLUMN T_a_b_runner_up;"
     "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; DROP TABLE troubles; ALTER TABLE robots DROP "
-    "COLUMN rate_kib_s; ALTER TABLE keyframes DROP COLUMN checksum; DROP TABLE placed; DROP TABLE self_likeness;"
+    "COLUMN rate_kib_s; ALTER TABLE keyframes DROP COLUMN checksum; DROP TABLE placed; DROP TABLE self_likeness; "
+    "ALTER TABLE sessions DROP COLUMN attempted_whole;"
     "PRAGMA user_version=3;";
 
 struct StoredAtlas : testing::Test {
