@@ -13,6 +13,7 @@
 #include "server/net/robot_listener.hpp"
 #include "server/operator/operator_api.hpp"
 #include "server/security/operator_guard.hpp"
+#include "server/security/operator_registry.hpp"
 #include "server/security/robot_gate.hpp"
 #include "server/security/server_identity.hpp"
 #include "server/station/robot_desk.hpp"
@@ -58,6 +59,7 @@ struct MapMergeServer::Parts {
   RobotListener listener;
   StationView view;
   std::optional<RobotDesk> desk;
+  std::unique_ptr<OperatorRegistry> people;  // null: --insecure
   std::optional<OperatorApi> api;
   Endpoint robots, http;
   std::string fingerprint;  // 32 bytes; empty: --insecure
@@ -77,10 +79,16 @@ Result<void> MapMergeServer::Parts::start() {
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
   if (!token) return tl::unexpected(token.error());
   if (!options.insecure) desk.emplace(gate, fingerprint, to_string(robots));
+  if (!options.insecure) {
+    auto known = OperatorRegistry::open(options.data / "operators.json");
+    if (!known) return tl::unexpected(known.error());
+    people = std::move(*known);
+  }
   const std::filesystem::path log = options.data / "events.jsonl";
   if (!std::ofstream(log, std::ios::app))
     spdlog::warn("{} can not be written: what happens and what operators do is kept in memory alone", log.string());
-  api.emplace(io, view, OperatorLimits{}, OperatorAccess{*token, desk ? &*desk : nullptr, log});
+  api.emplace(io, view, OperatorLimits{},
+              OperatorAccess{*token, desk ? &*desk : nullptr, log, options.data / "notes.jsonl", people.get()});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};

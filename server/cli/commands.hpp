@@ -72,6 +72,11 @@ class Commands {
 
   // robots.cpp
   Result<int> list_robots();
+  // operators.cpp
+  Result<int> list_operators();
+  /// Prints the token, which is told this once.
+  Result<int> add_operator(const std::string& name, const std::string& role, double days);
+  Result<int> revoke_operator(const std::string& name);
   /// Prints the one string that the robot needs.
   Result<int> add_robot(const std::string& robot);
   Result<int> revoke_robot(const std::string& robot);

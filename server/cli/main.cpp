@@ -21,6 +21,8 @@ struct Options {
   double every_s = 1;
   int times = 0, most = 10000;
   headframe::MapRequest map;
+  std::string person, role = "operate";
+  double days = 30;
   std::string session, file, frame, label, reason, robot, alignment, a, b, shell = "bash";
   std::int64_t kib_s = 0;
   bool all_the_same = false;
@@ -184,6 +186,24 @@ void add_robot_commands(CLI::App& app, Options& options) {
             [&](Commands& c) { return c.revoke_robot(options.robot); }));
 }
 
+void add_operator_commands(CLI::App& app, Options& options) {
+  CLI::App* people = app.add_subcommand("operator", "Who may work with this server beside you, and as what");
+  people->add_flag("--json", options.json, "Print JSON");
+  const auto add = adder(*people, options);
+  add("list", "All operators with a name", [](Commands& c) { return c.list_operators(); });
+  const auto named = [&](CLI::App* sub) {
+    sub->add_option("NAME", options.person, "Of the operator")->required();
+    return sub;
+  };
+  CLI::App* one = named(add("add", "Print a token for an operator; an earlier one of the same name ends",
+                            [&](Commands& c) { return c.add_operator(options.person, options.role, options.days); }));
+  one->add_option("--role", options.role, "view, operate (default) or administer")
+      ->check(CLI::IsMember({"view", "operate", "administer"}));
+  one->add_option("--days", options.days, "How long the token is good for (default 30)")
+      ->check(CLI::Range(0.001, 3650.0));
+  named(add("revoke", "End an operator's token, now", [&](Commands& c) { return c.revoke_operator(options.person); }));
+}
+
 int fault(const headframe::Error& error) {
   std::cerr << "headframe: " << headframe::printable(error.message) << '\n';
   return error.code == headframe::ErrorCode::invalid_argument ? headframe::exit_usage : headframe::exit_failed;
@@ -219,6 +239,7 @@ int run(int argc, char** argv) {
   add_export_commands(app, options);
   add_session_commands(app, options);
   add_robot_commands(app, options);
+  add_operator_commands(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

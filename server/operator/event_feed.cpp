@@ -17,8 +17,9 @@ using Code = beast::error_code;
 /// One client. Everything but tell() and close() runs on the strand of its socket.
 class EventSocket : public std::enable_shared_from_this<EventSocket> {
  public:
-  EventSocket(beast::tcp_stream stream, std::shared_ptr<EventFeed> feed, std::size_t queued_bytes)
-      : socket_(std::move(stream)), feed_(std::move(feed)), queue_(queued_bytes) {}
+  EventSocket(beast::tcp_stream stream, std::shared_ptr<EventFeed> feed, std::size_t queued_bytes,
+              OperatorIdentity listener)
+      : who(std::move(listener)), socket_(std::move(stream)), feed_(std::move(feed)), queue_(queued_bytes) {}
   ~EventSocket() { feed_->give_place(); }
   EventSocket(const EventSocket&) = delete;
   EventSocket& operator=(const EventSocket&) = delete;
@@ -44,6 +45,8 @@ class EventSocket : public std::enable_shared_from_this<EventSocket> {
       if (!self->writing_) self->write();
     });
   }
+
+  const OperatorIdentity who;
 
   void close() {
     net::post(socket_.get_executor(), [self = shared_from_this()] { self->end(); });
@@ -90,10 +93,24 @@ bool EventFeed::take_place() {
 
 void EventFeed::give_place() { --places_; }
 
-void EventFeed::serve(beast::tcp_stream stream, Request request) {
+void EventFeed::serve(beast::tcp_stream stream, Request request, const OperatorIdentity& who) {
   stream.expires_never();
-  std::make_shared<EventSocket>(std::move(stream), shared_from_this(), limits_.queued_bytes)
+  std::make_shared<EventSocket>(std::move(stream), shared_from_this(), limits_.queued_bytes, who)
       ->accept(std::move(request));
+}
+
+/// Under the lock.
+void EventFeed::end_expired() {
+  if (people_ == nullptr) return;
+  const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
+  for (const auto& socket : sockets_)
+    if (!people_->stands(socket->who, now.count())) socket->close();
+}
+
+void EventFeed::end(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& socket : sockets_)
+    if (socket->who.name == name) socket->close();
 }
 
 void EventFeed::stop() {
@@ -159,6 +176,7 @@ std::vector<std::string> EventFeed::news(const std::shared_ptr<const StationLook
 void EventFeed::look() {
   const std::lock_guard lock(mutex_);
   if (stopped_) return;
+  end_expired();
   const auto now = std::make_shared<const StationLook>(look_at(station_));
   const auto snapshot = [now] { return std::make_shared<const std::string>(snapshot_event(*now)); };
   for (std::string& text : news(now)) {

@@ -16,6 +16,7 @@
 #include "server/operator/event_diff.hpp"
 #include "server/operator/event_log.hpp"
 #include "server/operator/operator_limits.hpp"
+#include "server/security/operator_registry.hpp"
 
 namespace headframe {
 
@@ -29,8 +30,12 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
 
   EventFeed(boost::asio::io_context& io, const Station& station, const EventLimits& limits,
-            std::shared_ptr<EventLog> log)
-      : station_(station), limits_(limits), log_(std::move(log)), timer_(boost::asio::make_strand(io)) {}
+            std::shared_ptr<EventLog> log, const OperatorRegistry* people = nullptr)
+      : station_(station),
+        limits_(limits),
+        log_(std::move(log)),
+        people_(people),
+        timer_(boost::asio::make_strand(io)) {}
 
   /// Looks at the station from now on, and writes down what happens. Once.
   void start();
@@ -38,8 +43,10 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   /// Room for one more; a place that is taken is given back by the socket's end.
   bool take_place();
   void give_place();
-  /// Takes over a connection whose request asks for an upgrade, and that has a place.
-  void serve(boost::beast::tcp_stream stream, Request request);
+  /// Takes over a connection whose request asks for an upgrade, and that has a place; until the operator's token ends.
+  void serve(boost::beast::tcp_stream stream, Request request, const OperatorIdentity& who);
+  /// Ends what this operator listens to, unless the token still stands.
+  void end(const std::string& name);
   /// Ends all clients, after a last look for the log.
   void stop();
 
@@ -47,6 +54,7 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   friend class EventSocket;
   void join(const std::shared_ptr<EventSocket>& socket);
   void leave(const std::shared_ptr<EventSocket>& socket);
+  void end_expired();
   void look_again();
   void look();
   std::vector<std::string> news(const std::shared_ptr<const StationLook>& now);
@@ -54,7 +62,8 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   const Station& station_;
   const EventLimits limits_;
   const std::shared_ptr<EventLog> log_;
-  std::uint64_t told_ = 0;  // the last entry of the log that clients know of
+  const OperatorRegistry* const people_;  // may be null
+  std::uint64_t told_ = 0;                // the last entry of the log that clients know of
   std::mutex mutex_;
   boost::asio::steady_timer timer_;
   std::shared_ptr<const StationLook> last_;

@@ -13,6 +13,7 @@ Json entry_object(const LogEntry& entry) {
           {"at_s", entry.at_s},
           {"kind", entry.kind},
           {"text", entry.text},
+          {"by", entry.by.empty() ? Json() : Json(entry.by)},
           {"session_id", entry.session == 0 ? Json() : Json(entry.session)},
           {"alignment_id", entry.alignment == 0 ? Json() : Json(entry.alignment)}};
 }
@@ -30,6 +31,7 @@ std::optional<LogEntry> entry_of(const std::string& line) {
                  words("text"),
                  static_cast<SessionId>(number("session_id")),
                  static_cast<AlignmentId>(number("alignment_id")),
+                 words("by"),
                  number("id"),
                  json.contains("at_s") && json["at_s"].is_number() ? json["at_s"].get<double>() : 0};
   constexpr std::uint64_t most_id = 1ULL << 53U;  // what JSON's readers can count to

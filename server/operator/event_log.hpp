@@ -15,11 +15,12 @@
 namespace headframe {
 
 struct LogEntry {
-  std::string
-      kind;  // started, connected, left, finished, merged, withdrawn, held_back, unsure, no_match, revision, operator
-  std::string text;           // one line for people; sessions are named "robot/session"
+  std::string kind;  // started, connected, left, finished, merged, withdrawn, held_back, unsure, no_match, revision,
+                     // operator, note
+  std::string text;  // one line for people; sessions are named "robot/session"
   SessionId session = 0;      // what it is about; 0: no session
   AlignmentId alignment = 0;  // 0: no alignment
+  std::string by = {};        // the operator's name; empty: nobody did it, or who shows the server's own token
   std::uint64_t id = 0;       // counts up from 1; the log gives it
   double at_s = 0;            // since the epoch; the log gives it
 };

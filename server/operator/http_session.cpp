@@ -99,8 +99,8 @@ void HttpSession::on_read(Code code) {
   if (refusal) return send(std::move(*refusal));
   const std::chrono::duration<double> uptime = std::chrono::steady_clock::now() - shared_->started;
   try {
-    perform(route({text(request.method_string()), text(request.target()), request.body()}, shared_->station,
-                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots, shared_->log));
+    perform(route({text(request.method_string()), text(request.target()), request.body(), who_}, shared_->station,
+                  shared_->tiles, shared_->limits, uptime.count(), shared_->robots, shared_->records));
   } catch (const std::exception& exception) {  // of a library: ends here, with this request
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
@@ -137,7 +137,8 @@ std::optional<Ready> HttpSession::turned_down() {
   const auto now = std::chrono::steady_clock::now();
   if (is_public(text(request.target()))) return too_many(shared_->strangers, now);
   if (auto refusal = foreign()) return refusal;
-  const auto verdict = shared_->guard.check(credentials_of(request), from_, now);
+  const std::chrono::duration<double> unix_time = std::chrono::system_clock::now().time_since_epoch();
+  const auto verdict = shared_->guard.check(credentials_of(request), from_, now, unix_time.count(), &who_);
   has_token_ = verdict == Verdict::welcome && shared_->asks_token;
   if (verdict == Verdict::welcome) return too_many(shared_->operators, now);
   if (verdict == Verdict::limited) {
@@ -146,7 +147,8 @@ std::optional<Ready> HttpSession::turned_down() {
   }
   Ready refusal = error_reply(
       401, {ErrorCode::refused,
-            verdict == Verdict::missing
+            verdict == Verdict::expired ? "this token has expired; ask who administers the server for another"
+            : verdict == Verdict::missing
                 ? "the operator's token is missing; it is in operator.token in the server's data directory: headframe "
                   "--token-file DIR/operator.token"
                 : "this is not the operator's token; it is in operator.token in the server's data directory: headframe "
@@ -190,7 +192,7 @@ void HttpSession::upgrade() {
     return send(error_reply({ErrorCode::refused, "a page of another origin may not listen"}));
   if (!shared_->events->take_place())
     return send(error_reply({ErrorCode::unavailable, "too many listen already; close some pages"}));
-  shared_->events->serve(beast::tcp_stream(stream_.release_socket()), parser_->release());
+  shared_->events->serve(beast::tcp_stream(stream_.release_socket()), parser_->release(), who_);
   shared_->forget(shared_from_this());
 }
 

@@ -34,14 +34,16 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
              const OperatorAccess& access)
       : station(the_station),
         limits(the_limits),
-        guard(access.token),
+        guard(access.token, {}, access.people),
         asks_token(!access.token.empty()),
         strangers(the_limits.requests),
         operators(the_limits.requests),
         robots(access.robots),
         tiles(the_station),
         log(std::make_shared<EventLog>(access.log)),
-        events(std::make_shared<EventFeed>(io, the_station, the_limits.events, log)) {}
+        events(std::make_shared<EventFeed>(io, the_station, the_limits.events, log, access.people)),
+        records{log, std::make_shared<NoteBook>(access.notes), access.people,
+                [this](const std::string& name) { events->end(name); }} {}
 
   Station& station;
   const OperatorLimits limits;
@@ -53,6 +55,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   PointTiles tiles;
   const std::shared_ptr<EventLog> log;
   const std::shared_ptr<EventFeed> events;
+  const OperatorRecords records;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
   /// Starts a connection. Where limits.connections are served already the one makes room that has waited longest for a
@@ -124,6 +127,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   std::string header_;  // as it came
   bool has_token_ = false, keep_alive_ = false;
+  OperatorIdentity who_;               // of the request
   bool head_sent_ = false;             // of the Stream under way
   std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks
   std::unique_ptr<Stream> body_;

@@ -62,7 +62,7 @@ void HttpSession::answer_later(const Later& later) {
   stream_.socket().async_wait(net::ip::tcp::socket::wait_read, [self = shared_from_this()](Code code) {
     if (!code && self->client_gone()) self->finish();
   });
-  later.start([weak = weak_from_this()](Ready ready) {
+  const auto answer = [weak = weak_from_this()](Ready ready) {
     const auto self = weak.lock();
     if (!self) return;
     net::post(self->stream_.get_executor(), [self, ready = std::move(ready)]() mutable {
@@ -71,7 +71,9 @@ void HttpSession::answer_later(const Later& later) {
       self->stream_.socket().cancel(ignored);  // the wait for the client's end
       self->send(std::move(ready));
     });
-  });
+  };
+  if (!later.on_disk) return later.start(answer);
+  net::post(shared_->disk, [start = later.start, answer] { start(answer); });
 }
 
 void HttpSession::pull() {

@@ -65,7 +65,8 @@ std::string session_named(const std::map<std::string, std::string>& parameters, 
   return "session " + text->second;
 }
 
-LogEntry decision_line(const std::map<std::string, std::string>& parameters, const Station& station) {
+LogEntry decision_line(const std::map<std::string, std::string>& parameters, const Station& station,
+                       const std::string& name) {
   LogEntry entry{"operator", "", 0, 0};
   std::string pair = "a pair";
   for (const AlignmentRow& row : station.atlas().alignments)
@@ -74,10 +75,10 @@ LogEntry decision_line(const std::map<std::string, std::string>& parameters, con
       pair = pair_of(row);
     }
   const std::string& decision = parameters.at("decision");
-  entry.text = decision == "confirm"  ? "An operator confirmed " + pair + "."
-               : decision == "refuse" ? "An operator refused " + pair + "."
-               : decision == "undo"   ? "An operator undid the decision on " + pair + "."
-                                      : "An operator took " + pair + " apart.";
+  entry.text = name + (decision == "confirm"  ? " confirmed " + pair + "."
+                       : decision == "refuse" ? " refused " + pair + "."
+                       : decision == "undo"   ? " undid the decision on " + pair + "."
+                                              : " took " + pair + " apart.");
   return entry;
 }
 
@@ -100,18 +101,25 @@ std::vector<LogEntry> log_lines(const StationLook& before, const StationLook& af
 }
 
 std::optional<LogEntry> operator_line(std::string_view method, std::string_view path,
-                                      const std::map<std::string, std::string>& parameters, const Station& station) {
+                                      const std::map<std::string, std::string>& parameters, const Station& station,
+                                      const std::string& who) {
   if (method == "GET") return std::nullopt;
-  if (path.ends_with("{decision}")) return decision_line(parameters, station);
+  const std::string actor = who.empty() ? "An operator" : who;
   LogEntry entry{"operator", "", 0, 0};
+  entry.by = who;
+  if (path.ends_with("{decision}")) {
+    entry = decision_line(parameters, station, actor);
+    entry.by = who;
+    return entry;
+  }
   const auto given = [&](const char* name) {
     const auto found = parameters.find(name);
     return found == parameters.end() ? std::string() : found->second;
   };
   const auto of = [&](const char* parameter, const std::string& before, const std::string& after = {}) {
-    entry.text = "An operator " + before + session_named(parameters, parameter, station, entry.session) + after + ".";
+    entry.text = actor + " " + before + session_named(parameters, parameter, station, entry.session) + after + ".";
   };
-  if (path.ends_with("/merge")) entry.text = "An operator asked for merges.";
+  if (path.ends_with("/merge")) entry.text = actor + " asked for merges.";
   if (path.ends_with("/rename"))
     of("id", "called ", given("name").empty() ? " by its robot again" : " \"" + given("name") + "\"");
   if (path.ends_with("/anchor")) of("id", "anchored the map to ");
@@ -120,11 +128,14 @@ std::optional<LogEntry> operator_line(std::string_view method, std::string_view 
   if (path.ends_with("/release")) of("id", "released ");
   if (method == "DELETE" && path.ends_with("/sessions/{id}")) of("id", "deleted ");
   if (path.ends_with("/survey")) of("session", method == "DELETE" ? "took away the survey of " : "surveyed ");
-  if (path.ends_with("/robots/add")) entry.text = "An operator invited " + given("robot") + ".";
+  if (path.ends_with("/robots/add")) entry.text = actor + " invited " + given("robot") + ".";
   if (path.ends_with("/robots/rate"))
-    entry.text = "An operator lets " + given("robot") + " send " +
+    entry.text = actor + " lets " + given("robot") + " send " +
                  (given("kib_s") == "0" ? "what it can" : given("kib_s") + " KiB/s at most") + ".";
-  if (path.ends_with("/robots/revoke")) entry.text = "An operator cut " + given("robot") + " off.";
+  if (path.ends_with("/operators/add"))
+    entry.text = actor + " lets " + given("name") + " " + (given("role").empty() ? "operate" : given("role")) + ".";
+  if (path.ends_with("/operators/revoke")) entry.text = actor + " revoked the token of " + given("name") + ".";
+  if (path.ends_with("/robots/revoke")) entry.text = actor + " cut " + given("robot") + " off.";
   if (entry.text.empty()) return std::nullopt;
   return entry;
 }

@@ -16,10 +16,12 @@ namespace headframe {
 /// here.
 std::vector<LogEntry> log_lines(const StationLook& before, const StationLook& after);
 
-/// "An operator took a/1 and b/1 apart.", of a request that changes something; none: the request only asks.
+/// "An operator took a/1 and b/1 apart.", or with the name of `who` did it, of a request that changes something; none:
+/// the request only asks, or its route writes a line of its own.
 /// `parameters` are those of the query and of the path, by their names. Names are looked up now: ask before what is
 /// named is deleted.
 std::optional<LogEntry> operator_line(std::string_view method, std::string_view path,
-                                      const std::map<std::string, std::string>& parameters, const Station& station);
+                                      const std::map<std::string, std::string>& parameters, const Station& station,
+                                      const std::string& who = {});
 
 }  // namespace headframe

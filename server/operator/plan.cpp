@@ -14,7 +14,7 @@ namespace headframe {
 namespace {
 
 constexpr double roof_m = 0.5;     // above the sensor
-constexpr double around_m = 1;     // at least, around what is shown
+constexpr double margin_m = 1;     // at least, around what is shown
 constexpr double fine_mm = 0.127;  // of paper for a pixel: 200 to the inch
 constexpr double most_px = 12e6;
 constexpr double png_px_per_mm = 6;
@@ -81,7 +81,7 @@ Result<void> Plan::begin() {
 }
 
 Result<void> Plan::choose() {
-  box_m_.min().array() -= around_m, box_m_.max().array() += around_m;
+  box_m_.min().array() -= margin_m, box_m_.max().array() += margin_m;
   auto paper = plan_paper(box_m_, request_.scale);
   if (!paper) return tl::unexpected(paper.error());
   paper_ = *paper;

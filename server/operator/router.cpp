@@ -47,6 +47,13 @@ constexpr std::array all_routes =
                           {"GET", "/api/v1/survey", {}, surveys},
                           {"POST", "/api/v1/survey", {"session", "accept"}, set_survey},
                           {"DELETE", "/api/v1/survey", {"session"}, drop_survey},
+                          {"GET", "/api/v1/notes", {}, notes},
+                          {"POST", "/api/v1/notes", {}, add_note},
+                          {"DELETE", "/api/v1/notes/{id}", {}, remove_note},
+                          {"GET", "/api/v1/me", {}, me},
+                          {"GET", "/api/v1/operators", {}, operators},
+                          {"POST", "/api/v1/operators/add", {"name", "role", "days"}, add_operator},
+                          {"POST", "/api/v1/operators/revoke", {"name"}, revoke_operator},
                           {"POST", "/api/v1/merge", {}, merge},
                           {"GET", "/api/v1/export", {"component", "format", "voxel", "frame"}, map},
                           {"GET", "/api/v1/plan", {"component", "frame", "format", "scale", "low", "high"}, plan},
@@ -92,10 +99,11 @@ Ready not_allowed(const std::string& path, const std::vector<const Route*>& ther
 
 /// Does what the route does, and notes what an operator changed once it is done.
 Result<Reply> noted(const Route& route, const Query& query, const Context& context) {
-  auto line = context.log ? operator_line(route.method, route.path, query, context.station) : std::nullopt;
+  const auto& log = context.records.log;
+  auto line = log ? operator_line(route.method, route.path, query, context.station, context.who.name) : std::nullopt;
   auto reply = route.handle(query, context);
   if (!line || !reply) return reply;
-  const auto note = [log = context.log, line = std::move(*line)](const Ready& ready) {
+  const auto note = [log, line = std::move(*line)](const Ready& ready) {
     if (ready.status < 300) log->add(line);
   };
   if (const auto* ready = std::get_if<Ready>(&*reply)) note(*ready);
@@ -128,6 +136,9 @@ Result<Reply> routed(const Request& request, const Context& context) {
       std::find_if(there.begin(), there.end(), [&](const Route* route) { return route->method == request.method; });
   if (found == there.end()) return not_allowed(target->path, there);
   const Route& route = **found;
+  if (const Role least = role_for(route.method, route.path); context.who.role < least)
+    return failure(ErrorCode::refused, context.who.name + " may " + std::string(to_string(context.who.role)) +
+                                           "; this is for those who may " + std::string(to_string(least)));
   for (const auto& [name, value] : target->query)
     if (name.empty() || std::find(route.parameters.begin(), route.parameters.end(), name) == route.parameters.end())
       return failure(ErrorCode::invalid_argument, target->path + " has no parameter \"" + name + "\"");
@@ -136,6 +147,15 @@ Result<Reply> routed(const Request& request, const Context& context) {
 }
 
 }  // namespace
+
+/// Who may do more may do less; what lets others in, holds the server's secrets, or is gone for good, is for the
+/// fewest.
+Role role_for(std::string_view method, std::string_view path) {
+  const bool of_people = path.starts_with("/api/v1/robots/") || path.starts_with("/api/v1/operators");
+  if (of_people || path == "/api/v1/backup" || (method == "DELETE" && path == "/api/v1/sessions/{id}"))
+    return Role::administer;
+  return method == "GET" ? Role::view : Role::operate;
+}
 
 std::vector<RouteName> route_names() {
   std::vector<RouteName> names;
@@ -155,8 +175,8 @@ bool is_public(std::string_view target) {
 }
 
 Reply route(const Request& request, Station& station, PointTiles& tiles, const OperatorLimits& limits, double uptime_s,
-            RobotAdmin* robots, const std::shared_ptr<EventLog>& log) {
-  auto reply = routed(request, {station, tiles, limits, uptime_s, robots, request.body, log});
+            RobotAdmin* robots, const OperatorRecords& records) {
+  auto reply = routed(request, {station, tiles, limits, uptime_s, robots, request.body, request.who, records});
   if (!reply) return error_reply(reply.error());
   return std::move(*reply);
 }

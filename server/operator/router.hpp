@@ -10,8 +10,10 @@
 
 #include "server/operator/body_source.hpp"
 #include "server/operator/event_log.hpp"
+#include "server/operator/note_book.hpp"
 #include "server/operator/operator_limits.hpp"
 #include "server/operator/point_tiles.hpp"
+#include "server/security/operator_registry.hpp"
 #include "server/station/robot_admin.hpp"
 #include "server/station/station.hpp"
 
@@ -29,6 +31,7 @@ struct Ready {
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
 struct Later {
   std::function<void(std::function<void(Ready)> answer)> start;
+  bool on_disk = false;  // start() waits for the disk: not on an I/O thread
 };
 struct Stream {
   std::string content_type;
@@ -42,15 +45,28 @@ using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 struct Request {
   std::string_view method, target;
   std::string_view body = {};
+  OperatorIdentity who = {};  // asks; anybody where no token is asked for
 };
 
 /// Whether a target is for everybody; all others want the operator's token.
 bool is_public(std::string_view target);
 
+/// What operators left here, beside what the station knows. Each may be null: nothing is kept, and nobody has a name.
+struct OperatorRecords {
+  std::shared_ptr<EventLog> log = {};
+  std::shared_ptr<NoteBook> notes = {};
+  OperatorRegistry* people = nullptr;
+  std::function<void(const std::string& name)> on_revoked = {};  // ends what this operator still listens to
+};
+
 /// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
-/// `robots`, which is null where none has to enrol. What changed something is written to `log`, if there is one.
+/// `robots`, which is null where none has to enrol. What changed something is written to the log, if there is one. Who
+/// may not do what is asked is told so (403).
 Reply route(const Request& request, Station& station, PointTiles& tiles, const OperatorLimits& limits, double uptime_s,
-            RobotAdmin* robots = nullptr, const std::shared_ptr<EventLog>& log = nullptr);
+            RobotAdmin* robots = nullptr, const OperatorRecords& records = {});
+
+/// What a route asks of who wants it.
+Role role_for(std::string_view method, std::string_view path);
 
 /// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
 struct RouteName {

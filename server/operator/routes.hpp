@@ -17,8 +17,9 @@ struct Context {
   const OperatorLimits& limits;
   double uptime_s;
   RobotAdmin* robots;
-  std::string_view body;          // of the request
-  std::shared_ptr<EventLog> log;  // may be null
+  std::string_view body;  // of the request
+  OperatorIdentity who;
+  const OperatorRecords& records;  // lives as long as the request: a Later takes what it needs of it
 };
 
 // routes.cpp: what several of them need.
@@ -76,6 +77,17 @@ Result<Reply> drop_survey(const Query&, const Context&);
 Result<Reply> map(const Query&, const Context&);
 Result<Reply> plan(const Query&, const Context&);
 Result<Reply> trajectory(const Query&, const Context&);
+
+// note_routes.cpp
+Result<Reply> notes(const Query&, const Context&);
+Result<Reply> add_note(const Query&, const Context&);
+Result<Reply> remove_note(const Query&, const Context&);
+
+// people_routes.cpp
+Result<Reply> me(const Query&, const Context&);
+Result<Reply> operators(const Query&, const Context&);
+Result<Reply> add_operator(const Query&, const Context&);
+Result<Reply> revoke_operator(const Query&, const Context&);
 
 // robot_routes.cpp
 Result<Reply> robots(const Query&, const Context&);

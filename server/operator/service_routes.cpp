@@ -44,7 +44,7 @@ Result<Reply> openapi(const Query&, const Context&) { return file_reply(*embedde
 Result<Reply> log(const Query& query, const Context& context) {
   const auto most = whole_number(query, "most", 200, 1000);
   if (!most) return tl::unexpected(most.error());
-  return json(log_json(context.log ? context.log->latest(*most) : std::vector<LogEntry>()));
+  return json(log_json(context.records.log ? context.records.log->latest(*most) : std::vector<LogEntry>()));
 }
 
 Result<Reply> events(const Query&, const Context&) { return Upgrade{}; }

@@ -20,16 +20,21 @@ Result<std::string> operator_token(const std::filesystem::path& directory) {
   return text;
 }
 
-OperatorGuard::OperatorGuard(const std::string& token, const AttemptLimits& limits)
-    : digest_(token.empty() ? "" : sha256(token)), attempts_(limits) {}
+OperatorGuard::OperatorGuard(const std::string& token, const AttemptLimits& limits, const OperatorRegistry* people)
+    : digest_(token.empty() ? "" : sha256(token)), people_(people), attempts_(limits) {}
 
 OperatorGuard::Verdict OperatorGuard::check(std::string_view authorization, const boost::asio::ip::address& from,
-                                            AttemptLimiter::Time now) {
+                                            AttemptLimiter::Time now, double unix_s, OperatorIdentity* who) {
   constexpr std::string_view scheme = "Bearer ";
+  if (who != nullptr) *who = {};
   if (digest_.empty()) return Verdict::welcome;
   if (authorization.empty()) return Verdict::missing;  // nothing was tried
   const bool bearer = authorization.substr(0, scheme.size()) == scheme;
   if (bearer && same_secret(sha256(authorization.substr(scheme.size())), digest_)) return Verdict::welcome;
+  const auto known = bearer && people_ != nullptr ? people_->find(authorization.substr(scheme.size())) : std::nullopt;
+  if (known && unix_s >= known->expires_s) return Verdict::expired;
+  if (known && who != nullptr) *who = *known;
+  if (known) return Verdict::welcome;
   const bool may_try = attempts_.allowed(from, now);
   attempts_.failed(from, now);
   return may_try ? Verdict::wrong : Verdict::limited;

@@ -6,6 +6,7 @@
 
 #include "common/result.hpp"
 #include "server/security/attempt_limiter.hpp"
+#include "server/security/operator_registry.hpp"
 
 namespace headframe {
 
@@ -13,20 +14,25 @@ namespace headframe {
 /// Errors are those of read_private_file, but not_found; bad_input: something else is in the file.
 Result<std::string> operator_token(const std::filesystem::path& directory);
 
-/// Lets in who shows the operator's token. Thread safe.
+/// Lets in who shows the server's own token, or that of a named operator. Thread safe.
 class OperatorGuard {
  public:
-  /// An empty token lets everybody in.
-  explicit OperatorGuard(const std::string& token, const AttemptLimits& limits = {});
+  /// An empty token lets everybody in. `people` may be null, and has to outlive this.
+  explicit OperatorGuard(const std::string& token, const AttemptLimits& limits = {},
+                         const OperatorRegistry* people = nullptr);
 
   /// limited: wrong, and one of too many from this address. The right token is welcome even then: 256 random bits are
   /// not guessed, and otherwise one forgotten browser tab would lock the operator out.
-  enum class Verdict { welcome, missing, wrong, limited };
-  /// `authorization` is the value of that header: "Bearer TOKEN".
-  Verdict check(std::string_view authorization, const boost::asio::ip::address& from, AttemptLimiter::Time now);
+  /// expired: it was a named operator's.
+  enum class Verdict { welcome, missing, wrong, limited, expired };
+  /// `authorization` is the value of that header: "Bearer TOKEN". `who` gets who is welcome, if it is not null;
+  /// `unix_s` is the time that named operators' tokens are judged by.
+  Verdict check(std::string_view authorization, const boost::asio::ip::address& from, AttemptLimiter::Time now,
+                double unix_s = 0, OperatorIdentity* who = nullptr);
 
  private:
   const std::string digest_;  // of the token; empty: there is none
+  const OperatorRegistry* const people_;
   AttemptLimiter attempts_;
 };
 

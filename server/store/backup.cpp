@@ -21,7 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* database_name = "headframe.db";
-constexpr std::array private_files{"identity.pem", "operator.token", "revoked"};
+constexpr std::string_view notes_name = "notes.jsonl";  // may be larger than the others
+constexpr std::array<std::string_view, 5> private_files{"identity.pem", "operator.token", "operators.json", "revoked",
+                                                        notes_name};
 
 struct PrivateFile {
   std::string name, content;
@@ -79,13 +81,20 @@ Result<void> copy_database(const fs::path& from, const fs::path& to) {
   return database->run("VACUUM INTO ?", to.string());
 }
 
+/// A line that is cut off, as one that is being written, costs itself alone.
+Result<std::string> read_notes(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return failure(ErrorCode::not_found, "there is no " + file.string());
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
 Result<void> put_private_files(Database& backup, const fs::path& directory) {
   auto done = backup.execute("CREATE TABLE private_files (name TEXT PRIMARY KEY, content BLOB NOT NULL)");
-  for (const char* name : private_files) {
+  for (const std::string_view name : private_files) {
     if (!done) return done;
-    const auto content = read_private_file(directory / name);
+    const auto content = name == notes_name ? read_notes(directory / name) : read_private_file(directory / name);
     if (content)
-      done = backup.run("INSERT INTO private_files VALUES (?,?)", name, Blob{*content});
+      done = backup.run("INSERT INTO private_files VALUES (?,?)", std::string(name), Blob{*content});
     else if (content.error().code != ErrorCode::not_found)
       return tl::unexpected(content.error());
   }

@@ -9,9 +9,10 @@ namespace headframe {
 
 /// Writes to `file` (mode 0600; replaced if it is there) all that is durable in the database of `directory` at this
 /// moment, and within it the small private files beside it: the server's key, by which the enrolled robots know it, the
-/// operator's token, and revocations that wait for the disk. The server may go on writing; other processes' writes are
-/// waited for as usual. Blocks while it copies. not_found: no database; unavailable: no room, or `file` can not be
-/// written; bad_input: the database is damaged. After a failure there is no `file`.
+/// operator's token, operators by name, notes on the map, and revocations that wait for the disk. The server may go on
+/// writing; other processes' writes are waited for as usual. Blocks while it copies. not_found: no database;
+/// unavailable: no room, or `file` can not be written; bad_input: the database is damaged. After a failure there is no
+/// `file`.
 Result<void> write_backup(const std::filesystem::path& directory, const std::filesystem::path& file);
 
 /// Makes `directory` that of a base station as it was when `file` was written; the next server there brings an older

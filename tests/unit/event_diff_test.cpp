@@ -68,7 +68,8 @@ TEST(Events, ASnapshotHoldsAll) {
   const Json snapshot = Json::parse(snapshot_event(look_at(station)));
   EXPECT_EQ(snapshot["type"], "snapshot");
   EXPECT_EQ(snapshot["sessions"]["sessions"].size(), 3U);
-  EXPECT_EQ(snapshot["atlas"]["alignments"].size(), 2U);
+  EXPECT_EQ(snapshot["atlas"]["alignments"].size(), 1U);
+  EXPECT_EQ(snapshot["atlas"]["rejected"], 1);
   EXPECT_EQ(snapshot["atlas"]["pending"]["attempts"], 0);
 }
 

@@ -109,7 +109,8 @@ TEST(LogLines, EveryRequestThatChangesSomethingHasALineAndNoOther) {
     const auto line = operator_line(
         route.method, route.path,
         {{"id", "1"}, {"decision", "confirm"}, {"session", "2"}, {"robot", "ant"}, {"kib_s", "8"}}, station);
-    EXPECT_EQ(line.has_value(), route.method != "GET") << route.path;
+    const bool tells_itself = route.path.starts_with("/api/v1/notes");  // it knows what was written
+    EXPECT_EQ(line.has_value(), route.method != "GET" && !tells_itself) << route.path;
     without += line ? 0 : 1;
   }
   EXPECT_GT(without, 10U);

@@ -8,6 +8,7 @@
 #include "server/operator/router.hpp"
 #include "tests/support/json_schema.hpp"
 #include "tests/support/operator_server.hpp"
+#include "tests/support/temp_dir.hpp"
 
 namespace headframe {
 namespace {
@@ -43,7 +44,9 @@ class OpenApi : public testing::Test {
   const Json& answers_of(const Asked& asked) { return api["paths"][asked.path][asked.method]["responses"]; }
 
   FewRobots robots;
-  OperatorServer server{{}, {"", &robots}};
+  TempDir folder;
+  std::unique_ptr<OperatorRegistry> people = *OperatorRegistry::open(folder.path() / "operators.json");
+  OperatorServer server{{}, {"", &robots, {}, {}, people.get()}};
   HttpClient client{*parse_http_endpoint(server.where())};
   Json api = Json::parse(client.get("/api/v1/openapi.json")->body);
   JsonSchema schema{api};
@@ -109,6 +112,14 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
       {"post", "/api/v1/survey", "/api/v1/survey?session=1", survey},
       {"get", "/api/v1/survey", "/api/v1/survey", ""},
       {"delete", "/api/v1/survey", "/api/v1/survey?session=1", ""},
+      {"post", "/api/v1/notes", "/api/v1/notes",
+       R"({"kind":"note","text":"loose","places":[{"session_id":1,"p_session":[1,2,3]}]})"},
+      {"get", "/api/v1/notes", "/api/v1/notes", ""},
+      {"delete", "/api/v1/notes/{id}", "/api/v1/notes/1", ""},
+      {"get", "/api/v1/me", "/api/v1/me", ""},
+      {"post", "/api/v1/operators/add", "/api/v1/operators/add?name=anna&role=view&days=1", ""},
+      {"get", "/api/v1/operators", "/api/v1/operators", ""},
+      {"post", "/api/v1/operators/revoke", "/api/v1/operators/revoke?name=anna", ""},
       {"post", "/api/v1/merge", "/api/v1/merge", ""},
       {"get", "/api/v1/robots", "/api/v1/robots", ""},
       {"post", "/api/v1/robots/add", "/api/v1/robots/add?robot=ant", ""},

@@ -6,13 +6,14 @@ import { Alarm } from './panels/alarm';
 import { Header } from './panels/header';
 import { LogPanel } from './panels/log';
 import { MergesPanel } from './panels/merges';
+import { NotesPanel } from './panels/notes';
 import { RobotsPanel } from './panels/robots';
 import { SessionsPanel } from './panels/sessions';
 import { SurveyPanel } from './panels/survey';
 import { ViewPane } from './panels/view_pane';
 import type { Choices, Tab } from './ui';
 
-const tabs: Record<Tab, string> = { merges: 'Merges', sessions: 'Sessions', log: 'Events' };
+const tabs: Record<Tab, string> = { merges: 'Merges', sessions: 'Sessions', log: 'Events', notes: 'Notes' };
 const order = Object.keys(tabs) as Tab[];
 
 function Tabs({ desk }: { desk: Desk }) {
@@ -54,6 +55,7 @@ function Tabs({ desk }: { desk: Desk }) {
         {ui.now.tab === 'merges' && <MergesPanel desk={desk} />}
         {ui.now.tab === 'sessions' && <SessionsPanel desk={desk} />}
         {ui.now.tab === 'log' && <LogPanel desk={desk} />}
+        {ui.now.tab === 'notes' && <NotesPanel desk={desk} />}
       </div>
     </section>
   );

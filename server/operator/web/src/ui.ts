@@ -5,7 +5,7 @@ import type { ColourBy } from './view/cloud_material';
 import type { MeasureOf } from './view/measure';
 import type { Way } from './view/stage';
 
-export type Tab = 'merges' | 'sessions' | 'log';
+export type Tab = 'merges' | 'sessions' | 'log' | 'notes';
 /** What lies over the map where there is room for one thing only. */
 export type Sheet = 'robots' | 'side' | 'tools';
 export type Theme = 'auto' | 'dark' | 'light';
@@ -36,6 +36,8 @@ export interface Choices {
   survey: number | null;
   sheet: Sheet | null;
   showRejected: boolean;
+  /** Of the events those alone that operators did. */
+  doneOnly: boolean;
 }
 
 export class Ui {
@@ -57,6 +59,7 @@ export class Ui {
     survey: null,
     sheet: null,
     showRejected: false,
+    doneOnly: false,
   };
   private readonly listeners: (() => void)[] = [];
 

@@ -154,3 +154,77 @@ test('a clip box hides what lies outside, also from clicks, until all is shown a
   await page.keyboard.press('Escape');
   clean();
 });
+
+test('what was measured is saved for others, who see it at once; and it can be taken away', async () => {
+  const other = await open(browser, station.url);
+  await other.getByText('Live', { exact: true }).waitFor();
+  await other.getByRole('tab', { name: 'Notes' }).click();
+  await other.getByText('Nothing is written on the map yet.').waitFor();
+  await press('Measure');
+  await press('Distance');
+  const { width, height } = await canvas().boundingBox();
+  let looked = 0;
+  await until('two ends of a measurement', async () => {
+    await canvas().click({ position: { x: width * (0.1 + 0.8 * halton(++looked, 2)), y: height * (0.25 + 0.4 * halton(looked, 3)) }, force: true });
+    return (await page.locator('.label-measure').count()) === 3;
+  });
+  await press('Save…');
+  await page.locator('input[name=text]').fill('Width of the drift');
+  await page.getByRole('dialog').getByRole('button', { name: 'Save', exact: true }).click();
+  const figure = /^Width of the drift · \d+\.\d\d m · level/;
+  await other.locator('.notes .log-link', { hasText: figure }).waitFor();
+  await other.locator('.label-note').waitFor({ state: 'attached' });
+  await other.getByRole('tab', { name: 'Events' }).click();
+  await other.getByLabel('Only what operators did').check();
+  await other.getByText('An operator wrote a distance: "Width of the drift".').waitFor();
+  assert.equal(await other.getByText('The server started.').count(), 0);
+  await other.getByRole('tab', { name: 'Notes' }).click();
+  await auditWidths(other, 'notes', '.side, .labels');
+  await other.reload();
+  await other.getByRole('tab', { name: 'Notes' }).click();
+  await other.getByRole('button', { name: 'Take away…' }).click();
+  await other.getByRole('dialog').getByRole('button', { name: 'Take away', exact: true }).click();
+  await until('none on the other page', async () => (await page.locator('.label-note').count()) === 0);
+  await other.locator('.toast-offer').click();
+  await until('it again', async () => (await page.locator('.label-note').count()) === 1);
+  assert.deepEqual(other.faults, []);
+  await other.context().close();
+  await canvas().focus();
+  await page.keyboard.press('Escape');
+  clean();
+});
+
+test('an operator with a name may do what the role says, until the token is revoked', async () => {
+  const guarded = await Station.start(join(scratch, 'guarded'), { insecure: false });
+  const enter = async (token) => {
+    const opened = await open(browser, guarded.url, { allowed: /401 \(Unauthorized\)|WebSocket connection/, before: (made) => made.addInitScript((held) => sessionStorage.setItem('headframe.token', held), token) });
+    await opened.getByText('Live', { exact: true }).waitFor();
+    return opened;
+  };
+  const owner = await enter(guarded.token);
+  await owner.getByText('Operators', { exact: false }).first().click();
+  await owner.getByRole('button', { name: 'Add an operator…' }).click();
+  await owner.locator('input[name=name]').fill('vera');
+  await owner.locator('select[name=role]').selectOption('view');
+  await owner.getByRole('dialog').getByRole('button', { name: 'Add', exact: true }).click();
+  const token = await owner.locator('.code').textContent();
+  assert.match(token, /^[0-9a-f]{64}$/);
+  await picture(owner, 'operator_added');
+  await owner.getByRole('dialog').getByRole('button', { name: 'Close' }).click();
+  await owner.locator('.fleet-row', { hasText: 'vera' }).getByText(/may look, until/).waitFor();
+  await auditWidths(owner, 'people', 'html');
+  const vera = await enter(token);
+  await vera.getByText('vera, may look').waitFor();
+  assert.equal(await vera.getByRole('button', { name: 'Merge now' }).count(), 0);
+  assert.equal(await vera.getByText('Invite a robot').count(), 0);
+  await owner.getByRole('button', { name: 'Revoke…' }).click();
+  await owner.getByRole('dialog').getByRole('button', { name: 'Revoke', exact: true }).click();
+  await vera.getByRole('dialog').getByText("this is not the operator's token", { exact: false }).waitFor();
+  await owner.getByRole('tab', { name: 'Events' }).click();
+  await owner.getByText('An operator revoked the token of vera.').waitFor();
+  for (const opened of [owner, vera]) {
+    assert.deepEqual(opened.faults, []);
+    await opened.context().close();
+  }
+  await guarded.kill();
+});

@@ -6,9 +6,11 @@ import { toast, told } from '../parts/toast';
 import { ask, askJson } from '../station/api';
 import { doubtOf } from '../station/pairs';
 import type { Station } from '../station/station';
-import type { Alignment, RobotList, RobotRow, Session, Survey, SurveyBody } from '../station/types';
+import type { Alignment, Note, RobotList, RobotRow, Session, Survey, SurveyBody } from '../station/types';
 import { ExportForm, exportPath, hideProgress, showProgress } from './export_form';
-import { Enrolment } from './enrolment';
+import type { Saved } from '../view/measure';
+import type { Picked } from '../view/pick';
+import { Enrolment, NewToken } from './enrolment';
 import { robotAddress } from './invitation';
 import { fitText } from './survey_text';
 import { download } from './download';
@@ -28,6 +30,9 @@ export const routes = {
   invite: 'POST /api/v1/robots/add',
   rate: 'POST /api/v1/robots/rate',
   revoke: 'POST /api/v1/robots/revoke',
+  note: 'POST /api/v1/notes',
+  unnote: 'DELETE /api/v1/notes/{id}',
+  operators: 'GET /api/v1/operators',
 };
 
 /** Which decisions the server will take, by its own rules. */
@@ -181,7 +186,7 @@ export class Actions {
       },
     });
     if (!acted) return;
-    this.note(`You: exported ${done}.`);
+    this.noteDone(`You: exported ${done}.`);
     toast(`Exported ${done}.`);
   }
 
@@ -246,6 +251,93 @@ export class Actions {
     if (acted) toast(`${robot} is cut off.`);
   }
 
+  /** For all to see; whether it was done. */
+  async note(kind: Saved, ends: Picked[]): Promise<boolean> {
+    const places = ends.map(({ session, p_session }) => ({ session_id: session, p_session: p_session.toArray() }));
+    const acted = await confirmed({
+      title: kind === 'note' ? 'Write on the map' : 'Save this measurement',
+      action: 'Save',
+      body: (
+        <label class="field">
+          {kind === 'note' ? 'What others should know of this place' : 'What it is; may be empty'}
+          <input name="text" maxLength={150} required={kind === 'note'} autocomplete="off" data-first />
+        </label>
+      ),
+      run: async (form) => {
+        await ask('/api/v1/notes', { method: 'POST', body: { kind, text: String(form.get('text')).trim(), places } });
+        await this.station.refreshNotes();
+      },
+    });
+    if (acted) toast('Saved, for all who work with this server.');
+    return acted;
+  }
+
+  async unnote({ id, kind, text, places }: Note): Promise<void> {
+    const acted = await confirmed({
+      title: 'Take this away?',
+      action: 'Take away',
+      tone: 'danger',
+      body: <p>{text || 'What was measured here'}: nobody sees it any more.</p>,
+      run: async () => {
+        await ask(`/api/v1/notes/${id}`, { method: 'DELETE' });
+        await this.station.refreshNotes();
+      },
+    });
+    if (!acted) return;
+    const again = async () => {
+      await ask('/api/v1/notes', { method: 'POST', body: { kind, text, places } });
+      await this.station.refreshNotes();
+    };
+    toast('Taken away.', { offer: { word: 'Undo', run: () => void told(again) } });
+  }
+
+  async addOperator(): Promise<void> {
+    let added = { name: '', token: '' };
+    const acted = await confirmed({
+      title: 'Add an operator',
+      action: 'Add',
+      body: (
+        <div class="form">
+          <label class="field">
+            Name
+            <input name="name" required maxLength={60} autocomplete="off" data-first />
+          </label>
+          <label class="field">
+            May
+            <select name="role">
+              <option value="view">look at everything and export it</option>
+              <option value="operate" selected>
+                operate: decide on merges, name, survey, write notes
+              </option>
+              <option value="administer">administer: robots and operators as well, delete sessions</option>
+            </select>
+          </label>
+          <label class="field">
+            Days that the token is good for
+            <input name="days" type="number" min={1} max={3650} step={1} required value={30} />
+          </label>
+        </div>
+      ),
+      run: async (form) => {
+        const query = ['name', 'role', 'days'].map((key) => `${key}=${encodeURIComponent(String(form.get(key)).trim())}`).join('&');
+        added = await askJson(`/api/v1/operators/add?${query}`, { method: 'POST' });
+      },
+    });
+    if (!acted) return;
+    await confirmed({ title: `${added.name} may come in`, body: <NewToken name={added.name} token={added.token} />, wide: true });
+  }
+
+  async revokeOperator(name: string): Promise<void> {
+    const acted = await confirmed({
+      title: `Revoke the token of ${name}?`,
+      action: 'Revoke',
+      tone: 'danger',
+      body: <p>It ends now, on every page that is open with it.</p>,
+      run: async () => void (await ask(`/api/v1/operators/revoke?name=${encodeURIComponent(name)}`, { method: 'POST' })),
+    });
+    if (acted) toast(`The token of ${name} ended.`);
+  }
+
   private setSurvey(session: number, body: SurveyBody, accept: boolean): Promise<Survey> {
     return askJson(`/api/v1/survey?session=${session}${accept ? '&accept=true' : ''}`, { method: 'POST', body });
   }
@@ -272,7 +364,7 @@ export class Actions {
     return `${this.station.titleOfName(a)} and ${this.station.titleOfName(b)}`;
   }
 
-  private note(text: string, about: { session?: number; alignment?: number } = {}): void {
+  private noteDone(text: string, about: { session?: number; alignment?: number } = {}): void {
     this.station.log.add('operator', text, about);
     this.station.changed();
   }

@@ -33,3 +33,13 @@ export function Enrolment({ robot, enrolment, server, expires_s }: { robot: stri
     </>
   );
 }
+
+/** An operator's token, once. */
+export function NewToken({ name, token }: { name: string; token: string }) {
+  return (
+    <>
+      <p>Give this token to {name}. It is not shown again; the page asks for it, and so does the command headframe.</p>
+      <Copied text={token} first />
+    </>
+  );
+}

@@ -111,7 +111,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
         <span class="figure">{sureness(alignment)}</span>
       </p>
       <div class="actions">
-        {fitting(alignment).map((decision) => (
+        {(station.can(routes.decide) ? fitting(alignment) : []).map((decision) => (
           <button
             key={decision}
             class={`button ${decision !== 'confirm' ? 'button-danger' : alignment.state === 'candidate' ? 'button-main' : ''}`}
@@ -120,7 +120,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
             {words[decision]}
           </button>
         ))}
-        {alignment.decision !== 'none' && (
+        {alignment.decision !== 'none' && station.can(routes.decide) && (
           <button class="button" onClick={() => void desk.actions.undo(alignment)}>
             Undo the decision
           </button>

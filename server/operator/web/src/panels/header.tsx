@@ -2,8 +2,9 @@
 
 import type { Desk } from '../context';
 import { routes } from '../actions/actions';
-import { compact, duration } from '../parts/format';
+import { compact, dayAndTime, duration } from '../parts/format';
 import { Icon, Logo } from '../parts/icons';
+import { mayWords } from './people';
 import type { Theme } from '../ui';
 
 const nextTheme: Record<Theme, Theme> = { auto: 'dark', dark: 'light', light: 'auto' };
@@ -76,6 +77,11 @@ export function Header({ desk }: { desk: Desk }) {
         </div>
       </dl>
       <Pending desk={desk} />
+      {station.me?.name && (
+        <span class="muted not-phone" title={station.me.expires_s === null ? '' : `until ${dayAndTime(station.me.expires_s)}`}>
+          {station.me.name}, {mayWords[station.me.role]}
+        </span>
+      )}
       {hold && (
         <span class="hold" role="alert">
           {hold}

@@ -13,7 +13,7 @@ const keys: [string, string][] = [
   ['G', 'lines of coordinates'],
   ['M', 'measure; Enter takes the point under the cross, Backspace the last one back'],
   ['P', 'play, or pause'],
-  ['1 2 3', 'merges, sessions, events'],
+  ['1 2 3 4', 'merges, sessions, events, notes'],
   ['Esc', 'let go of what is selected'],
   ['?', 'this list'],
 ];
@@ -99,7 +99,8 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
     case '1':
     case '2':
     case '3':
-      ui.set({ tab: (['merges', 'sessions', 'log'] as const)[Number(key) - 1] });
+    case '4':
+      ui.set({ tab: (['merges', 'sessions', 'log', 'notes'] as const)[Number(key) - 1] });
       return true;
     case 'Escape':
       ui.set(ui.now.measuring ? { measuring: false } : ui.now.follow !== null ? { follow: null } : { session: null, alignment: null, survey: null, sheet: null });

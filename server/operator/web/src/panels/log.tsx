@@ -6,8 +6,10 @@ import { clock, day } from '../parts/format';
 const shown = 300; // newest; the rest is in the server's file
 
 export function LogPanel({ desk }: { desk: Desk }) {
-  const { entries } = desk.station.log;
-  if (entries.length === 0)
+  const { doneOnly } = desk.ui.now;
+  const { entries: all } = desk.station.log;
+  const entries = doneOnly ? all.filter(({ tone }) => tone === 'operator') : all;
+  if (all.length === 0)
     return (
       <div class="empty">
         <p>Nothing has happened yet.</p>
@@ -16,6 +18,10 @@ export function LogPanel({ desk }: { desk: Desk }) {
     );
   return (
     <div role="log" aria-label="Events, newest first">
+      <label class="check">
+        <input type="checkbox" checked={doneOnly} onChange={(event) => desk.ui.set({ doneOnly: event.currentTarget.checked })} />
+        Only what operators did
+      </label>
       <ol class="log">
         {entries.slice(0, shown).map(({ key, at, tone, text: full, session, alignment }, index) => {
           const text = desk.station.titled(full);

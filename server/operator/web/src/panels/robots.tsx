@@ -6,6 +6,7 @@ import { bytes, compact, duration, metres } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { Session } from '../station/types';
 import { Fleet } from './fleet';
+import { People } from './people';
 
 /** Heard within so many seconds: four bars, three, two; later one; away none. */
 const heard_s = [4, 10, 20];
@@ -143,6 +144,7 @@ export function RobotsPanel({ desk }: { desk: Desk }) {
         </ul>
       )}
       <Fleet desk={desk} />
+      <People desk={desk} />
     </section>
   );
 }

@@ -1,12 +1,13 @@
 // The 3D view with its tools.
 
 import { useLayoutEffect, useRef } from 'preact/hooks';
+import { routes } from '../actions/actions';
 import type { Desk } from '../context';
 import { compact, dayAndTime, duration, wallClock_s } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { ColourBy } from '../view/cloud_material';
 import { clipText } from '../view/clip';
-import { type MeasureOf, needed } from '../view/measure';
+import { type MeasureOf, needed, type Saved, saved } from '../view/measure';
 import { ramp } from '../view/palette';
 import { showKeys } from './keys';
 import { ProfilePanel } from './profile';
@@ -75,7 +76,7 @@ function Cuts({ desk }: { desk: Desk }) {
   );
 }
 
-const measures: Record<MeasureOf, string> = { distance: 'Distance', line: 'Line', area: 'Area', section: 'Section', box: 'Clip' };
+const measures: Record<MeasureOf, string> = { distance: 'Distance', line: 'Line', area: 'Area', section: 'Section', box: 'Clip', note: 'Note' };
 const numbers = ['first', 'second', 'third'];
 
 function MeasureTools({ desk }: { desk: Desk }) {
@@ -94,6 +95,19 @@ function MeasureTools({ desk }: { desk: Desk }) {
         ))}
       </div>
       <output class={measure?.fault ? 'fault' : ''}>{measure?.fault || (taken < needed[measureOf] ? next : measure!.text(measureOf))}</output>
+      {taken >= needed[measureOf] && saved.includes(measureOf as Saved) && desk.station.can(routes.note) && (
+        <button
+          class="button button-small"
+          onClick={() =>
+            void desk.actions.note(measureOf as Saved, measure!.ends).then((done) => {
+              if (done) measure!.clear();
+              ui.set({});
+            })
+          }
+        >
+          {measureOf === 'note' ? 'Write…' : 'Save…'}
+        </button>
+      )}
       {taken > 0 && (
         <button
           class="button button-small"

@@ -5,7 +5,7 @@ import { Feed, type LinkState } from './feed';
 import { dayAndTime, wallClock_s } from '../parts/format';
 import { Log, type ServerEntry } from './log';
 import { readOverview } from './overview';
-import type { Alignment, Atlas, Component, Keyframe, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
+import type { Alignment, Atlas, Component, Keyframe, Me, Note, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
 
 const lookAround_ms = 2000;
 const together_ms = 300; // changes of the atlas within it are one request
@@ -42,6 +42,9 @@ export class Station {
   surveys: Survey[] = [];
   /** Points of the survey that is worked on. */
   draft: ControlPoint[] = [];
+  /** What operators wrote on the map, the newest at the end. */
+  notes: Note[] = [];
+  me: Me | null = null;
   routes = new Set<string>();
   /** The server wants a token, and robots enrol. */
   token = false;
@@ -116,9 +119,9 @@ export class Station {
     return session ? this.titleOf(session) : nameOf(name);
   }
 
-  /** Whether the server has this route, as its description spells it: "POST /api/v1/merge", "GET /api/v1/export?format=las". */
+  /** Whether the server has this route, and this operator may use it, as its description spells it: "POST /api/v1/merge", "GET /api/v1/export?format=las". */
   can(route: string): boolean {
-    return this.routes.has(route);
+    return this.routes.has(route) && (this.me?.may.includes(route.split('?')[0]) ?? true);
   }
 
   /** The first points of a session, if the overview had it. To be had once. */
@@ -162,6 +165,12 @@ export class Station {
       .filter(({ session_id }) => session_id !== worked)
       .flatMap(({ session_id, points }) => points.map(({ name, p_session }) => ({ session: session_id, name, p_session: p_session as [number, number, number] })));
     return [...set, ...this.draft];
+  }
+
+  async refreshNotes(): Promise<void> {
+    if (!this.can('GET /api/v1/notes')) return;
+    this.notes = (await askJson<{ notes: Note[] }>('/api/v1/notes')).notes;
+    this.changed();
   }
 
   private async readLog(): Promise<void> {
@@ -223,8 +232,10 @@ export class Station {
           for (const value of schema?.enum ?? []) this.routes.add(`${method.toUpperCase()} ${path}?${name}=${value}`);
         }
       }
+    if (this.routes.has('GET /api/v1/me')) this.me = await askJson<Me>('/api/v1/me');
     this.changed();
     void this.refreshSurveys().catch(() => {});
+    void this.refreshNotes().catch(() => {});
   }
 
   private onLink(state: LinkState): void {
@@ -257,6 +268,7 @@ export class Station {
         break;
       case 'log':
         this.log.take([event.entry]);
+        if (event.entry.kind === 'note') void this.refreshNotes().catch(() => {}); // with the next note or connection, then
         break;
       case 'revision':
         void this.refreshAtlas().catch(() => {});

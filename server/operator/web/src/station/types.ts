@@ -120,6 +120,35 @@ export interface Survey {
   suspect?: { name: string; text: string } | null;
 }
 
+export interface NotePlace {
+  session_id: number;
+  p_session: [number, number, number];
+}
+
+/** What an operator wrote or measured. */
+export interface Note {
+  id: number;
+  kind: 'note' | 'distance' | 'line' | 'area';
+  text: string;
+  by: string | null;
+  at_s: number;
+  places: NotePlace[];
+}
+
+export interface OperatorRow {
+  name: string;
+  role: 'view' | 'operate' | 'administer';
+  expires_s: number;
+}
+
+/** Who works with this page. */
+export interface Me {
+  name: string | null;
+  role: OperatorRow['role'];
+  expires_s: number | null;
+  may: string[];
+}
+
 export interface Keyframe {
   sequence: number;
   stamp_s: number;

@@ -26,6 +26,12 @@ export function distanceText([p, q]: Place[]): string {
   return `${between(p, q).toFixed(2)} m · level ${Math.hypot(q.x - p.x, q.y - p.y).toFixed(2)} m · height ${signed(q.z - p.z)} m`;
 }
 
+/** Of what was saved: what was written, and what was measured between its places now. */
+export function noteText({ kind, text }: { kind: string; text: string }, places: Place[]): string {
+  const measured = kind === 'distance' && places.length === 2 ? distanceText(places) : kind === 'line' && places.length > 1 ? lineText(places) : kind === 'area' && places.length > 2 ? areaText(places) : '';
+  return [text, measured].filter(Boolean).join(' · ') || 'its places are in no map any more';
+}
+
 export function lineText(line: Place[]): string {
   return `${lengthOf(line).toFixed(2)} m over ${line.length} points · last ${between(line.at(-2)!, line.at(-1)!).toFixed(2)} m`;
 }

@@ -10,9 +10,12 @@ import type { Label } from './labels';
 import type { Picked } from './pick';
 import type { Stage } from './stage';
 
-export type MeasureOf = 'distance' | 'line' | 'area' | 'section' | 'box';
+export type MeasureOf = 'distance' | 'line' | 'area' | 'section' | 'box' | 'note';
 
-export const needed: Record<MeasureOf, number> = { distance: 2, line: 2, area: 3, section: 2, box: 2 };
+export const needed: Record<MeasureOf, number> = { distance: 2, line: 2, area: 3, section: 2, box: 2, note: 1 };
+/** What can be saved for others. */
+export const saved = ['distance', 'line', 'area', 'note'] as const;
+export type Saved = (typeof saved)[number];
 /** For these any place of a map will do, seen from above, also one without a point. */
 export const onGround = (of: MeasureOf) => of === 'section' || of === 'box';
 export const notMerged = 'These points lie in maps that are not merged: where they lie to each other is not known, so there is nothing to measure between them.';
@@ -39,7 +42,7 @@ export class Measure {
 
   /** null: nothing was there. The third point of a distance begins anew. */
   take(found: Picked | null, of: MeasureOf): void {
-    if ((of === 'distance' || of === 'box') && found && this.ends.length >= 2) this.ends.length = 0;
+    if (found && (of === 'note' || ((of === 'distance' || of === 'box') && this.ends.length >= 2))) this.ends.length = 0;
     this.fault = found ? '' : nothingThere;
     if (found && this.ends.length && this.componentOf(found.session) !== this.componentOf(this.ends[0].session)) this.fault = notMerged;
     if (found && !this.fault) this.ends.push(found);
@@ -68,7 +71,7 @@ export class Measure {
     if (this.apart()) return notMerged;
     const places = this.places();
     if (of === 'section') return 'Click on for more corners.';
-    if (of === 'box') return '';
+    if (of === 'box' || of === 'note') return '';
     return of === 'distance' ? distanceText(places) : of === 'line' ? lineText(places) : areaText(places);
   }
 
@@ -88,7 +91,7 @@ export class Measure {
   labels(of: MeasureOf): Label[] {
     const places = this.places();
     const labels: Label[] = places.map((place, at) => ({ key: `measure-${at}`, place, text: String.fromCharCode(65 + (at % 26)), kind: 'measure', rank: 0 }));
-    const text = this.apart() || onGround(of) ? '' : this.text(of);
+    const text = this.apart() || onGround(of) || of === 'note' ? '' : this.text(of);
     const middle = places.reduce((sum, place) => sum.add(place), new Vector3()).divideScalar(Math.max(places.length, 1));
     if (text) labels.push({ key: 'measure-text', place: middle, text, kind: 'measure', rank: 0 });
     return labels;

@@ -3,7 +3,7 @@
 import { Box3, BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, Vector3 } from 'three';
 import { awaitedOf } from '../station/pairs';
 import type { Station } from '../station/station';
-import type { Session } from '../station/types';
+import type { Note, Session } from '../station/types';
 import type { Desk } from '../context';
 import { type Ages, agesOf, sharesOf } from '../time/ages';
 import { countUntil } from '../time/axis';
@@ -19,9 +19,11 @@ import { matrixOf } from './layout';
 import { type Label, Labels } from './labels';
 import { Cursor, type Spot } from './cursor';
 import { Decor, type Framed } from './decor';
+import { noteText } from './figures';
 import { moved } from './grid';
 import { Measure, onGround } from './measure';
 import { lookOf, mixed, type RobotColours } from './palette';
+import { NoteMarks } from './note_marks';
 import { type Picked, pick } from './pick';
 import { Robots } from './robots';
 import { type Section, SectionMaker } from './section';
@@ -65,6 +67,7 @@ export class MineView {
   private readonly robots: Robots;
   private readonly edges: Edges;
   private readonly labels: Labels;
+  private readonly notes: NoteMarks;
   private readonly decor: Decor;
   private readonly cursor: Cursor;
   /** Takes the next points that are clicked, in place of everything else. */
@@ -103,6 +106,7 @@ export class MineView {
     this.edges = new Edges(station, this.frames, this.stage);
     this.labels = new Labels(layer, this.stage);
     this.measure = new Measure(this.stage, this.frames, (id) => this.componentOf(id));
+    this.notes = new NoteMarks(this.stage, this.frames, (id) => this.componentOf(id));
     this.decor = new Decor(layer, this.stage);
     this.cursor = new Cursor(layer);
     this.outlines.frustumCulled = false;
@@ -168,9 +172,21 @@ export class MineView {
     return this.decor.bar_m;
   }
 
+  noteText(note: Note): string {
+    return noteText(note, this.notes.placesOf(note));
+  }
+
+  lookAtNote(note: Note): void {
+    const [place] = this.notes.placesOf(note);
+    if (place) this.goTo(place);
+  }
+
   look(session: number): void {
     const place = this.robots.positionOf(session);
-    if (!place) return;
+    if (place) this.goTo(place);
+  }
+
+  private goTo(place: Vector3): void {
     const shift = place.sub(this.stage.target);
     this.stage.target.add(shift);
     this.stage.camera.position.add(shift);
@@ -295,6 +311,7 @@ export class MineView {
     if (this.stage.signs.visible) {
       this.edges.beforeFrame((id) => this.lastShown(id));
       this.measure.beforeFrame(this.ui.now.measureOf);
+      this.notes.beforeFrame();
       this.decor.draw(this.framed(), this.ui.now.grid);
       this.labels.set(this.allLabels());
       this.labels.place();
@@ -338,7 +355,7 @@ export class MineView {
     const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
     const pairs = [...alignments.values()].map((pair) => [pair.id, pair.state, pair.decision, pair.T_a_b, awaitedOf(pair)]);
-    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.components.length]);
+    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.components.length]);
   }
 
   /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
@@ -387,6 +404,7 @@ export class MineView {
     }));
     this.edges.sync(isDark, now.alignment);
     this.measure.paint(theme.ink);
+    this.notes.sync(this.station.notes, theme.written);
     this.decor.paint(theme.written, theme.grid);
     this.outlines.material.color.setStyle(theme.outline, 'srgb-linear');
   }
@@ -431,7 +449,7 @@ export class MineView {
   }
 
   private allLabels(): Label[] {
-    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.controlLabels(), ...this.measure.labels(this.ui.now.measureOf)];
+    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.controlLabels(), ...this.notes.labels(() => this.ui.set({ tab: 'notes', survey: null, sheet: 'side' })), ...this.measure.labels(this.ui.now.measureOf)];
   }
 
   private robotLabels(): Label[] {
