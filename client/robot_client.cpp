@@ -246,6 +246,10 @@ void RobotClient::on_transform(const std::function<void(const Transforms&)>& cal
   state_->link.on_transform(callback);
 }
 std::optional<Transforms> RobotClient::transforms() const { return state_->link.transforms(); }
+void RobotClient::localize(const std::function<void(const Localization&)>& callback) {
+  state_->link.on_localization(callback);
+  state_->uplink->localize(static_cast<bool>(callback));
+}
 void RobotClient::trigger(const std::string& reason) { state_->uplink->trigger(reason); }
 SessionKey RobotClient::session() const { return state_->link.identity().session; }
 

@@ -12,6 +12,7 @@
 
 #include "client/keyframe/keyframe_selector.hpp"
 #include "client/keyframe/sweeps.hpp"
+#include "client/localization.hpp"
 #include "client/progress.hpp"
 #include "client/transforms.hpp"
 #include "common/cloud/point_cloud.hpp"
@@ -74,6 +75,12 @@ class RobotClient {
   /// call close(). The last one set counts.
   void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
+
+  /// Asks where the robot is in the map of others, from now on, over connections to come too. The callback gets each
+  /// answer: at once what is known, then whenever that changes, while the robot drives after every few metres. It is
+  /// called on the link's thread, like on_transform's; the last one set counts. None: asks no more. Nothing is merged
+  /// for the question, and an answer that is withdrawn comes as `not_yet`.
+  void localize(const std::function<void(const Localization&)>& callback);
 
   /// Asks the server to merge now.
   void trigger(const std::string& reason);

@@ -38,6 +38,7 @@ Result<void> SpooledLink::append(const Keyframe& keyframe, std::string_view enco
 
 void SpooledLink::on_event(const UplinkEvent& event) {
   if (const auto* t = std::get_if<Transforms>(&event)) return take(*t);
+  if (const auto* l = std::get_if<Localization>(&event)) return take(*l);
   const Lock lock(mutex_);
   Result<void> written;
   if (const auto* w = std::get_if<Welcomed>(&event)) {
@@ -83,6 +84,20 @@ void SpooledLink::take(const Transforms& transforms) {
     if (!known) callback = on_transform_;
   }
   if (callback) callback(transforms);
+}
+
+void SpooledLink::take(const Localization& localization) {
+  std::function<void(const Localization&)> callback;
+  {
+    const Lock lock(mutex_);
+    callback = on_localization_;
+  }
+  if (callback) callback(localization);
+}
+
+void SpooledLink::on_localization(const std::function<void(const Localization&)>& callback) {
+  const Lock lock(mutex_);
+  on_localization_ = callback;
 }
 
 void SpooledLink::on_transform(const std::function<void(const Transforms&)>& callback) {

@@ -34,6 +34,9 @@ class SpooledLink final : public UplinkSource {
   void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
 
+  /// Called on the uplink's thread with every answer to where the robot is.
+  void on_localization(const std::function<void(const Localization&)>& callback);
+
   Progress progress() const;  // without bytes_sent and connected
 
   /// All that the policy sends is acknowledged by the server that we are, or were last, connected to.
@@ -44,6 +47,7 @@ class SpooledLink final : public UplinkSource {
 
  private:
   void take(const Transforms& transforms);
+  void take(const Localization& localization);
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -57,6 +61,7 @@ class SpooledLink final : public UplinkSource {
   std::string hold_, link_error_, cloud_error_;
   std::optional<Transforms> transforms_;
   std::function<void(const Transforms&)> on_transform_;
+  std::function<void(const Localization&)> on_localization_;
 };
 
 }  // namespace headframe

@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all",
                                                                                 family = RobotConfig().family;
-  bool insecure = false, fast = false, provisional = false;
+  bool insecure = false, fast = false, provisional = false, localize = false;
   double rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
 
@@ -84,6 +84,7 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
   report.line((before > 0 ? "resumes session " : "session ") + mine.robot + "/" + mine.session +
               (before > 0 ? " after keyframe " + std::to_string(before) : ""));
   robot.on_transform([&](const Transforms& t) { report.transforms(mine, t); });
+  if (options.localize) robot.localize([&](const Localization& l) { report.localization(l); });
 
   auto done = play(session, options, robot, report);
   if (done)
@@ -161,6 +162,7 @@ int main(int argc, char** argv) {
          "what describes a keyframe: learned, scan_context, lidar_iris, or onnx:FILE (with FILE.json beside it)")
       ->capture_default_str();
   app.add_flag("--provisional", o.provisional, "print merges that still wait for path, too; nothing to drive by");
+  app.add_flag("--localize", o.localize, "ask where the robot is in the map of others, and print the answers");
   app.add_option("--linger", o.linger_s, "stay so many seconds after the last answer (30 with on_request, else 0)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--patience", o.patience_s, "give up after so many seconds without progress")

@@ -97,6 +97,23 @@ void ReplayReport::transforms(const SessionKey& mine, const Transforms& t) {
   }
 }
 
+void ReplayReport::localization(const Localization& l) {
+  using State = Localization::State;
+  if (l.state == State::unsupported) return line("where am I: this server is too old to tell; update it");
+  char text[160];
+  if (l.state == State::not_yet) {
+    std::snprintf(text, sizeof text,
+                  "where am I, keyframe %llu: not yet: ", static_cast<unsigned long long>(l.keyframe));
+    return line(text + l.missing);
+  }
+  std::snprintf(text, sizeof text, ", probability %.3f, %.0f m shared, +- %.2f m, %.1f deg", l.probability, l.shared_m,
+                std::sqrt(l.covariance.topLeftCorner<3, 3>().trace()),
+                std::sqrt(l.covariance(5, 5)) * 180 / std::numbers::pi);
+  line("where am I, keyframe " + std::to_string(l.keyframe) + ": on the map of " + name(l.session) + ", in " +
+       name(l.anchor) + "'s frame: T_component_sensor " + pose(l.T_component_sensor) + text +
+       (l.merged ? ", merged" : ""));
+}
+
 void ReplayReport::end(const Progress& progress) {
   const std::lock_guard<std::mutex> lock(mutex_);
   clear_bar();

@@ -18,6 +18,7 @@ class ReplayReport {
   void warning(const std::string& text);  // on standard error
   void step(std::size_t scans_done, const Progress& progress);
   void transforms(const SessionKey& mine, const Transforms& transforms);
+  void localization(const Localization& localization);
   void end(const Progress& progress);
 
  private:

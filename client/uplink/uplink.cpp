@@ -111,7 +111,12 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
     if (ended) end(l, ended->permanent ? std::nullopt : std::optional(backoff.next_s()));
     on_event(event);
     if (ended) return;
+    if (asks_where && std::holds_alternative<Welcomed>(event)) ask_where(l);
   }
+}
+
+void Uplink::Thread::ask_where(const Link& l) {
+  if (!l->protocol.localize(asks_where) && asks_where) on_event(Localization{Localization::State::unsupported});
 }
 
 void Uplink::Thread::begin_close(bool complete) {
@@ -149,6 +154,16 @@ void Uplink::trigger(const std::string& reason) {
     } else {
       t->pending_trigger = reason;
     }
+  });
+}
+
+void Uplink::localize(bool asks) {
+  asio::post(thread_->io, [t = thread_.get(), asks] {
+    if (t->asks_where == asks) return;
+    t->asks_where = asks;
+    if (!t->carried() || !t->link->protocol.welcomed()) return;
+    t->ask_where(t->link);
+    t->pump(t->link);
   });
 }
 

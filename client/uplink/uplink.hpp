@@ -43,6 +43,10 @@ class Uplink {
   /// Asks the server to merge now; kept until a connection is there (the last one only).
   void trigger(const std::string& reason);
 
+  /// Asks where the robot is, over this and every later connection, until it is called with false. Answers come as
+  /// Localization, also that a server does not know the question.
+  void localize(bool asks);
+
   /// Says goodbye if connected, waits for the server to hang up (at most config.close_s) and ends the thread. Not to be
   /// called from on_event.
   void close(bool complete);

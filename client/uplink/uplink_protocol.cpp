@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "client/uplink/localization_message.hpp"
 #include "client/uplink/transform_update.hpp"
 #include "common/printable.hpp"
 #include "common/wire/capabilities.hpp"
@@ -133,6 +134,7 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
     // A spare is told neither, but for what was on its way: who takes over is told again.
     case Body::kSubmapRequest: return carries_ ? on_submap_request(message.submap_request()) : void();
     case Body::kTransformUpdate: return carries_ ? on_transforms(message.transform_update(), events) : void();
+    case Body::kLocalization: return carries_ ? on_localization(message.localization(), events) : void();
     case Body::kLinkPolicy:
       policy_ = {static_cast<double>(message.link_policy().bytes_per_s()),
                  printable_text(message.link_policy().hold())};
@@ -162,8 +164,9 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
                true);
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
-  events.emplace_back(
-      Welcomed{message.spares(), usable_capabilities({message.capabilities().begin(), message.capabilities().end()})});
+  auto capabilities = usable_capabilities({message.capabilities().begin(), message.capabilities().end()});
+  localizes_ = std::find(capabilities.begin(), capabilities.end(), localize_capability) != capabilities.end();
+  events.emplace_back(Welcomed{message.spares(), std::move(capabilities)});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
   for (const auto& range : message.durable_clouds())
     if (range.first() <= range.last()) events.emplace_back(CloudsDurable{range.first(), range.last()});
@@ -210,6 +213,12 @@ bool UplinkProtocol::joins_pages(const v1::TransformUpdate& message, Transforms&
   return true;
 }
 
+void UplinkProtocol::on_localization(const v1::Localization& message, Events& events) {
+  auto told = localization_from(message);
+  if (!told) return end(events, ErrorCode::bad_input, "localization: " + told.error().message, false);
+  events.emplace_back(std::move(*told));
+}
+
 void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {
   end(events, code_of(message.kind()), "the server says: " + printable_text(message.message()), message.permanent());
 }
@@ -223,6 +232,14 @@ void UplinkProtocol::trigger(const std::string& reason) {
   v1::RobotMessage message;
   message.mutable_trigger()->set_reason(reason.substr(0, reason_bytes));
   queue(message);
+}
+
+bool UplinkProtocol::localize(bool asks) {
+  if (!localizes_) return false;
+  v1::RobotMessage message;
+  message.mutable_localize()->set_stop(!asks);
+  queue(message);
+  return true;
 }
 
 void UplinkProtocol::goodbye(bool complete) {

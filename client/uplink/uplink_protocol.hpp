@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/localization.hpp"
 #include "client/transforms.hpp"
 #include "common/result.hpp"
 #include "common/wire/convert.hpp"
@@ -58,7 +59,7 @@ struct LinkEnded {
   bool permanent = false;  // connecting again will not help
 };
 using UplinkEvent = std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, CloudRefused, Transforms,
-                                 PolicyTold, LinkEnded>;
+                                 Localization, PolicyTold, LinkEnded>;
 
 struct UplinkLimits {
   std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
@@ -93,6 +94,9 @@ class UplinkProtocol {
   bool doubtful(Time now) const;
 
   void trigger(const std::string& reason);
+
+  /// After the welcome: asks where the robot is, or no more. False: the server does not know the question.
+  bool localize(bool asks);
 
   /// Nothing follows this; the caller closes once it is written.
   void goodbye(bool complete);
@@ -130,6 +134,7 @@ class UplinkProtocol {
   void on_submap_request(const v1::SubmapRequest& message);
   void on_transforms(const v1::TransformUpdate& message, Events& events);
   bool joins_pages(const v1::TransformUpdate& message, Transforms& transforms);
+  void on_localization(const v1::Localization& message, Events& events);
   void on_error(const v1::ErrorReport& message, Events& events);
   void end(Events& events, ErrorCode code, const std::string& message, bool permanent);
   void queue(const v1::RobotMessage& message);
@@ -159,6 +164,7 @@ class UplinkProtocol {
   bool carries_ = true;              // the session; false: a spare
   bool carried_alone_ = true;        // never a spare: what is acknowledged was sent here
   Probed probed_ = Probed::no;
+  bool localizes_ = false;  // the server knows the question
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once

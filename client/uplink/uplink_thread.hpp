@@ -69,6 +69,7 @@ struct Uplink::Thread {
   bool carried() const { return link && !link->over; }
   bool spare(const Link& l) const { return std::find(spares.begin(), spares.end(), l) != spares.end(); }
   std::size_t room(const Link& link) const;
+  void ask_where(const Link& link);
   void begin_close(bool complete);
 
   static constexpr std::size_t most_attempts = 4;
@@ -98,6 +99,7 @@ struct Uplink::Thread {
   bool probing_now = false;               // one was asked, the next one's turn comes
   Clock::time_point no_spare_before{};
   std::string pending_trigger;
+  bool asks_where = false;
   bool closing = false;
   std::atomic<bool> up{false};
   std::atomic<std::uint64_t> bytes_sent{0};

@@ -19,6 +19,9 @@ inline constexpr std::string_view provisional_capability = "provisional";
 /// A robot that lists it takes the transforms of a component in pages, however many sessions it has.
 inline constexpr std::string_view transform_pages_capability = "transform_pages";
 
+/// A robot that lists it may ask where it is (Localize) a server that lists it.
+inline constexpr std::string_view localize_capability = "localize";
+
 /// What the robot library lists in its hello, and this server in its welcome.
 std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();

@@ -29,6 +29,9 @@ class AlignmentBook {
   /// The sessions of which that is so.
   std::set<SessionId> aligned_with(SessionId id) const;
   const DecisionBook& decisions() const { return decisions_; }
+  const MergeConfig& config() const { return config_; }
+  /// What convinces, or could, waits for clouds that are on their way.
+  bool waits_for_clouds(AlignmentId id) const { return wait_for_clouds_.contains(id); }
 
   /// The verdict on the best placement of a pair becomes its alignment. waits: however probable, a candidate for now.
   void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,

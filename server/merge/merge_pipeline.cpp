@@ -29,7 +29,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
 }
 
 void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& attempt) {
-  if (!sessions.may_merge(pair)) return;  // nothing that were found would be told; it is tried when there is more
+  if (!sessions.worth_a_look(pair)) return;  // nothing that were found would be told; it is tried when there is more
   attempt.clouds.working_on(pair.a, pair.b);
   Alignment* known = book.find(pair.a, pair.b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
@@ -91,9 +91,9 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
 const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {
   const Stopwatch watch(report.times.hypotheses_ms);
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
-  const Found* found =
-      finder.find({pair.a, a.keyframes, a.complete, a.family}, {pair.b, b.keyframes, b.complete, b.family},
-                  [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
+  const Found* found = finder.find({pair.a, a.keyframes, a.complete, a.family, a.asks_where},
+                                   {pair.b, b.keyframes, b.complete, b.family, b.asks_where},
+                                   [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
   report.unfinished |= !found;  // enough searched for one attempt
   return found;
 }

@@ -7,6 +7,7 @@
 
 #include "server/atlas/atlas.hpp"
 #include "server/merge/attempt.hpp"
+#include "server/merge/localization.hpp"
 #include "server/merge/merge_config.hpp"
 
 namespace headframe {
@@ -53,6 +54,13 @@ class MergePipeline {
   /// The session's frame becomes its component's, now and after later merges, until another of the component is chosen.
   /// not_found: no such session. Nothing changes when it was chosen last already.
   Result<AttemptReport> anchor(SessionId id);
+
+  /// Whether the session's robot asks where it is: then its pairs are looked at however short it is, and again after
+  /// each two metres. What is found is merged by the same rules as ever. False for a session that was not added.
+  bool ask_where(SessionId id, bool asks);
+
+  /// What can be told its robot as of the last attempt. Pure.
+  SessionLocalization localization(SessionId id) const;
 
   /// Tries to merge this session with every other session of its family.
   AttemptReport attempt(SessionId id, CloudSource& clouds);

@@ -32,6 +32,19 @@ void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
   state_->to_prepare.insert(id);
 }
 
+bool MergePipeline::ask_where(SessionId id, bool asks) {
+  if (!state_->sessions.contains(id)) return false;
+  state_->sessions.set_asks_where(id, asks);
+  return true;
+}
+
+SessionLocalization MergePipeline::localization(SessionId id) const {
+  State& s = *state_;
+  return localize(id, s.sessions, s.book, [&](SessionId a, SessionId b, const Pose& T_a_b) {
+    return s.consistency.known_contact({a, b, T_a_b}).value_or(Contact::none);
+  });
+}
+
 void MergePipeline::complete_session(SessionId id) {
   state_->sessions.complete(id);
   state_->to_prepare.insert(id);
@@ -63,7 +76,7 @@ bool MergePipeline::prepare_ahead(CloudSource& clouds) {
     const SessionId id = *s.to_prepare.begin();
     clouds.working_on(id, id);
     if (s.submaps.prepare_next(id, clouds)) return true;
-    if (s.sessions.may_merge(id) && !s.self.known(id, clouds)) {
+    if ((s.sessions.may_merge(id) || s.sessions.at(id).asks_where) && !s.self.known(id, clouds)) {
       (void)s.self.of(id, clouds);
       return true;
     }

@@ -5,6 +5,7 @@
 
 #include "server/merge/consistency_check.hpp"
 #include "server/merge/judged_pairs.hpp"
+#include "server/merge/localize.hpp"
 #include "server/merge/merge_pipeline.hpp"
 #include "server/merge/partner_ranking.hpp"
 

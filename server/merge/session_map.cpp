@@ -108,9 +108,7 @@ DescriptorAgreement SessionMap::descriptor_agreement(const OrderedPair& pair) co
 // anew when it ends.
 double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const {
   const Session &a = at(pair.a), &b = at(pair.b);
-  const double reach_m = JudgeConfig{}.meet_m;
-  const double asked_m = config_.shown_m + config_.shown_more_m * std::min(evidence.look_alikes, most_look_alikes) +
-                         config_.shown_doubt_m * std::min(doubt(evidence.probability), most_doubt);
+  const double reach_m = JudgeConfig{}.meet_m, asked_m = path_asked_m(evidence, config_.shown_m);
   double awaited_m = 0;
   const auto wait_for = [&](const Session& session, const Session& other, const Pose& T_other_session) {
     if (session.complete) return;
@@ -121,6 +119,23 @@ double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, co
   wait_for(b, a, T_a_b);
   if (evidence.look_alikes < config_.look_alikes) return awaited_m;
   return std::max(awaited_m, path_awaited_of_others_m(pair, asked_m));
+}
+
+double SessionMap::path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,
+                                              const Evidence& evidence) const {
+  const bool a_asks = pair.a == asking;
+  const Session &session = at(asking), &map = at(a_asks ? pair.b : pair.a);
+  const double asked_m = path_asked_m(evidence, localize_m);
+  const Pose T_map_session = a_asks ? T_a_b.inverse() : T_a_b;
+  const double since_m = path_since(session, map, T_map_session, JudgeConfig{}.meet_m).value_or(0);
+  const double awaited_m = std::max(0.0, asked_m - evidence.overlap_m - since_m);
+  if (evidence.look_alikes < config_.look_alikes) return awaited_m;
+  return std::max(awaited_m, path_awaited_of_others_m(pair, asked_m));
+}
+
+double SessionMap::path_asked_m(const Evidence& evidence, double least_m) const {
+  return least_m + config_.shown_more_m * std::min(evidence.look_alikes, most_look_alikes) +
+         config_.shown_doubt_m * std::min(doubt(evidence.probability), most_doubt);
 }
 
 // Where one place looks like another, what tells a copy is that a third session comes to contradict it (consistency).

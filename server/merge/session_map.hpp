@@ -19,6 +19,7 @@ struct Session {
   Eigen::AlignedBox3d box;        // around all keyframes
   bool complete = false;          // no keyframe is expected: it ended, or rests
   bool looked_at = false;         // ... and was tried since, with every other session
+  bool asks_where = false;        // its robot asks where it is: looked at however short it is
   std::size_t asked = 0;          // keyframes whose neighbours were asked whether they see the same
   std::uint64_t fingerprint = 0;  // of the first keyframe as it came: the same whenever the session comes
 
@@ -47,6 +48,7 @@ class SessionMap {
   const Keyframe& add_keyframe(SessionId id, Keyframe keyframe);
   void complete(SessionId id);
   void set_looked_at(SessionId id, bool looked_at);
+  void set_asks_where(SessionId id, bool asks) { sessions_[id].asks_where = asks; }
   void forget(SessionId id);
 
   /// The longer on the shorter: it is laid piece by piece, and more pieces find more. (With the shorter of the campus
@@ -60,15 +62,27 @@ class SessionMap {
   /// A few metres of path look like many others: a growing session waits until it has seen more.
   bool may_merge(SessionId id) const { return at(id).complete || at(id).path_m() >= config_.least_path_m; }
   bool may_merge(const OrderedPair& pair) const { return may_merge(pair.a) && may_merge(pair.b); }
+  /// Whether the pair is looked at: also for a robot that asks where it is, against sessions that may merge.
+  bool worth_a_look(const OrderedPair& pair) const {
+    return may_merge(pair) || (may_merge(pair.a) && at(pair.b).asks_where) ||
+           (may_merge(pair.b) && at(pair.a).asks_where);
+  }
 
   /// Path in metres that a session which still grows has to come along before a placement is told, after
   /// MergeConfig::shown_m. Where places look alike it is more, and other sessions are waited for too, which may come to
   /// contradict it: for a metre more if one has ended and was not looked at since. 0: none.
   double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
+  static constexpr double localize_m = 20;  // set by hand
+  /// The same before its robot, which asks where it is, is told of the placement: after localize_m in place of
+  /// MergeConfig::shown_m, also when it rests or has ended.
+  double path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,
+                                    const Evidence& evidence) const;
+
  private:
   const MergeConfig config_;
   SessionFrames frames_;
+  double path_asked_m(const Evidence& evidence, double least_m) const;
   double path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const;
 
   std::map<SessionId, Session> sessions_;

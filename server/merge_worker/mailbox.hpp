@@ -21,6 +21,7 @@ struct SessionNews {
   std::set<std::uint64_t> clouds_came, clouds_gone;
   bool ended = false, asks = false;                                // its robot said goodbye, asked for a merge
   bool left = false;                                               // comes before `came`
+  std::optional<bool> asks_where;                                  // whether its robot asks where it is
   std::optional<bool> came;                                        // whether it answers
   std::optional<std::pair<Trigger, MergeSchedule::Time>> trigger;  // the first
 };

@@ -6,6 +6,7 @@
 
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
+#include "server/merge/localization.hpp"
 #include "server/merge_worker/merge_schedule.hpp"
 
 namespace headframe {
@@ -22,6 +23,9 @@ class MergeNews {
   virtual void robot_came(SessionId session, bool answers) = 0;
   virtual void robot_left(SessionId session) = 0;
   virtual void trigger(SessionId session, Trigger trigger) = 0;
+  /// Its robot asks where it is, until it asks no more or left. Each call with `asks` is answered at once with what is
+  /// known, and then whenever that changes (Robots::tell_localization).
+  virtual void asks_where(SessionId session, bool asks) = 0;
 };
 
 /// A published merge that later evidence took back.
@@ -40,6 +44,8 @@ class Robots {
                        const std::vector<Withdrawal>& withdrawn) = 0;
   /// The same revision; what is provisional of `changed` is news for the robots that ask for it.
   virtual void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) = 0;
+  /// To the robot of this session, which asks where it is.
+  virtual void tell_localization(SessionId session, const SessionLocalization& localization) = 0;
 };
 
 /// Components of `now` that a robot has to hear of: other placements than before, or a session that was merged and

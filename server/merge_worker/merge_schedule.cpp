@@ -6,8 +6,8 @@
 namespace headframe {
 
 std::string_view to_string(Trigger trigger) {
-  constexpr std::array<std::string_view, 8> names{"link",    "travelled", "request",  "goodbye",
-                                                  "command", "restart",   "junction", "rest"};
+  constexpr std::array<std::string_view, 9> names{"link",    "travelled", "request", "goodbye", "command",
+                                                  "restart", "junction",  "rest",    "localize"};
   return names.at(static_cast<std::size_t>(trigger));
 }
 
@@ -30,6 +30,7 @@ void MergeSchedule::trigger(SessionId session, Trigger trigger, Time now) { enqu
 void MergeSchedule::travelled(SessionId session, double metres, Time now) {
   double& since_try_m = travelled_m_[session];
   since_try_m += metres;
+  if (since_try_m >= asked_m && ask_where_.contains(session)) trigger(session, Trigger::localize, now);
   if (since_try_m >= config_.travelled_m) trigger(session, Trigger::travelled, now);
   if (since_try_m >= config_.junction_m && at_junction_.contains(session)) trigger(session, Trigger::junction, now);
 }
@@ -39,11 +40,29 @@ void MergeSchedule::junction(SessionId session, Time now) {
   travelled(session, 0, now);
 }
 
+void MergeSchedule::asks_where(SessionId session, bool asks, Time now) {
+  if (!asks) {
+    ask_where_.erase(session);
+    return;
+  }
+  ask_where_.insert(session);
+  trigger(session, Trigger::localize, now);
+}
+
+std::deque<MergeSchedule::Attempt>::iterator MergeSchedule::whose_turn() {
+  const auto less_used = [&](const Attempt& a, const Attempt& b) { return used_s(a.session) < used_s(b.session); };
+  const auto asks = [&](const Attempt& a) { return !a.leftover && ask_where_.contains(a.session); };
+  const bool any_asks = !asker_was_last_ && std::any_of(queue_.begin(), queue_.end(), asks);
+  asker_was_last_ = any_asks;
+  if (!any_asks) return std::min_element(queue_.begin(), queue_.end(), less_used);
+  return std::min_element(queue_.begin(), queue_.end(), [&](const Attempt& a, const Attempt& b) {
+    return asks(a) != asks(b) ? asks(a) : less_used(a, b);
+  });
+}
+
 std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
   if (queue_.empty()) return std::nullopt;
-  const auto first = std::min_element(queue_.begin(), queue_.end(), [&](const Attempt& a, const Attempt& b) {
-    return used_s(a.session) < used_s(b.session);
-  });
+  const auto first = whose_turn();
   const Attempt attempt = *first;
   queue_.erase(first);
   turn_s_ = used_s(attempt.session);
@@ -52,7 +71,11 @@ std::optional<MergeSchedule::Attempt> MergeSchedule::next() {
   return attempt;
 }
 
-void MergeSchedule::again(const Attempt& attempt) { enqueue(attempt); }
+void MergeSchedule::again(const Attempt& attempt) {
+  Attempt rest = attempt;
+  rest.leftover = true;
+  enqueue(rest);
+}
 
 MergeSchedule::Time MergeSchedule::after(Time now, double seconds) {
   return now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));

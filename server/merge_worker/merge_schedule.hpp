@@ -24,6 +24,7 @@ enum class Trigger {
   restart,    // keyframes came before the server stopped that no attempt has seen
   junction,   // its robot has come to a junction, and not just after the last try
   rest,       // no keyframe has come for a while: it counts as complete until one does
+  localize,   // its robot asks where it is, and has come on since it was looked at last
 };
 
 std::string_view to_string(Trigger trigger);
@@ -38,8 +39,9 @@ class MergeSchedule {
   struct Attempt {
     SessionId session = 0;
     Trigger trigger = Trigger::command;
-    Time triggered;  // of the first trigger that this attempt answers
-    int round = 0;   // how often it has waited for clouds
+    Time triggered;         // of the first trigger that this attempt answers
+    int round = 0;          // how often it has waited for clouds
+    bool leftover = false;  // of an attempt that had more to try
   };
 
   explicit MergeSchedule(const ScheduleConfig& config) : config_(config) {}
@@ -54,6 +56,11 @@ class MergeSchedule {
   /// come config.junction_m since its last one, now or later: of the keyframes at one junction one asks.
   void junction(SessionId session, Time now);
 
+  /// Its robot asks where it is, from now on or no more. The session is then tried at once, before others, and after
+  /// each asked_m. Two such tries never follow each other while others wait, and what a try left over has no
+  /// precedence, so that nobody keeps the others waiting by asking.
+  void asks_where(SessionId session, bool asks, Time now);
+
   /// A keyframe came, so the session grows; its robot asks for a merge; it has ended.
   void grows(SessionId session, Time now);
   void asks(SessionId session, Time now);
@@ -62,7 +69,8 @@ class MergeSchedule {
   /// config.asked_rest_s after their robot asked.
   std::vector<SessionId> come_to_rest(Time now);
 
-  /// Of the robot whose turn it is, the attempt that was queued first; it counts as the session's last try.
+  /// Of the robots that ask where they are, then of all, whose turn it is: the attempt that was queued first. It counts
+  /// as the session's last try.
   std::optional<Attempt> next();
   /// The worker's time that the session's attempt took.
   void spent(SessionId session, double seconds);
@@ -86,6 +94,7 @@ class MergeSchedule {
   std::size_t queued() const { return queue_.size(); }
   std::size_t awaited() const { return awaited_.size(); }
 
+  static constexpr double asked_m = 2;    // as travelled_m, while its robot asks where it is
   static constexpr int most_rounds = 50;  // ten hypotheses one by one, more of the overlap, contacts one by one
 
  private:
@@ -95,6 +104,7 @@ class MergeSchedule {
   };
 
   void enqueue(const Attempt& attempt);
+  std::deque<Attempt>::iterator whose_turn();
   double& used_s(SessionId session);
   void settle(const KeyframeRef& cloud);
   void give_up(SessionId session);
@@ -111,6 +121,8 @@ class MergeSchedule {
   std::map<SessionId, Time> rests_at_;   // of sessions that grow
   std::map<SessionId, double> travelled_m_;
   std::set<SessionId> at_junction_;  // since their last try
+  std::set<SessionId> ask_where_;
+  bool asker_was_last_ = false;
 };
 
 }  // namespace headframe

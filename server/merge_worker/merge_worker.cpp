@@ -68,10 +68,12 @@ void MergeWorker::run() {
       no_work();
       if (!news.empty()) update_view();
       for (const Order& order : orders) order({});
+      tell_where(!orders.empty());
       schedule_.tick(Clock::now());
       for (const SessionId session : schedule_.come_to_rest(Clock::now())) come_to_rest(session);
       const auto next = schedule_.next();
       if (next) attempt(*next);
+      if (next) tell_where(true);
       ahead_ = next || prepare_ahead();
       no_work();
       rest();
@@ -142,6 +144,7 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   if (is_aside(session)) {
     if (const auto found = known_.find(session); found != known_.end())
       found->second.answers = news.came.value_or(!news.left && found->second.answers);
+    if (news.left || news.asks_where) take_question_aside(session, news.asks_where.value_or(false));
     return;
   }
   if (news.added) {
@@ -162,12 +165,14 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   for (const std::uint64_t sequence : news.clouds_gone) schedule_.cloud_will_not_come({session, sequence});
   if (news.left) {
     known.answers = false;
+    take_question(session, false);
     schedule_.robot_left(session);
   }
   if (news.came) {
     known.answers = *news.came;
     schedule_.robot_came(session);
   }
+  if (news.asks_where) take_question(session, *news.asks_where);
   if (news.asks) schedule_.asks(session, now);
   if (news.ended) {
     pipeline_->complete_session(session);
@@ -176,9 +181,10 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   if (news.trigger && known.keyframes > 0) schedule_.trigger(session, news.trigger->first, news.trigger->second);
 }
 
-/// Nothing contradicts it by driving on; should its robot drive on after all, it grows again.
+/// Nothing contradicts it by driving on, unless it stands there because it waits to be told where it is; should its
+/// robot drive on after all, it grows again.
 void MergeWorker::come_to_rest(SessionId session) {
-  if (is_aside(session) || known_[session].keyframes == 0) return;
+  if (is_aside(session) || known_[session].keyframes == 0 || known_[session].asks_where) return;
   pipeline_->complete_session(session);
   schedule_.trigger(session, Trigger::rest, Clock::now());
 }

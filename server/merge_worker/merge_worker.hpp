@@ -54,6 +54,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   void robot_came(SessionId session, bool answers) override;
   void robot_left(SessionId session) override;
   void trigger(SessionId session, Trigger trigger) override;
+  void asks_where(SessionId session, bool asks) override;
 
   /// Queues the operator's decision; `done` runs once: on the worker's thread when it is durable and the robots were
   /// told, or with a failure. unavailable: too many wait already, or the server stops; and as MergePipeline::decide.
@@ -93,6 +94,8 @@ class MergeWorker : public MergeNews, private CloudSource {
     Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
     std::set<std::uint64_t> stored, without_cloud;
     bool answers = false;
+    bool asks_where = false;
+    std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; none: nothing
   };
 
   /// What the operator asks for: run once, on the worker's thread, or with why it can not be carried out.
@@ -117,6 +120,10 @@ class MergeWorker : public MergeNews, private CloudSource {
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
   void published(const AttemptReport& report, const MergeSchedule::Attempt* attempt);
+  // worker_localize.cpp
+  void take_question(SessionId session, bool asks);
+  void take_question_aside(SessionId session, bool asks);
+  void tell_where(bool all);
   std::vector<Withdrawal> withdrawn_by(const AttemptReport& report) const;
   void note_withdrawn(const std::vector<Withdrawal>& withdrawn);
   bool write_durably(const Write& write);

@@ -24,6 +24,8 @@ class RealPipeline : public Pipeline {
   Result<AttemptReport> anchor(SessionId id) override { return pipeline_.anchor(id); }
   std::string why_cut(SessionId id) const override { return pipeline_.why_cut(id); }
   AttemptReport set_aside(SessionId id) override { return pipeline_.set_aside(id); }
+  bool ask_where(SessionId id, bool asks) override { return pipeline_.ask_where(id, asks); }
+  SessionLocalization localization(SessionId id) const override { return pipeline_.localization(id); }
   AttemptReport attempt(SessionId id, CloudSource& clouds) override { return pipeline_.attempt(id, clouds); }
   const Atlas& atlas() const override { return pipeline_.atlas(); }
   const std::vector<Alignment>& alignments() const override { return pipeline_.alignments(); }

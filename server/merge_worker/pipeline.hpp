@@ -22,6 +22,8 @@ class Pipeline {
   virtual Result<AttemptReport> anchor(SessionId id) = 0;
   virtual std::string why_cut(SessionId /*id*/) const { return {}; }
   virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
+  virtual bool ask_where(SessionId /*id*/, bool /*asks*/) { return false; }
+  virtual SessionLocalization localization(SessionId /*id*/) const { return {}; }
   virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;
   virtual const Atlas& atlas() const = 0;
   virtual const std::vector<Alignment>& alignments() const = 0;

@@ -99,7 +99,8 @@ void MergeWorker::leave_out(SessionId session) {
   const AttemptReport report = pipeline_->set_aside(session);
   schedule_.robot_left(session);  // no cloud of it is awaited any more
   Known& known = known_[session];
-  known = {0, Eigen::Vector3d::Zero(), {}, {}, known.answers};
+  known = {0, Eigen::Vector3d::Zero(), {}, {}, known.answers, known.asks_where};
+  take_question_aside(session, known.asks_where);
   if (troubles_[session].deleted) known_.erase(session);
   draft_.sessions[session].distance_m = 0;
   (void)commit({}, report, nullptr);
@@ -129,6 +130,7 @@ Result<void> MergeWorker::take_back(SessionId session) {
     if (record.id == session) bring_in(record);
   if (is_aside(session)) return failure(ErrorCode::internal, troubles_.at(session).why_aside);
   schedule_.trigger(session, Trigger::command, std::chrono::steady_clock::now());
+  if (known_[session].asks_where) take_question(session, true);
   spdlog::info("session {} is merged again", session);
   update_view();
   return {};

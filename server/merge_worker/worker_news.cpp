@@ -45,7 +45,12 @@ void MergeWorker::robot_left(SessionId session) {
   tell(session, [&](SessionNews& news) {
     news.left = true;
     news.came.reset();
+    news.asks_where.reset();
   });
+}
+
+void MergeWorker::asks_where(SessionId session, bool asks) {
+  tell(session, [&](SessionNews& news) { news.asks_where = asks; });
 }
 
 void MergeWorker::trigger(SessionId session, Trigger trigger) {

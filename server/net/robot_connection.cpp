@@ -242,6 +242,10 @@ void RobotConnection::update_transform(std::shared_ptr<const TransformPages> pag
   on_strand([pages = std::move(pages)](RobotConnection& self) { self.protocol_.update_transform(pages); });
 }
 
+void RobotConnection::tell_localization(std::shared_ptr<const std::string> payload) {
+  on_strand([payload = std::move(payload)](RobotConnection& self) { self.protocol_.tell_localization(payload); });
+}
+
 void RobotConnection::stand_by() {
   on_strand([](RobotConnection& self) { self.protocol_.stand_by(); });
 }

@@ -35,6 +35,9 @@ struct CloudsUnavailable {
 struct TriggerRequested {
   std::string reason;
 };
+struct WhereAsked {
+  bool asks = true;  // false: no more
+};
 struct GoodbyeReceived {
   bool complete = false;
 };
@@ -42,8 +45,9 @@ struct ProbeReceived {  // to be answered by RobotProtocol::resume() before the 
   bool keyframe_follows = false;
 };
 struct TakenOver {};  // this connection carries the session from now on
-using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused,
-                                CloudsUnavailable, TriggerRequested, GoodbyeReceived, ProbeReceived, TakenOver>;
+using RobotEvent =
+    std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused, CloudsUnavailable,
+                 TriggerRequested, WhereAsked, GoodbyeReceived, ProbeReceived, TakenOver>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {

@@ -96,6 +96,7 @@ std::string RobotOutbox::take() {
   }
   append_lists(out);
   if (transform_) (void)append_frame(out, transform_->at(next_page_++));  // its maker saw that it fits
+  if (localization_) (void)append_frame(out, *localization_);
   if (pong_) {
     message.mutable_pong()->set_nonce(*pong_);
     append(out, message);
@@ -113,6 +114,7 @@ std::string RobotOutbox::take() {
   ping_.reset();
   pong_.reset();
   if (transform_ && next_page_ == transform_->size()) transform_.reset();
+  localization_.reset();
   error_.reset();
   return out;
 }

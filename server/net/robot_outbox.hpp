@@ -29,6 +29,8 @@ class RobotOutbox {
     transform_ = std::move(pages);
     next_page_ = 0;
   }
+  /// A serialised ServerMessage.
+  void localization(std::shared_ptr<const std::string> payload) { localization_ = std::move(payload); }
   void policy(LinkPolicy policy) { policy_ = std::move(policy); }
   void ping(std::uint64_t nonce) { ping_ = nonce; }
   void pong(std::uint64_t nonce) { pong_ = nonce; }
@@ -49,6 +51,7 @@ class RobotOutbox {
   std::vector<std::uint64_t> submap_;                // nearest to the sphere's centre first
   std::shared_ptr<const TransformPages> transform_;  // from next_page_ on
   std::size_t next_page_ = 0;
+  std::shared_ptr<const std::string> localization_;
   std::optional<LinkPolicy> policy_;
   std::optional<v1::ErrorReport> error_;
 };

@@ -53,6 +53,7 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
     case Body::kCloudChunk: return on_chunk(message.cloud_chunk());
     case Body::kSubmapUnavailable: return on_unavailable(message.submap_unavailable());
     case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, trigger_reason_bytes)};
+    case Body::kLocalize: return WhereAsked{!message.localize().stop()};
     case Body::kGoodbye: complete_ = message.goodbye().complete(); return GoodbyeReceived{complete_};
     case Body::kPing: outbox_.pong(message.ping().nonce()); return std::nullopt;
     case Body::kPong: return std::nullopt;

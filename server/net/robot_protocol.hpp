@@ -54,6 +54,9 @@ class RobotProtocol {
   void request_submap(const std::vector<std::uint64_t>& sequences) { outbox_.request_submap(sequences); }
   void update_transform(std::shared_ptr<const TransformPages> pages) { outbox_.update_transform(std::move(pages)); }
 
+  /// A serialised ServerMessage.
+  void tell_localization(std::shared_ptr<const std::string> payload) { outbox_.localization(std::move(payload)); }
+
   void tell_policy(LinkPolicy policy) { outbox_.policy(std::move(policy)); }
 
   std::string take_output() { return outbox_.take(); }

@@ -67,6 +67,7 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
+  if (const auto* where = std::get_if<WhereAsked>(&event)) handle(session, *where, link);
   if (std::holds_alternative<TakenOver>(event)) take_over(session, link);
   if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
     write(PutMerge{}, link, 0, [this, session] { news_.trigger(session, Trigger::request); });

@@ -37,6 +37,7 @@ class RobotLink {
   virtual void cloud_refused(std::uint64_t sequence, const std::string& reason) = 0;
   virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
   virtual void update_transform(std::shared_ptr<const TransformPages> pages) = 0;
+  virtual void tell_localization(std::shared_ptr<const std::string> payload) = 0;
   /// Another connection carries the session from now on.
   virtual void stand_by() = 0;
   virtual void close(v1::ErrorKind kind, const std::string& message, bool permanent) = 0;
@@ -78,6 +79,7 @@ class SessionHub : public Robots {
   void publish(const Atlas& atlas, const std::vector<Component>& changed,
                const std::vector<Withdrawal>& withdrawn) override;
   void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) override;
+  void tell_localization(SessionId session, const SessionLocalization& localization) override;
 
   /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
   /// change while they are served.
@@ -121,6 +123,7 @@ class SessionHub : public Robots {
     bool answers = false;                          // requests for clouds
     bool wants_provisional = false;                // merges that still wait for path
     bool takes_pages = false;                      // of transforms
+    bool asks_where = false;                       // over the connection that carries it
     bool deleted = false;                          // nobody may go on with it
   };
   static constexpr std::size_t most_withdrawn = 16;  // an update has to stay small
@@ -137,6 +140,7 @@ class SessionHub : public Robots {
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
+  void handle(SessionId session, const WhereAsked& event, const std::shared_ptr<RobotLink>& link);
   std::optional<Result<Admitted>> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
   using PagesPtr = std::shared_ptr<const TransformPages>;

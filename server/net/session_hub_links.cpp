@@ -94,6 +94,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     };
     session.wants_provisional = lists(provisional_capability);
     session.takes_pages = lists(transform_pages_capability);
+    session.asks_where = false;
     admitted = {
         record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
     news_.session_added(record.id, record.key.robot, record.family);
@@ -148,6 +149,7 @@ void SessionHub::take_over(SessionId id, const std::shared_ptr<RobotLink>& link)
   session.link = link;
   news_.robot_left(id);  // what was asked of the other has to be asked again
   news_.robot_came(id, session.answers);
+  if (session.asks_where) news_.asks_where(id, true);
   if (const auto transform = transform_of(id)) link->update_transform(transform);
 }
 
@@ -157,6 +159,7 @@ void SessionHub::left(SessionId session, const RobotLink* link) {
   std::erase_if(known.spares, [&](const auto& spare) { return spare.expired() || spare.lock().get() == link; });
   if (known.link.lock().get() != link) return;  // replaced before
   known.link.reset();
+  known.asks_where = false;
   news_.robot_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
 }

@@ -101,7 +101,9 @@ const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
                                     const std::function<std::vector<MatchedPair>()>& matches) {
   Found& known = found_[{a.id, b.id}];
   const double path_a = path_m(a.keyframes), path_b = path_m(b.keyframes);
-  const auto news_m = [&](const SessionView& session) { return session.complete ? 1e-3 : config_.news_m; };
+  const auto news_m = [&](const SessionView& session) {
+    return session.complete ? 1e-3 : session.asks_where ? config_.asked_news_m : config_.news_m;
+  };
   const bool grown = path_a - known.path_a_m >= news_m(a) || path_b - known.path_b_m >= news_m(b);
   if (known.version > 0 && !grown) return &known;
   if (a.keyframes.empty() || b.keyframes.empty()) return &known;

@@ -33,7 +33,8 @@ struct SessionView {
   SessionId id = 0;
   std::span<const Keyframe> keyframes;
   bool complete = false;
-  FamilyId family = {};  // of its descriptors: those of different families are not compared
+  FamilyId family = {};     // of its descriptors: those of different families are not compared
+  bool asks_where = false;  // its robot waits for what is found
 };
 
 /// What was found for a pair of sessions, best first. The version changes with every new search.
@@ -44,13 +45,13 @@ struct Found {
 };
 
 /// Finds hypotheses for pairs of sessions, and remembers what it drew and found: a pair is searched again when one of
-/// both has grown by news_m, or at all when it is complete now. Not thread safe.
+/// both has grown by news_m (asked_news_m), or at all when it is complete now. Not thread safe.
 class HypothesisFinder {
  public:
   struct Config {
     LeadSeats seats = {};
-    double news_m = 15;
-    std::size_t walls_bytes = 64000000;  // drawn walls that are kept: the least recently used go first
+    double news_m = 15, asked_news_m = 2;  // the second where a robot asks where it is
+    std::size_t walls_bytes = 64000000;    // drawn walls that are kept: the least recently used go first
     int threads = 1;
   };
   explicit HypothesisFinder(const Config& config) : config_(config) {}

@@ -12,6 +12,7 @@
 #include "tests/bench/basin.hpp"
 #include "tests/bench/descriptors/descriptors.hpp"
 #include "tests/bench/live/live.hpp"
+#include "tests/bench/localize.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
 #include "tests/bench/registration.hpp"
@@ -56,6 +57,7 @@ struct Options {
   std::uint64_t first_seed = Campaign{}.first_seed;
   LiveBench live = {};
   YearsBench years = {};
+  LocalizeBench localize = {};
 
   LiveBench live_bench() const {
     LiveBench bench = live;
@@ -116,6 +118,11 @@ int run(const Options& options) {
   part("merge-times", false, merge_times);
   part("stages", false,
        [&] { return (options.crossed ? stages_crossed : stages)(options.sets, options.set_families, options.out); });
+  part("localize", false, [&] {
+    LocalizeBench bench = options.localize;
+    bench.out = options.out;
+    return localize(bench);
+  });
   part("live", false, [&] { return live(options.live_bench()); });
   part("years", false, [&] {
     YearsBench bench = options.years;
@@ -129,7 +136,7 @@ int run(const Options& options) {
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, live, years, partners, descriptors, link",
+          "recordings, merge-times, stages, localize, live, years, partners, descriptors, link",
       2);
 }
 
@@ -158,6 +165,12 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->allow_extra_args(false);
   stages->callback([&options] { options.what = "stages"; });
+  auto* localize = app.add_subcommand("localize", "robots wake up in a mapped mine and ask where they are");
+  localize->add_option("DIR", options.localize.sets, "data sets (as of stages), or folders of them")->required();
+  localize->add_option("--starts", options.localize.starts, "along each drive")->check(CLI::Range(1, 1000));
+  localize->add_option("--driven", options.localize.driven_m, "metres that each drives")->check(CLI::Range(1, 1000));
+  localize->add_option("--step", options.localize.step_m, "metres between two questions")->check(CLI::Range(1, 1000));
+  localize->callback([&options] { options.what = "localize"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
   live->add_option("DIR", options.live.sets, "data sets (as of stages), or folders of them; none: recordings, mines");
   live->add_option("--only", options.live.only, "sets whose names contain this");

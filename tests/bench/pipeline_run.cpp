@@ -16,6 +16,19 @@ SessionId PipelineRun::add(const DrivenSession& session) {
   return id;
 }
 
+SessionId PipelineRun::begin(const DrivenSession& session) {
+  sessions.push_back(&session);
+  const auto id = static_cast<SessionId>(sessions.size());
+  pipeline.add_session(id, session.family);
+  return id;
+}
+
+void PipelineRun::add_keyframe(SessionId id, std::size_t i) {
+  const Keyframe& keyframe = session(id).keyframes[i];
+  pipeline.add_keyframe(id, keyframe);
+  pipeline.prepare_cloud({id, keyframe.sequence}, *this);
+}
+
 StageTimes PipelineRun::attempt(SessionId id) {
   StageTimes total;
   for (bool more = true; more;) {

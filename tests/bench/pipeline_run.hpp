@@ -18,6 +18,9 @@ class PipelineRun : private CloudSource {
 
   /// The session must outlive the run. Its clouds are prepared as they are when they arrive at a server.
   SessionId add(const DrivenSession& session);
+  /// The same without its keyframes, which follow one by one: as of a robot that drives.
+  SessionId begin(const DrivenSession& session);
+  void add_keyframe(SessionId id, std::size_t i);
   /// All sessions so far were tried before, as those that a server finds in its database at its start.
   void take_as_tried() { pipeline.restore({}, 0); }
   /// Attempts until there is nothing more to try, and gives the clouds that are wanted; the times of all together.

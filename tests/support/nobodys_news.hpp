@@ -14,6 +14,7 @@ class NobodysNews : public MergeNews {
   void robot_came(SessionId, bool) override {}
   void robot_left(SessionId) override {}
   void trigger(SessionId, Trigger) override {}
+  void asks_where(SessionId, bool) override {}
 };
 
 }  // namespace headframe

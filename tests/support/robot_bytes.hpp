@@ -49,6 +49,12 @@ inline std::string take_over_frame() {
   return frame(message);
 }
 
+inline std::string localize_frame(bool stop) {
+  v1::RobotMessage message;
+  message.mutable_localize()->set_stop(stop);
+  return frame(message);
+}
+
 inline std::string chunk_frame(std::uint64_t sequence, std::size_t total, std::size_t offset, const std::string& data) {
   v1::RobotMessage message;
   auto& chunk = *message.mutable_cloud_chunk();

@@ -30,7 +30,7 @@ struct Script {
   std::map<SessionId, std::vector<std::uint64_t>> keyframes;
   std::vector<SessionId> attempts;
   std::vector<std::pair<KeyframeRef, std::size_t>> prepared;  // clouds, and how many attempts there were before
-  std::set<SessionId> completed;
+  std::set<SessionId> completed, ask_where;
   std::uint64_t restored_revision = 0;
   std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
     return AttemptReport();
@@ -39,6 +39,7 @@ struct Script {
     return AttemptReport();
   };
   std::function<Result<AttemptReport>(SessionId)> on_anchor = [](SessionId) { return AttemptReport(); };
+  std::function<SessionLocalization(SessionId)> on_localization = [](SessionId) { return SessionLocalization(); };
   Atlas atlas;
   std::vector<Alignment> alignments;
   std::vector<SessionId> anchors;
@@ -73,6 +74,12 @@ class ScriptedPipeline : public Pipeline {
     script_.restored_revision = revision;
   }
   Result<AttemptReport> anchor(SessionId id) override { return script_.on_anchor(id); }
+  bool ask_where(SessionId id, bool asks) override {
+    const std::lock_guard lock(script_.mutex);
+    asks ? (void)script_.ask_where.insert(id) : (void)script_.ask_where.erase(id);
+    return true;
+  }
+  SessionLocalization localization(SessionId id) const override { return script_.on_localization(id); }
   AttemptReport attempt(SessionId id, CloudSource& clouds) override {
     auto report = script_.on_attempt(id, clouds);
     const std::lock_guard lock(script_.mutex);
@@ -106,6 +113,11 @@ struct FakeRobots : Robots {
   void tell_provisional(const Atlas&, const std::vector<Component>& components) override {
     const std::lock_guard lock(mutex);
     provisional = components;
+  }
+  std::vector<std::pair<SessionId, SessionLocalization>> localizations;
+  void tell_localization(SessionId session, const SessionLocalization& localization) override {
+    const std::lock_guard lock(mutex);
+    localizations.emplace_back(session, localization);
   }
   std::vector<KeyframeRef> asked() {
     const std::lock_guard lock(mutex);

@@ -67,6 +67,37 @@ TEST_F(Schedule, WhoWasIdleHasSavedUpNothing) {
   EXPECT_EQ(schedule.next()->session, 1) << "it does not wait until the other has made up for its idle time";
 }
 
+TEST_F(Schedule, WhoAsksWhereItIsComesFirstAndKeepsNobodyWaiting) {
+  for (const SessionId id : {1, 2, 3}) schedule.belongs(id, "robot" + std::to_string(id));
+  schedule.spent(3, 1000);
+  schedule.trigger(1, Trigger::command, now);
+  schedule.trigger(2, Trigger::command, now);
+  schedule.asks_where(3, true, now);
+  EXPECT_EQ(schedule.next()->session, 3) << "however much it has used";
+  schedule.asks_where(3, true, now);
+  EXPECT_EQ(schedule.next()->session, 1) << "two of its tries do not follow each other";
+  EXPECT_EQ(schedule.next()->session, 3);
+  schedule.again({3, Trigger::localize, now});
+  EXPECT_EQ(schedule.next()->session, 2);
+  schedule.trigger(1, Trigger::command, now);
+  EXPECT_EQ(schedule.next()->session, 1) << "what a try left over has no precedence";
+  EXPECT_EQ(schedule.next()->session, 3);
+  EXPECT_TRUE(idle());
+}
+
+TEST_F(Schedule, WhoAsksWhereItIsIsTriedAfterEachFewMetres) {
+  const double asked_m = MergeSchedule::asked_m;
+  schedule.asks_where(1, true, now);
+  EXPECT_EQ(schedule.next()->trigger, Trigger::localize);
+  schedule.travelled(1, asked_m - 0.1, now);
+  EXPECT_TRUE(idle());
+  schedule.travelled(1, 0.1, now);
+  EXPECT_EQ(schedule.next()->trigger, Trigger::localize);
+  schedule.asks_where(1, false, now);
+  schedule.travelled(1, asked_m, now);
+  EXPECT_TRUE(idle()) << "it asks no more";
+}
+
 TEST_F(Schedule, DistanceCountsSinceTheLastTry) {
   schedule.travelled(1, 9.9, now);
   EXPECT_TRUE(idle());

@@ -31,6 +31,13 @@ class HeardLink : public RobotLink {
   }
   v1::TransformUpdate update;  // the last; its first page
   TransformPages pages;
+  void tell_localization(std::shared_ptr<const std::string> payload) override {
+    heard.push_back("localization");
+    v1::ServerMessage message;
+    ASSERT_TRUE(message.ParseFromString(*payload));
+    localization = message.localization();
+  }
+  v1::Localization localization;  // the last
   void stand_by() override { heard.push_back("stand by"); }
   void close(v1::ErrorKind, const std::string&, bool permanent) override {
     heard.push_back(permanent ? "closed for good" : "closed");
@@ -42,6 +49,7 @@ class News : public NobodysNews {
   std::vector<std::string> heard;
   void robot_came(SessionId, bool answers) override { heard.push_back(answers ? "came" : "came and gives no clouds"); }
   void robot_left(SessionId) override { heard.push_back("left"); }
+  void asks_where(SessionId, bool asks) override { heard.push_back(asks ? "asks where" : "asks no more"); }
 };
 
 using Words = std::vector<std::string>;
@@ -143,6 +151,47 @@ TEST_F(Hub, FiveThousandSessionsReachARobotThatTakesPagesAndOthersHearOfThemselv
   ASSERT_EQ(old->update.sessions_size(), 2);
   EXPECT_EQ(old->update.sessions(1).session().robot(), "dog");
   EXPECT_EQ(old->update.anchor().robot(), "cat");
+}
+
+TEST_F(Hub, OneQuestionOfASessionStandsAtATime) {
+  news_.heard.clear();
+  const auto ask = [&](bool asks, const std::shared_ptr<HeardLink>& link) {
+    hub_.take(id_, WhereAsked{asks}, link);
+    while (hub_.unsettled() > 0) std::this_thread::yield();
+  };
+  ask(true, first_);
+  ask(true, first_);
+  EXPECT_EQ(news_.heard, Words{"asks where"});
+  ask(true, spare_);
+  ask(false, spare_);
+  EXPECT_EQ(news_.heard, Words{"asks where"}) << "a spare asks nothing";
+  ask(false, first_);
+  ask(true, first_);
+  EXPECT_EQ(news_.heard, (Words{"asks where", "asks no more", "asks where"}));
+  hub_.take(id_, TakenOver{}, spare_);
+  EXPECT_EQ(news_.heard.back(), "asks where") << "who takes over asks on";
+}
+
+TEST_F(Hub, WhoAskedIsAnsweredAndNobodyElse) {
+  SessionLocalization found{.found = true, .component = id_, .on = id_, .keyframe = 4};
+  found.T_component_session = pose_from_yaw(0.5, {1, 2, 3});
+  found.covariance.setIdentity();
+  hub_.tell_localization(id_, found);
+  EXPECT_EQ(first_->heard, Words{}) << "it did not ask";
+  hub_.take(id_, WhereAsked{true}, first_);
+  while (hub_.unsettled() > 0) std::this_thread::yield();
+  hub_.tell_localization(id_, found);
+  ASSERT_EQ(first_->heard.back(), "localization");
+  EXPECT_EQ(spare_->heard, Words{});
+  EXPECT_TRUE(first_->localization.found());
+  EXPECT_EQ(first_->localization.anchor().robot(), "ant");
+  EXPECT_EQ(first_->localization.keyframe(), 4U);
+  EXPECT_EQ(first_->localization.covariance_size(), 36);
+  EXPECT_TRUE(from_proto(first_->localization.t_component_session())->isApprox(found.T_component_session, 1e-9));
+  const auto again = std::make_shared<HeardLink>();
+  ASSERT_TRUE(hub_.admit(hello(false), again));
+  hub_.tell_localization(id_, found);
+  EXPECT_EQ(again->heard, Words{}) << "a new connection asks anew";
 }
 
 TEST_F(Hub, TheSpareHearsNothingUntilItTakesOverAndThenAllThatCounts) {

@@ -107,6 +107,55 @@ TEST_F(UplinkProtocolTest, AnAnswerThatIsLateIsAskedForAndThenPutsTheLinkInDoubt
   EXPECT_FALSE(link_->doubtful(now_));
 }
 
+TEST_F(UplinkProtocolTest, AServerThatDoesNotKnowTheQuestionIsNotAsked) {
+  start();
+  sent();
+  welcome();
+  EXPECT_FALSE(link_->localize(true));
+  EXPECT_EQ(sent(), Words{});
+}
+
+TEST_F(UplinkProtocolTest, WhereTheRobotIsComesAsItWasTold) {
+  start();
+  sent();
+  v1::ServerMessage m;
+  m.mutable_welcome()->set_protocol_version(protocol_version);
+  m.mutable_welcome()->add_capabilities("localize");
+  hear(m);
+  EXPECT_TRUE(link_->localize(true));
+  EXPECT_TRUE(link_->localize(false));
+  EXPECT_EQ(sent(), (Words{"where?", "where no more"}));
+
+  v1::ServerMessage answer;
+  auto& l = *answer.mutable_localization();
+  l.set_missing("drive on\n");
+  l.set_awaited_m(7);
+  hear(answer);
+  const auto told = [&] { return std::get<Localization>(events_.back()); };
+  EXPECT_EQ(told().state, Localization::State::not_yet);
+  EXPECT_EQ(told().awaited_m, 7);
+  EXPECT_EQ(told().missing.find('\n'), std::string::npos);
+
+  l.set_found(true);
+  const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+  *l.mutable_t_component_session() = *l.mutable_t_component_sensor() = to_proto(T);
+  for (auto* key : {l.mutable_anchor(), l.mutable_session()}) {
+    key->set_robot("ant");
+    key->set_session("s1");
+  }
+  for (int i = 0; i < 36; ++i) l.add_covariance(i);
+  hear(answer);
+  EXPECT_EQ(told().state, Localization::State::found);
+  EXPECT_EQ(told().anchor, (SessionKey{"ant", "s1"}));
+  EXPECT_TRUE(told().T_component_sensor.isApprox(T, 1e-9));
+  EXPECT_EQ(told().covariance(2, 3), 15);
+
+  l.add_covariance(1);
+  hear(answer);
+  ASSERT_TRUE(link_->ended()) << "37 numbers are no covariance";
+  EXPECT_FALSE(end()->permanent);
+}
+
 TEST_F(UplinkProtocolTest, AClockThatJumpsEndsTheLinkAtWorst) {
   table_.keyframes = 1;
   start();

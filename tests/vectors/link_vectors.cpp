@@ -234,7 +234,8 @@ v1::RobotMessage chunk(std::uint64_t sequence, std::uint32_t total, std::uint32_
 }
 
 Json other_messages() {
-  v1::RobotMessage ping, goodbye, unknown;
+  v1::RobotMessage ping, goodbye, unknown, localize;
+  (void)localize.mutable_localize();
   ping.mutable_ping()->set_nonce(41);
   goodbye.mutable_goodbye()->set_complete(true);
   unknown.set_backlog(3);
@@ -244,6 +245,8 @@ Json other_messages() {
           row_of("a ping", {hello, ping}),
           row_of("a message without a body", {hello, unknown}),
           row_of("a repeat", {hello, one, two, one}),
+          row_of("where am I", {hello, one, localize}),
+          row_of("where am I, before the hello", {localize}),
           row_of("a keyframe after a complete goodbye", {hello, one, goodbye, two}),
           row_of("a repeat after a complete goodbye", {hello, one, goodbye, one}),
           row_of("a chunk before its keyframe", {hello, chunk(1, 4, 0, "abcd")}),
