@@ -237,6 +237,7 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
       attempt.session, to_string(attempt.trigger), ms_since(start), t.hypotheses_ms, t.sampling_ms, t.registration_ms,
       t.verification_ms, t.atlas_ms, report.changed.size(), report.wanted.size(),
       report.unfinished ? ", unfinished" : "");
+  known_[attempt.session].more_to_try = report.unfinished;
   PutMerge write;
   if (report.wanted.empty() && !report.unfinished) {
     write.attempted = attempt.session;

@@ -95,6 +95,7 @@ class MergeWorker : public MergeNews, private CloudSource {
     std::set<std::uint64_t> stored, without_cloud;
     bool answers = false;
     bool asks_where = false;
+    bool more_to_try = false;  // its last attempt has not looked at all that it could lie on
     std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; none: nothing
   };
 
@@ -168,8 +169,13 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::optional<Stored> stored_;  // not yet brought back
   MergeView draft_;
 
-  mutable std::mutex mutex_;
-  std::condition_variable wake_;
+  struct Bell {
+    std::mutex mutex;
+    std::condition_variable wake;
+  };
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  // the store may answer when the worker is gone
+  std::mutex& mutex_ = bell_->mutex;
+  std::condition_variable& wake_ = bell_->wake;
   Mailbox mailbox_;
   std::vector<Order> orders_;
   Pending pending_;  // of the schedule, when the worker looked last

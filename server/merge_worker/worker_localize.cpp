@@ -26,10 +26,11 @@ void MergeWorker::take_question_aside(SessionId session, bool asks) {
     robots_->tell_localization(session, {.missing = "the session is set aside; the operator's page says why"});
 }
 
-/// Whoever asks hears of it when it is another answer than the last. all: or only those that have heard none.
+/// Whoever asks hears of it when it is another answer than the last, and not in the middle of an attempt: what it finds
+/// next may be a rival. all: or only those that have heard none.
 void MergeWorker::tell_where(bool all) {
   for (auto& [session, known] : known_) {
-    if (!known.asks_where || is_aside(session) || (!all && known.told_where)) continue;
+    if (!known.asks_where || is_aside(session) || (known.told_where && (!all || known.more_to_try))) continue;
     const SessionLocalization now = pipeline_->localization(session);
     if (known.told_where == now) continue;
     const bool was_found = known.told_where && known.told_where->found;

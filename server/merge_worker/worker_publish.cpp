@@ -96,10 +96,10 @@ bool MergeWorker::write_durably(const Write& write) {
   no_work();  // the disk's time is not the sessions' fault
   while (true) {
     auto result = std::make_shared<std::optional<Result<void>>>();
-    store_.write(write, [this, result](const Result<void>& done) {
-      const std::lock_guard lock(mutex_);
+    store_.write(write, [bell = bell_, result](const Result<void>& done) {
+      const std::lock_guard lock(bell->mutex);
       *result = done;
-      wake_.notify_all();
+      bell->wake.notify_all();
     });
     std::unique_lock lock(mutex_);
     wake_.wait(lock, [&] { return result->has_value() || stopping_; });

@@ -56,6 +56,24 @@ TEST_F(AskingWorker, TellsWhatChangedAndNothingElse) {
   EXPECT_EQ(told()[1].second.probability, 0.5);
 }
 
+TEST_F(AskingWorker, WhatAnAttemptHasYetToTryMayBeARival) {
+  begin();
+  bool more = true;
+  std::vector<std::size_t> told_before;
+  script.on_attempt = [&](SessionId, CloudSource&) {
+    told_before.push_back(told().size());
+    known(0.1 * static_cast<double>(told_before.size()));
+    AttemptReport report;
+    report.unfinished = std::exchange(more, false);
+    return report;
+  };
+  worker->asks_where(2, true);
+  ASSERT_TRUE(eventually([&] { return script.attempted() == 2 && idle(); }));
+  EXPECT_EQ(told_before, (std::vector<std::size_t>{1, 1}));
+  ASSERT_EQ(told().size(), 2U);
+  EXPECT_EQ(told()[1].second.probability, 0.2);
+}
+
 TEST_F(AskingWorker, WhoAsksAgainIsAnsweredAgain) {
   begin();
   worker->asks_where(2, true);
