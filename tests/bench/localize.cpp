@@ -79,7 +79,8 @@ Rock rock_of(const test::TruePath& map, const test::TruePath& woken) {
 test::OverlapError error_now(const test::TruePath& map, const test::TruePath& woken, std::size_t scans,
                              const Pose& T_map_woken) {
   test::TruePath tail;
-  constexpr double near_m = 8;  // or where the paths come nearest: a robot may look into rock that the map saw from farther off
+  constexpr double near_m =
+      8;  // or where the paths come nearest: a robot may look into rock that the map saw from farther off
   const auto& local = woken.T_local_sensor;
   for (std::size_t i = scans; i-- > 0;) {
     if ((local[i].translation() - local[scans - 1].translation()).norm() > settled_m) break;

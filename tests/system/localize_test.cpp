@@ -55,7 +55,8 @@ TEST_F(Lost, ARobotThatWakesUpInTheMapIsToldWhereItIs) {
   ASSERT_EQ(std::sscanf(line.c_str(), "where am I, keyframe %lu", &keyframe), 1) << line;
   const std::size_t at = line.find("T_component_sensor (");
   ASSERT_NE(at, std::string::npos) << line;
-  ASSERT_EQ(std::sscanf(line.c_str() + at, "T_component_sensor (%lf, %lf, %lf) m, yaw %lf deg", &x, &y, &z, &yaw_deg), 4)
+  ASSERT_EQ(std::sscanf(line.c_str() + at, "T_component_sensor (%lf, %lf, %lf) m, yaw %lf deg", &x, &y, &z, &yaw_deg),
+            4)
       << line;
   // Somewhere on the way that it drove: which keyframes a robot makes is its own choice.
   const Pose T_map_mine = drive_that_maps(1).T_mine_local.inverse();
