@@ -192,8 +192,6 @@ void Conversation::observe(const v1::RobotMessage& message) {
       return;
     case Body::kTrigger: return;
     case Body::kHello: return findings_.wrong("hello-twice", "a second hello on one connection");
-    case Body::kLocalize:
-      return findings_.wrong("localize", "a Localize, though the Welcome does not list the capability localize");
     case Body::kProbe:
     case Body::kTakeOver: return findings_.wrong("spare", "a Probe or TakeOver, though no Welcome allowed a spare");
     default: findings_.wrong("body", "a RobotMessage without a body that protocol v1 knows: the server refuses it");

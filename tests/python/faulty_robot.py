@@ -353,12 +353,6 @@ def pongs_without_the_nonce():
     replace(protocol.Session, "_on_ping", lambda before: lambda self, ping: before(self, robot_pb2.Ping(nonce=1)))
 
 
-@fault("localize")
-def asks_a_server_that_does_not_know_the_question():
-    replace(protocol.Session, "_on_welcome", lambda before: lambda self, welcome: (
-        before(self, welcome), setattr(self, "_server_localizes", True), self.ask_where()))
-
-
 @fault("hold")
 def does_not_hold():
     protocol.Session._on_link_policy = lambda self, policy: None

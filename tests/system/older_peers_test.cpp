@@ -76,7 +76,6 @@ TEST_F(OlderServer, ARobotOfTodayTakesItsBytes) {
   take(link_->receive(bytes.substr(0, welcome), now_));
   ASSERT_TRUE(link_->welcomed());
   EXPECT_TRUE(std::get<Welcomed>(events_.front()).capabilities.empty());
-  EXPECT_FALSE(link_->localize(true)) << "it would refuse the question";
   EXPECT_EQ(std::get<Welcomed>(events_.front()).spares, 8U);
   EXPECT_EQ(sent(), (Words{"k1", "k2", "k3", "c1:0", "c2:0", "c3:0"}));
   take(link_->receive(bytes.substr(welcome), now_));

@@ -23,7 +23,6 @@ def arguments():
     parser.add_argument("--rate", type=float, default=0, help="times real time; without it as fast as it goes")
     parser.add_argument("--linger", type=float, default=0, metavar="SECONDS",
                         help="stay until merged with another session, so long at most")
-    parser.add_argument("--localize", action="store_true", help="ask where the robot is, and print the answers")
     parser.add_argument("--patience", type=float, default=30, metavar="SECONDS",
                         help="give up when nothing is acknowledged for so long")
     parser.add_argument("recording", metavar="SESSION_DIR")
@@ -37,16 +36,6 @@ def told(robot, update):
         if other != robot.name:
             T = robot.T_mine_other(*other)
             print(f"T_mine_{other[0]}", *(f"{v:.6f}" for v in T[:3].ravel()), flush=True)
-
-
-def told_where(localization):
-    if localization is None:
-        print("where: this server is too old to tell", flush=True)
-    elif not localization.found:
-        print("where: not yet:", localization.missing, flush=True)
-    else:
-        p = localization.T_component_sensor
-        print(f"where: {p.x:.2f} {p.y:.2f} {p.z:.2f} m, in the frame of {localization.anchor.robot}", flush=True)
 
 
 def in_time(recording, rate):
@@ -64,8 +53,6 @@ def play(options):
         server=options.server, robot=options.robot, enrolment=options.enrol, clouds=options.clouds,
         cloud_form=options.cloud_form, network=options.network, sensor=recording.sensor,
         credential="" if options.insecure else options.credential or f"{options.robot}.credential"))
-    if options.localize:
-        robot.localize(told_where)
     try:
         count = sum(robot.add_scan(*scan) for scan in in_time(recording, options.rate))
         robot.wait_acknowledged(options.patience)

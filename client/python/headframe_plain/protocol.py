@@ -18,7 +18,7 @@ KEYFRAMES_ON_THEIR_WAY = 64
 CLOUDS_ON_THEIR_WAY = 16
 NO_NAME = re.compile("[/\x00-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
                      "\U000e0000-\U000e007f]")
-CAPABILITIES = ("cloud_refusal", "link_policy", "localize")
+CAPABILITIES = ("cloud_refusal", "link_policy")
 
 
 class LinkEnds(Exception):
@@ -70,15 +70,13 @@ class Session:
     clouds, and what the server said last. Not thread safe.
 
     cloud(sequence) gives a keyframe's encoded cloud, b"" if it has none. on_transforms(TransformUpdate) is called when a
-    new revision comes. on_localization(Localization), where it is set, makes the robot ask where it is after each Welcome;
-    None instead of an answer: the server is older than the question.
+    new revision comes.
     """
 
     def __init__(self, hello, cloud, on_transforms):
         self.hello, self.keyframes, self.durable = hello, [], 0
         self.transforms, self.welcomed_once = None, False
         self._cloud, self._on_transforms = cloud, on_transforms
-        self.on_localization = None
         self._durable_clouds = set()  # as the last Welcome and the acknowledgements since say
         self._gone = set()  # clouds that were refused or can not be encoded: they are never sent again
         self.credential = None  # token and code for the hello; None: in the clear
@@ -227,18 +225,6 @@ class Session:
                                 for s in range(r.first, min(r.last, len(self.keyframes)) + 1)}
         if self.credential:
             self.credential.confirmed()
-        self._server_localizes = "localize" in welcome.capabilities
-        if self.on_localization:
-            self.ask_where()
-
-    def ask_where(self):
-        """After the Welcome; a server that does not list the question is not asked."""
-        if not self._server_localizes:
-            self.on_localization(None)
-            return
-        message = robot_pb2.RobotMessage()
-        message.localize.SetInParent()
-        self._answers.append(frame(message))
 
     def _on_keyframe_ack(self, ack):
         if ack.durable_keyframes > self._sent:
@@ -274,10 +260,6 @@ class Session:
         self.transforms = update
         if known is None or (known.revision, known.component) != (update.revision, update.component):
             self._on_transforms(update)
-
-    def _on_localization(self, localization):
-        if self.on_localization:
-            self.on_localization(localization)
 
     def _on_link_policy(self, policy):
         self.hold, self.bytes_per_s = policy.hold, policy.bytes_per_s

@@ -74,15 +74,6 @@ class Robot:
         self._link.wake()
         return True
 
-    def localize(self, on_localization):
-        """Asks where the robot is in the map of others, from now on. on_localization(Localization) is called as
-        on_transforms is, with each answer; with None by a server that is older than the question."""
-        with self._link.lock:
-            asked, self._session.on_localization = self._session.on_localization, on_localization
-            if self._session.welcomed and not asked:
-                self._session.ask_where()
-        self._link.wake()
-
     def trigger(self, reason):
         """Asks the server to merge now."""
         with self._link.lock:
