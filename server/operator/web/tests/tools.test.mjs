@@ -20,7 +20,11 @@ before(async () => {
   for (const robot of ['a', 'b']) await finished(station.replay(robot, join(drives, robot)));
   await until('a merge', async () => (await station.json('api/v1/alignments')).alignments[0]?.state === 'published');
   page = await open(browser, station.url);
-  await until('points', async () => (await shown(page)).points > 0);
+  const driven = (await station.json('api/v1/sessions')).sessions.reduce((sum, { keyframes }) => sum + keyframes, 0);
+  await until('points, and every keyframe of both', async () => {
+    const { points, keyframes } = await shown(page);
+    return points > 0 && keyframes.reduce((sum, count) => sum + count, 0) === driven;
+  });
 });
 
 after(async () => {
