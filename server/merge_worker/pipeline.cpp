@@ -17,8 +17,8 @@ class RealPipeline : public Pipeline {
                std::vector<SessionId> anchors) override {
     pipeline_.restore(std::move(alignments), revision, std::move(decisions), std::move(anchors));
   }
-  void restore_self_likeness(std::map<SessionId, SelfLikeness> known) override {
-    pipeline_.restore_self_likeness(std::move(known));
+  void restore_self_likeness(const std::map<SessionId, SelfLikeness>& known) override {
+    pipeline_.restore_self_likeness(known);
   }
   Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return pipeline_.decide(id, decision); }
   Result<AttemptReport> anchor(SessionId id) override { return pipeline_.anchor(id); }

@@ -17,7 +17,7 @@ class Pipeline {
   virtual void complete_session(SessionId id) = 0;
   virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
                        std::vector<SessionId> anchors) = 0;
-  virtual void restore_self_likeness(std::map<SessionId, SelfLikeness> /*known*/) {}
+  virtual void restore_self_likeness(const std::map<SessionId, SelfLikeness>& /*known*/) {}
   virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;
   virtual Result<AttemptReport> anchor(SessionId id) = 0;
   virtual std::string why_cut(SessionId /*id*/) const { return {}; }

@@ -39,7 +39,7 @@ void MergeWorker::bring_back() {
       schedule_.trigger(session.id, Trigger::restart, Clock::now());
   }
   StoredMerge& merge = stored_->merge;
-  pipeline_->restore_self_likeness(std::move(merge.self_likeness));
+  pipeline_->restore_self_likeness(merge.self_likeness);
   pipeline_->restore(std::move(merge.alignments), merge.atlas.revision, std::move(merge.decisions),
                      std::move(merge.anchors));
   const std::size_t sessions = stored_->sessions.size();
