@@ -60,6 +60,7 @@ class NoRobots : public Robots {
   void request_submap(SessionId, const std::vector<std::uint64_t>&) override {}
   void publish(const Atlas&, const std::vector<Component>&, const std::vector<Withdrawal>&) override {}
   void tell_provisional(const Atlas&, const std::vector<Component>&) override {}
+  void tell_localization(SessionId, const SessionLocalization&) override {}
 };
 
 /// A database that grows over the run, and is found again by the next.
