@@ -37,7 +37,7 @@ struct AttemptReport {
   std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged anew
   StageTimes times = {};
   std::map<SessionId, SelfLikeness> self_likeness = {};  // found since the last attempt, to be stored
-  bool whole = false;      // the session was complete: no keyframe was expected
+  bool whole = false;                                    // the session was complete: no keyframe was expected
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
 };
 

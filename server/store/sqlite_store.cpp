@@ -55,7 +55,8 @@ class SqliteStore : public Store {
     const std::lock_guard lock(mutex_);
     auto read = reader_.each(
         "SELECT id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-        " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole FROM sessions ORDER BY id",
+        " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole FROM "
+        "sessions ORDER BY id",
         [&](const Row& row) { sessions.push_back(session_of(row)); });
     if (!read) return tl::unexpected(read.error());
     return sessions;
@@ -173,8 +174,9 @@ class SqliteStore : public Store {
   Result<std::filesystem::path> backup() override {
     const std::unique_lock one(backup_mutex_, std::try_to_lock);
     if (!one) return failure(ErrorCode::unavailable, "another backup is being made; try again when it is there");
-    const auto file = directory_.path() / ("headframe.backup-" + std::to_string(++backups_));
-    return write_backup(directory_.path(), file).map([&] { return file; });
+    auto file = directory_.path() / ("headframe.backup-" + std::to_string(++backups_));
+    if (auto made = write_backup(directory_.path(), file); !made) return tl::unexpected(made.error());
+    return file;
   }
 
  private:

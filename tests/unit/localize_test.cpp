@@ -57,7 +57,7 @@ class Localize : public testing::Test {
     return [](SessionId, SessionId, const Pose&) { return Contact::none; };
   }
 
-  const MergeConfig config_;
+  const MergeConfig config_{};
   SessionMap sessions_{config_};
 };
 
