@@ -77,8 +77,7 @@ nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
       const auto bin =
           std::find_if(least_shared_m.begin(), least_shared_m.end(), [&](int least) { return m >= least; });
       if (bin != least_shared_m.end())
-        tries[static_cast<std::size_t>(bin - least_shared_m.begin())].push_back(
-            std::min(in_vain(i, j), in_vain(j, i)));
+        tries[static_cast<std::size_t>(bin - least_shared_m.begin())].push_back(std::min(in_vain(i, j), in_vain(j, i)));
     }
   nlohmann::json out{{"sessions", n}};
   std::printf("partners: %zu sessions in one database; an attempt ends after %d that came to nothing\n", n,

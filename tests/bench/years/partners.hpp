@@ -8,8 +8,8 @@
 namespace headframe::bench {
 
 /// All sessions of the data sets below `folders` in one database. For every two whose paths truly run within 8 m of
-/// each other for 10 m and more: how many sessions that share nothing is one tried with before it is tried with the other?
-/// Throws when a data set cannot be read.
+/// each other for 10 m and more: how many sessions that share nothing is one tried with before it is tried with the
+/// other? Throws when a data set cannot be read.
 nlohmann::json partners(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace headframe::bench
