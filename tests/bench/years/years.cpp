@@ -72,7 +72,9 @@ class Years {
     auto opened = open_sqlite_store(data, options);
     if (!opened) throw std::runtime_error(opened.error().message);
     store_ = std::move(*opened);
-    stored_ = store_->sessions().value().size();
+    const auto sessions = store_->sessions();
+    if (!sessions) throw std::runtime_error(sessions.error().message);
+    stored_ = sessions->size();
   }
 
   std::size_t stored() const { return stored_; }
