@@ -81,8 +81,9 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
   for (const SessionId other : partners.rank(id, sessions)) {
     if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
     left.erase(other);
-    merge_pair(sessions.ordered(id, other), attempt);
-    came_to_nothing += !attempt.report.unfinished && !book.live(id, other);
+    const OrderedPair pair = sessions.ordered(id, other);
+    merge_pair(pair, attempt);
+    came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
   for (const SessionId other : left)
     if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);

@@ -22,8 +22,7 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
   return hash;
 }
 
-/// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
-// That ask for more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
+// What asks for more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
 constexpr double most_look_alikes = 4, most_doubt = 2, no_doubt = 0.98;
 
 /// In log-odds, how far it is from beyond doubt.
@@ -32,6 +31,7 @@ double doubt(double probability) {
   return std::max(0.0, log_odds(no_doubt) - log_odds(probability));
 }
 
+/// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
 std::optional<double> path_since(const Session& session, const Session& other, const Pose& T_other_session,
                                  double reach_m) {
   for (std::size_t i = session.keyframes.size(); i-- > 0;) {

@@ -113,7 +113,7 @@ Result<std::vector<PrivateFile>> take_private_files(Database& backup) {
     files.push_back({row.text(0), std::string(row.blob(1))});
   });
   if (done) done = backup.execute("DROP TABLE private_files");
-  if (!done) return tl::unexpected(done.error());
+  if (!done) return failure(ErrorCode::bad_input, "it lacks the table of private files");
   for (const PrivateFile& file : files)
     if (std::find(private_files.begin(), private_files.end(), file.name) == private_files.end())
       return failure(ErrorCode::bad_input, "it holds a file that no server keeps");
@@ -126,7 +126,7 @@ Result<void> check_whole(Database& backup) {
   auto read = backup.each("PRAGMA integrity_check(1)", [&](const Row& row) { verdict = row.text(0); });
   if (read)
     read = backup.each("PRAGMA user_version", [&](const Row& row) { version = static_cast<int>(row.integer(0)); });
-  if (!read) return read;
+  if (!read) return failure(ErrorCode::bad_input, "it is damaged, or no database at all");
   std::replace(verdict.begin(), verdict.end(), '\n', ' ');
   if (verdict != "ok") return failure(ErrorCode::bad_input, verdict);
   if (version > schema_version())
