@@ -75,7 +75,7 @@ Result<void> make_private(const fs::path& file) {
 
 /// A copy of the whole database as one transaction sees it.
 Result<void> copy_database(const fs::path& from, const fs::path& to) {
-  auto database = Database::open(from.string());
+  auto database = SqliteDatabase::open(from.string());
   if (!database) return tl::unexpected(database.error());
   if (auto made = make_private(to); !made) return made;
   return database->run("VACUUM INTO ?", to.string());
@@ -88,7 +88,7 @@ Result<std::string> read_notes(const fs::path& file) {
   return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
-Result<void> put_private_files(Database& backup, const fs::path& directory) {
+Result<void> put_private_files(SqliteDatabase& backup, const fs::path& directory) {
   auto done = backup.execute("CREATE TABLE private_files (name TEXT PRIMARY KEY, content BLOB NOT NULL)");
   for (const std::string_view name : private_files) {
     if (!done) return done;
@@ -107,7 +107,7 @@ tl::unexpected<Error> no_backup(const fs::path& file, const std::string& why) {
 }
 
 /// What of a backup is not a database's: taken out of it.
-Result<std::vector<PrivateFile>> take_private_files(Database& backup) {
+Result<std::vector<PrivateFile>> take_private_files(SqliteDatabase& backup) {
   std::vector<PrivateFile> files;
   auto done = backup.each("SELECT name, content FROM private_files", [&](const Row& row) {
     files.push_back({row.text(0), std::string(row.blob(1))});
@@ -120,7 +120,7 @@ Result<std::vector<PrivateFile>> take_private_files(Database& backup) {
   return files;
 }
 
-Result<void> check_whole(Database& backup) {
+Result<void> check_whole(SqliteDatabase& backup) {
   std::string verdict;
   int version = 0;
   auto read = backup.each("PRAGMA integrity_check(1)", [&](const Row& row) { verdict = row.text(0); });
@@ -142,7 +142,7 @@ Result<void> write_backup(const fs::path& directory, const fs::path& file) {
   Unfinished part(file.string() + ".part");
   if (auto done = copy_database(database, part.path()); !done) return done;
   {
-    auto backup = Database::open(part.path().string());
+    auto backup = SqliteDatabase::open(part.path().string());
     if (!backup) return tl::unexpected(backup.error());
     if (auto done = put_private_files(*backup, directory); !done) return done;
   }
@@ -172,7 +172,7 @@ Result<void> restore_backup(const fs::path& file, const fs::path& directory) {
                    file.string() + " can not be copied to " + directory.string() + ": " + error.message());
   std::vector<PrivateFile> files;
   {
-    auto backup = Database::open(part.path().string());
+    auto backup = SqliteDatabase::open(part.path().string());
     if (!backup) return no_backup(file, backup.error().message);
     if (auto whole = check_whole(*backup); !whole) {
       if (whole.error().code == ErrorCode::incompatible)

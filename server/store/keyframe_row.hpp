@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "common/session/keyframe.hpp"
-#include "server/store/sqlite.hpp"
+#include "server/store/database.hpp"
 
 namespace headframe {
 
@@ -16,7 +16,12 @@ std::optional<Keyframe> keyframe_of(const Row& row);
 /// What stands for a keyframe whose row is damaged: its number, at the place of its neighbour, and nothing seen there.
 Keyframe stand_in(std::uint64_t sequence, const Keyframe& neighbour);
 
-Result<void> insert_keyframe(Database& database, std::int64_t session, const Keyframe& keyframe);
+/// Makes its row if it follows the last of a session that is stored; `stored` is told 1 then, else 0.
+Result<void> insert_keyframe(Database& database, std::int64_t session, const Keyframe& keyframe,
+                             const Database::Changed& stored);
+
+/// The last sequence of a session; 0: it has none.
+Result<std::uint64_t> last_keyframe(Database& database, std::int64_t session);
 
 /// What tells two keyframes apart, for people; nullptr: they are the same one, if perhaps computed from its bytes by
 /// another build of the server.

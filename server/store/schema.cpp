@@ -85,7 +85,7 @@ INSERT INTO placed SELECT session, component, T_component_session FROM placement
 
 int schema_version() { return static_cast<int>(steps.size()); }
 
-Result<void> migrate(Database& database) {
+Result<void> migrate(SqliteDatabase& database) {
   int version = 0;
   auto done = database.each("PRAGMA user_version", [&](const Row& row) { version = static_cast<int>(row.integer(0)); });
   if (!done) return done;

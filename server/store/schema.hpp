@@ -8,6 +8,6 @@ namespace headframe {
 int schema_version();
 
 /// Brings a database to schema_version(), each step in a transaction of its own. incompatible: it is newer.
-Result<void> migrate(Database& database);
+Result<void> migrate(SqliteDatabase& database);
 
 }  // namespace headframe

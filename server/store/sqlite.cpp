@@ -3,37 +3,62 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <limits>
+
 namespace headframe {
+namespace {
 
-void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
-void Database::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+class SqliteRow final : public Row {
+ public:
+  explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
+  std::int64_t integer(int column) const override { return sqlite3_column_int64(statement_, column); }
+  double real(int column) const override {
+    if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
+    return sqlite3_column_double(statement_, column);
+  }
+  bool is_null(int column) const override { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  std::string_view blob(int column) const override {
+    const auto* data = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+    const int bytes = sqlite3_column_bytes(statement_, column);
+    return data ? std::string_view(data, static_cast<std::size_t>(bytes)) : std::string_view();
+  }
 
-std::int64_t Row::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+ private:
+  sqlite3_stmt* statement_;
+};
 
-bool Row::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+struct Bind {
+  sqlite3_stmt* statement;
+  int index;
 
-double Row::real(int column) const {
-  if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
-  return sqlite3_column_double(statement_, column);
-}
+  void operator()(std::monostate) const { sqlite3_bind_null(statement, index); }
+  void operator()(std::int64_t value) const { sqlite3_bind_int64(statement, index, value); }
+  void operator()(double value) const { sqlite3_bind_double(statement, index, value); }
+  void operator()(std::string_view value) const {
+    sqlite3_bind_text(statement, index, there(value), static_cast<int>(value.size()), SQLITE_STATIC);
+  }
+  void operator()(Blob value) const {
+    sqlite3_bind_blob(statement, index, there(value.bytes), static_cast<int>(value.bytes.size()), SQLITE_STATIC);
+  }
+  static const char* there(std::string_view bytes) { return bytes.data() ? bytes.data() : ""; }  // none would be NULL
+};
 
-std::string_view Row::blob(int column) const {
-  const auto* data = static_cast<const char*>(sqlite3_column_blob(statement_, column));
-  const int bytes = sqlite3_column_bytes(statement_, column);
-  return data ? std::string_view(data, static_cast<std::size_t>(bytes)) : std::string_view();
-}
+}  // namespace
 
-Result<Database> Database::open(const std::string& path) {
+void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+void SqliteDatabase::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+Result<SqliteDatabase> SqliteDatabase::open(const std::string& path) {
   sqlite3* handle = nullptr;
   const int code =
       sqlite3_open_v2(path.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
-  Database database(path, handle);
+  SqliteDatabase database(path, handle);
   if (code != SQLITE_OK) return database.fault(code);
   sqlite3_busy_timeout(handle, 5000);
   return database;
 }
 
-Result<void> Database::still_there() const {
+Result<void> SqliteDatabase::still_there() const {
   int moved = 0;
   const int known = sqlite3_file_control(handle_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
   const bool log_gone = ::access((path_ + "-wal").c_str(), F_OK) != 0;
@@ -44,13 +69,13 @@ Result<void> Database::still_there() const {
   return {};
 }
 
-Result<void> Database::execute(const std::string& sql) {
+Result<void> SqliteDatabase::execute(const std::string& sql) {
   const int code = sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) return fault(code);
   return {};
 }
 
-Result<sqlite3_stmt*> Database::prepare(std::string_view sql) {
+Result<sqlite3_stmt*> SqliteDatabase::prepare(std::string_view sql) {
   auto& kept = statements_[std::string(sql)];
   if (!kept) {
     sqlite3_stmt* made = nullptr;
@@ -62,16 +87,27 @@ Result<sqlite3_stmt*> Database::prepare(std::string_view sql) {
   return kept.get();
 }
 
-Result<void> Database::step(sqlite3_stmt* statement, const std::function<void(const Row&)>& visit) {
+Result<void> SqliteDatabase::query(std::string_view sql, std::span<const SqlValue> values, const Visit& visit) {
+  const auto prepared = prepare(sql);
+  if (!prepared) return tl::unexpected(prepared.error());
+  sqlite3_stmt* statement = *prepared;
+  int index = 0;
+  for (const SqlValue& value : values) std::visit(Bind{statement, ++index}, value);
   int code = SQLITE_ROW;
-  while ((code = sqlite3_step(statement)) == SQLITE_ROW) visit(Row(statement));
+  while ((code = sqlite3_step(statement)) == SQLITE_ROW) visit(SqliteRow(statement));
   auto done = code == SQLITE_DONE ? Result<void>{} : Result<void>(fault(code));
   sqlite3_reset(statement);
   sqlite3_clear_bindings(statement);
   return done;
 }
 
-tl::unexpected<Error> Database::fault(int code) const {
+Result<void> SqliteDatabase::change(std::string_view sql, std::span<const SqlValue> values, const Changed& changed) {
+  auto done = query(sql, values, [](const Row&) {});
+  if (done && changed) changed(static_cast<std::uint64_t>(sqlite3_changes(handle_.get())));
+  return done;
+}
+
+tl::unexpected<Error> SqliteDatabase::fault(int code) const {
   const std::string detail = handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code);
   switch (code & 0xff) {
     case SQLITE_FULL: return failure(ErrorCode::unavailable, path_ + ": the disk is full; make room");
@@ -91,17 +127,6 @@ tl::unexpected<Error> Database::fault(int code) const {
                                                "; move it away or choose another --data");
     default: return failure(ErrorCode::internal, path_ + ": " + detail);
   }
-}
-
-void Database::bind(sqlite3_stmt* statement, int index, std::int64_t value) {
-  sqlite3_bind_int64(statement, index, value);
-}
-void Database::bind(sqlite3_stmt* statement, int index, double value) { sqlite3_bind_double(statement, index, value); }
-void Database::bind(sqlite3_stmt* statement, int index, std::string_view value) {
-  sqlite3_bind_text(statement, index, value.data(), static_cast<int>(value.size()), SQLITE_STATIC);
-}
-void Database::bind(sqlite3_stmt* statement, int index, Blob value) {
-  sqlite3_bind_blob(statement, index, value.bytes.data(), static_cast<int>(value.bytes.size()), SQLITE_STATIC);
 }
 
 }  // namespace headframe

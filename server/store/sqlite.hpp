@@ -1,67 +1,31 @@
 #pragma once
 // A thin coat over SQLite: statements are prepared once and kept, errors are values.
 
-#include <cstdint>
-#include <functional>
-#include <limits>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <unordered_map>
 
-#include "common/result.hpp"
+#include "server/store/database.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace headframe {
 
-struct Blob {
-  std::string_view bytes;
-};
-
-/// The current row of a query; only good inside its visit.
-class Row {
+/// Nothing is answered later. bad_input also when the file can not be written. Messages name the file.
+class SqliteDatabase final : public Database {
  public:
-  explicit Row(sqlite3_stmt* statement) : statement_(statement) {}
-  std::int64_t integer(int column) const;
-  double real(int column) const;  // NULL is NaN: SQLite has no other word for it
-  bool is_null(int column) const;
-  std::string text(int column) const { return std::string(blob(column)); }
-  std::string_view blob(int column) const;
-
- private:
-  sqlite3_stmt* statement_;
-};
-
-/// One connection. Not thread safe. Errors: unavailable when the disk is full, slow or locked (may pass);
-/// invalid_argument when this statement alone is at fault; bad_input when the file can not be written, is damaged or no
-/// database; internal otherwise. Messages name the file.
-class Database {
- public:
-  static Result<Database> open(const std::string& path);
+  static Result<SqliteDatabase> open(const std::string& path);
 
   /// Whether its file, or its log, still lies where it was opened; else nobody will find again what is written there.
   /// bad_input: it does not.
   Result<void> still_there() const;
 
-  /// Any statements, no values.
-  Result<void> execute(const std::string& sql);
-
-  template <class... Values>
-  Result<void> run(std::string_view sql, const Values&... values) {
-    return each(
-        sql, [](const Row&) {}, values...);
-  }
-
-  template <class Visit, class... Values>
-  Result<void> each(std::string_view sql, Visit visit, const Values&... values) {
-    auto statement = prepare(sql);
-    if (!statement) return tl::unexpected(statement.error());
-    int index = 0;
-    (bind(*statement, ++index, values), ...);
-    return step(*statement, visit);
-  }
+  Result<void> execute(const std::string& sql) override;
+  Result<void> change(std::string_view sql, std::span<const SqlValue> values, const Changed& changed) override;
+  Result<void> query(std::string_view sql, std::span<const SqlValue> values, const Visit& visit) override;
+  bool answers_from_afar() const override { return false; }
+  Result<void> settle() override { return {}; }
 
  private:
   struct Close {
@@ -71,23 +35,9 @@ class Database {
     void operator()(sqlite3_stmt* statement) const;
   };
 
-  Database(std::string path, sqlite3* handle) : path_(std::move(path)), handle_(handle) {}
+  SqliteDatabase(std::string path, sqlite3* handle) : path_(std::move(path)), handle_(handle) {}
   Result<sqlite3_stmt*> prepare(std::string_view sql);
-  Result<void> step(sqlite3_stmt* statement, const std::function<void(const Row&)>& visit);
   tl::unexpected<Error> fault(int code) const;
-
-  // A temporary string would be gone when the statement runs: callers keep what they bind until the call returns.
-  static void bind(sqlite3_stmt* statement, int index, std::int64_t value);
-  static void bind(sqlite3_stmt* statement, int index, std::uint64_t value) {
-    bind(statement, index, static_cast<std::int64_t>(value));
-  }
-  static void bind(sqlite3_stmt* statement, int index, std::uint32_t value) {
-    bind(statement, index, std::int64_t{value});
-  }
-  static void bind(sqlite3_stmt* statement, int index, int value) { bind(statement, index, std::int64_t{value}); }
-  static void bind(sqlite3_stmt* statement, int index, double value);
-  static void bind(sqlite3_stmt* statement, int index, std::string_view value);
-  static void bind(sqlite3_stmt* statement, int index, Blob value);
 
   std::string path_;
   std::unique_ptr<sqlite3, Close> handle_;

@@ -16,7 +16,7 @@ inline Result<void> write_and_wait(Store& store, Write write) {
   return durable.get_future().get();
 }
 
-inline std::unique_ptr<Store> open(const TempDir& dir, const SqliteOptions& options = {}) {
+inline std::unique_ptr<Store> open(const TempDir& dir, const StoreOptions& options = {}) {
   auto store = open_sqlite_store(dir.path(), options);
   EXPECT_TRUE(store) << (store ? "" : store.error().message);
   return store ? std::move(*store) : nullptr;

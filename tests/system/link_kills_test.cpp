@@ -40,7 +40,7 @@ class Audit : public testing::Test {
   }
 
   Faults compared_after(const std::string& tampering) {
-    EXPECT_TRUE(Database::open((data() / "headframe.db").string())->execute(tampering));
+    EXPECT_TRUE(SqliteDatabase::open((data() / "headframe.db").string())->execute(tampering));
     auto produced = produce("ant", keyframes, scratch.path() / "oracle");
     EXPECT_TRUE(produced);
     const auto known = told("ant", spool());

@@ -87,7 +87,7 @@ TEST_F(Connections, DamageOnTheDiskCostsItselfAndNotTheExport) {
     EXPECT_TRUE(robot.read_until([&](const auto& m) { return (clouds += m.cloud_ack().sequences_size()) == 4; }));
   }
   server.reset();
-  auto database = Database::open((dir.path() / "headframe.db").string());
+  auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
   ASSERT_TRUE(database && database->execute("UPDATE clouds SET encoded=x'0102' WHERE sequence=2;"
                                             "UPDATE keyframes SET stamp_s=stamp_s+1 WHERE sequence=3"));
   serve();
@@ -216,7 +216,7 @@ TEST_F(Connections, ABrokenDatabaseAcknowledgesNothingAndSaysWhy) {
   robot.greet(robot_hello());
   robot.send(keyframe_frame(line_keyframe(1)));
   ASSERT_TRUE(robot.acknowledged(1));
-  auto database = Database::open((dir.path() / "headframe.db").string());
+  auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
   ASSERT_TRUE(database && database->execute("ALTER TABLE keyframes RENAME TO elsewhere"));
   robot.send(keyframe_frame(line_keyframe(2)));
   const auto held = robot.read_until([](const auto& m) { return m.has_error() || m.has_link_policy(); });

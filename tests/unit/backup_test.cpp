@@ -130,13 +130,13 @@ TEST_F(Backup, CutShortAnywhereIsRefused) {
 TEST_F(Backup, OfANewerServerAndOneThatHoldsOtherFilesAreRefused) {
   ASSERT_TRUE(write_backup(data(), file()));
   {
-    auto database = Database::open(file().string());
+    auto database = SqliteDatabase::open(file().string());
     ASSERT_TRUE(database->execute("PRAGMA user_version=" + std::to_string(schema_version() + 1)));
   }
   expect_refused(ErrorCode::incompatible, "newer");
   ASSERT_TRUE(write_backup(data(), file()));
   {
-    auto database = Database::open(file().string());
+    auto database = SqliteDatabase::open(file().string());
     ASSERT_TRUE(database->execute("INSERT INTO private_files VALUES ('../escaped', x'00')"));
   }
   expect_refused(ErrorCode::bad_input, "no whole backup");

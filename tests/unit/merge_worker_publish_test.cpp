@@ -113,7 +113,7 @@ TEST_F(Worker, ADatabaseThatCanNotBeWrittenEndsMergingWithAWord) {
     return report;
   };
   start();
-  auto database = Database::open((dir.path() / "headframe.db").string());
+  auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
   ASSERT_TRUE(database && database->execute("DROP TABLE alignments"));
   worker->trigger(1, Trigger::command);
   ASSERT_TRUE(eventually([&] { return !store->load().broken.empty(); }));

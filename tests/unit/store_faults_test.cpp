@@ -64,7 +64,7 @@ TEST(StoreFaults, ClosedWhileTheDiskIsFullItFailsWhatWaits) {
 
 /// Changes the database behind the store's back.
 void tamper(const TempDir& dir, const std::string& sql) {
-  auto database = Database::open((dir.path() / "headframe.db").string());
+  auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
   ASSERT_TRUE(database);
   const auto done = database->execute(sql);
   ASSERT_TRUE(done) << done.error().message;

@@ -31,7 +31,7 @@ struct StoredAtlas : testing::Test {
   }
 
   int rows_of(std::uint64_t revision) const {
-    auto database = Database::open((dir.path() / "headframe.db").string());
+    auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
     int rows = 0;
     EXPECT_TRUE(database->each(
         "SELECT count(*) FROM placements WHERE revision=?",
@@ -88,7 +88,7 @@ TEST(Store, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
     ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {alignment}, {}, {}}));
   }
   {
-    auto database = Database::open((dir.path() / "headframe.db").string());
+    auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
     ASSERT_TRUE(database);
     const auto back = database->execute(std::string(to_schema_3) +
                                         "INSERT INTO revisions VALUES (4, 0), (5, 0);"
@@ -115,7 +115,7 @@ TEST(Store, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
 TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
   const TempDir dir;
   {
-    auto database = Database::open((dir.path() / "headframe.db").string());
+    auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
     ASSERT_TRUE(database && migrate(*database));
     ASSERT_TRUE(database->execute(std::string(to_schema_3) +
                                   "DROP TABLE decisions; ALTER TABLE alignments DROP COLUMN verdict;"

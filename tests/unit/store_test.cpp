@@ -331,7 +331,7 @@ TEST(Store, NewerSchemaIsRefusedAndTheSameIsKept) {
   const TempDir dir;
   open(dir).reset();
   const auto set_version = [&](int version) {
-    auto database = Database::open((dir.path() / "headframe.db").string());
+    auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
     ASSERT_TRUE(database);
     ASSERT_TRUE(database->execute("PRAGMA user_version=" + std::to_string(version)));
   };

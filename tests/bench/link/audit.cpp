@@ -126,7 +126,7 @@ Result<Told> told(const std::string& robot, const std::filesystem::path& spool) 
 
 Result<Faults> audit(const std::filesystem::path& data, const std::map<std::string, Produced>& produced,
                      const std::map<std::string, Told>& told) {
-  auto database = Database::open((data / "headframe.db").string());
+  auto database = SqliteDatabase::open((data / "headframe.db").string());
   if (!database) return tl::unexpected(database.error());
   Faults faults;
   for (const auto& [robot, truth] : produced) {

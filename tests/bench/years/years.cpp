@@ -67,7 +67,7 @@ class NoRobots : public Robots {
 class Years {
  public:
   Years(const YearsBench& bench, const std::filesystem::path& data) : bench_(bench) {
-    SqliteOptions options;
+    StoreOptions options;
     options.queue_bytes = 1UL << 30U;
     auto opened = open_sqlite_store(data, options);
     if (!opened) throw std::runtime_error(opened.error().message);

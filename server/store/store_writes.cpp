@@ -1,4 +1,4 @@
-#include "server/store/sqlite_writes.hpp"
+#include "server/store/store_writes.hpp"
 
 #include <chrono>
 #include <map>
@@ -20,49 +20,69 @@ Result<void> put(Database& db, const PutSession& write) {
       s.spool_id, int{s.complete}, s.spool_run);
 }
 
+Result<void> put(Database& db, const PutKeyframe& write, const Database::Changed& stored) {
+  return insert_keyframe(db, write.session, write.keyframe, stored);
+}
+
+Result<void> put(Database& db, const PutCloud& write, const Database::Changed& stored) {
+  return db.run_counted(
+      "INSERT INTO clouds (session, sequence, encoded) SELECT ?1, ?2, ?3 WHERE EXISTS (SELECT 1 FROM keyframes"
+      " WHERE session=?1 AND sequence=?2) ON CONFLICT (session, sequence) DO NOTHING",
+      stored, write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
+}
+
 /// A repeat is harmless; another keyframe of the same number is not.
-Result<void> same_as_stored(Database& db, const PutKeyframe& write) {
+Result<void> why_not_stored(Database& db, const PutKeyframe& write) {
+  const std::string name =
+      "keyframe " + std::to_string(write.keyframe.sequence) + " of session " + std::to_string(write.session);
   const char* other = nullptr;
+  bool is_there = false;
   auto read = db.each(
       select_keyframes() + " WHERE session=? AND sequence=?",
       [&](const Row& row) {
         const auto stored = keyframe_of(row);  // of a damaged one nobody knows
         other = stored ? difference(*stored, write.keyframe) : nullptr;
+        is_there = true;
       },
       write.session, write.keyframe.sequence);
-  if (!read || other == nullptr) return read;
-  return failure(ErrorCode::refused, "keyframe " + std::to_string(write.keyframe.sequence) + " of session " +
-                                         std::to_string(write.session) + " is stored with " + other +
-                                         ": the robot's spool was copied, or its numbers are used twice; begin a new "
-                                         "session");
-}
-
-Result<void> put(Database& db, const PutKeyframe& write) {
-  const Keyframe& k = write.keyframe;
-  std::uint64_t last = 0;
-  auto read = db.each(
+  if (!read || (is_there && other == nullptr)) return read;
+  if (is_there)
+    return failure(ErrorCode::refused, name + " is stored with " + other +
+                                           ": the robot's spool was copied, or its numbers are used twice; begin a new "
+                                           "session");
+  std::int64_t last = 0;
+  read = db.each(
       "SELECT coalesce(max(sequence), 0) FROM keyframes WHERE session=?",
-      [&](const Row& row) { last = static_cast<std::uint64_t>(row.integer(0)); }, write.session);
+      [&](const Row& row) { last = row.integer(0); }, write.session);
   if (!read) return read;
-  if (k.sequence <= last) return same_as_stored(db, write);
-  if (k.sequence != last + 1)
-    return failure(ErrorCode::invalid_argument, "keyframe " + std::to_string(k.sequence) + " of session " +
-                                                    std::to_string(write.session) + " would leave a hole after " +
-                                                    std::to_string(last));
-  return insert_keyframe(db, write.session, k);
+  return failure(ErrorCode::invalid_argument,
+                 name + " would leave a hole after " + std::to_string(last) + ", or its session is not stored");
 }
 
-Result<void> put(Database& db, const PutCloud& write) {
-  return db.run(
-      "INSERT INTO clouds (session, sequence, encoded) VALUES (?,?,?) ON CONFLICT (session, sequence) DO NOTHING",
-      write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
+Result<void> why_not_stored(Database& db, const PutCloud& write) {
+  bool is_there = false;
+  const KeyframeRef& k = write.keyframe;
+  auto read = db.each(
+      "SELECT sequence FROM clouds WHERE session=? AND sequence=?", [&](const Row&) { is_there = true; }, k.session,
+      k.sequence);
+  if (!read || is_there) return read;
+  return failure(ErrorCode::invalid_argument, "a cloud of keyframe " + std::to_string(k.sequence) + " of session " +
+                                                  std::to_string(k.session) + ", which is not stored");
+}
+
+/// All other writes change something or fail.
+template <class Other>
+Result<void> why_not_stored(Database&, const Other&) {
+  return {};
 }
 
 Result<void> put(Database& db, const PutRobot& write) {
   const RobotRecord& r = write.robot;
   return db.run(
-      "INSERT OR REPLACE INTO robots (name, token_digest, code_digest, code_expires_s, enrolled_s, revoked, rate_kib_s)"
-      " VALUES (?,?,?,?,?,?,?)",
+      "INSERT INTO robots (name, token_digest, code_digest, code_expires_s, enrolled_s, revoked, rate_kib_s)"
+      " VALUES (?,?,?,?,?,?,?) ON CONFLICT (name) DO UPDATE SET token_digest=excluded.token_digest,"
+      " code_digest=excluded.code_digest, code_expires_s=excluded.code_expires_s, enrolled_s=excluded.enrolled_s,"
+      " revoked=excluded.revoked, rate_kib_s=excluded.rate_kib_s",
       r.name, Blob{r.token_digest}, Blob{r.code_digest}, r.code_expires_s, r.enrolled_s, int{r.revoked}, r.rate_kib_s);
 }
 
@@ -81,8 +101,10 @@ Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64
       alignment.a, alignment.b, alignment.id, state, Blob{T}, to_string(alignment.verdict), Blob{T_runner_up});
   for (const EvidenceField& field : evidence_fields()) {
     if (!done) return done;
-    done = db.run("INSERT OR REPLACE INTO evidence (a, b, name, value) VALUES (?,?,?,?)", alignment.a, alignment.b,
-                  field.name, alignment.evidence.*field.member);
+    done = db.run(
+        "INSERT INTO evidence (a, b, name, value) VALUES (?,?,?,?) ON CONFLICT (a, b, name) DO UPDATE SET"
+        " value=excluded.value",
+        alignment.a, alignment.b, field.name, alignment.evidence.*field.member);
   }
   if (!done) return done;
   return db.run("INSERT INTO merge_order (revision, a, b, state) VALUES (?,?,?,?)", revision, alignment.a, alignment.b,
@@ -121,7 +143,11 @@ Result<void> put_atlas(Database& db, const Atlas& atlas) {
   for (const auto& [session, placed] : now) {
     if (const auto was = before.find(session); was != before.end() && was->second == placed) continue;
     const auto& [component, T] = placed;
-    if (done) done = db.run("INSERT OR REPLACE INTO placed VALUES (?,?,?)", session, component, Blob{T});
+    if (done)
+      done = db.run(
+          "INSERT INTO placed VALUES (?,?,?) ON CONFLICT (session) DO UPDATE SET component=excluded.component,"
+          " T_component_session=excluded.T_component_session",
+          session, component, Blob{T});
     if (done) done = db.run("INSERT INTO placements VALUES (?,?,?,?)", atlas.revision, session, component, Blob{T});
   }
   return done;
@@ -130,8 +156,11 @@ Result<void> put_atlas(Database& db, const Atlas& atlas) {
 Result<void> put_self_likeness(Database& db, SessionId session, const SelfLikeness& found) {
   std::vector<std::uint64_t> wanted;
   for (const KeyframeRef& keyframe : found.wanted) wanted.push_back(keyframe.sequence);
-  return db.run("INSERT OR REPLACE INTO self_likeness VALUES (?,?,?,?,?,?)", session, found.path_m, found.clouds,
-                found.aliases, found.look_alikes, Blob{integers_blob(wanted)});
+  const std::string sequences = integers_blob(wanted);
+  return db.run(
+      "INSERT INTO self_likeness VALUES (?,?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET path_m=excluded.path_m,"
+      " clouds=excluded.clouds, aliases=excluded.aliases, look_alikes=excluded.look_alikes, wanted=excluded.wanted",
+      session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences});
 }
 
 Result<void> put(Database& db, const PutMerge& write) {
@@ -153,7 +182,10 @@ Result<void> put(Database& db, const PutMerge& write) {
   for (const auto& [session, found] : write.self_likeness)
     if (done) done = put_self_likeness(db, session, found);
   if (done && write.anchored != 0)
-    done = db.run("INSERT OR REPLACE INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors", write.anchored);
+    done = db.run(
+        "INSERT INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors WHERE true"
+        " ON CONFLICT (session) DO UPDATE SET choice=excluded.choice",
+        write.anchored);
   if (!done || write.attempted == 0) return done;
   return db.run("UPDATE sessions SET attempted_keyframes=?, attempted_whole=? WHERE id=?", write.attempted_keyframes,
                 int{write.attempted_whole}, write.attempted);
@@ -193,15 +225,26 @@ Result<void> delete_content(Database& db, SessionId session) {
 
 Result<void> put(Database& db, const PutTrouble& write) {
   const TroubleRecord& t = write.trouble;
-  auto done = db.run("INSERT OR REPLACE INTO troubles VALUES (?,?,?,?,?)", t.session, t.deaths, t.kills, t.why_aside,
-                     int{t.deleted});
+  auto done = db.run(
+      "INSERT INTO troubles VALUES (?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET deaths=excluded.deaths,"
+      " kills=excluded.kills, why_aside=excluded.why_aside, deleted=excluded.deleted",
+      t.session, t.deaths, t.kills, t.why_aside, int{t.deleted});
   return done && t.deleted ? delete_content(db, t.session) : done;
+}
+
+template <class Other>
+Result<void> put(Database& db, const Other& write, const Database::Changed&) {
+  return put(db, write);
 }
 
 }  // namespace
 
-Result<void> apply(Database& database, const Write& write) {
-  return std::visit([&](const auto& w) { return put(database, w); }, write);
+Result<void> apply(Database& db, const Write& write, const Database::Changed& stored) {
+  return std::visit([&](const auto& w) { return put(db, w, stored); }, write);
+}
+
+Result<void> why_nothing_changed(Database& database, const Write& write) {
+  return std::visit([&](const auto& w) { return why_not_stored(database, w); }, write);
 }
 
 std::size_t size_bytes(const Write& write) {

@@ -3,12 +3,14 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
 
-#include "server/store/sqlite_store.hpp"
-#include "server/store/sqlite_writes.hpp"
+#include "server/store/store.hpp"
+#include "server/store/store_options.hpp"
+#include "server/store/writer_connection.hpp"
 
 namespace headframe {
 
@@ -17,10 +19,10 @@ namespace headframe {
 /// until that one stands alone and fails; one that the disk refuses waits, and all behind it, until there is room, so
 /// nothing is answered that is not durable. When the database itself is at fault (damaged, read-only, another schema)
 /// trying again is no use: this write and all after it fail. write() and load() are thread safe.
-class SqliteWriter {
+class StoreWriter {
  public:
-  SqliteWriter(Database database, const SqliteOptions& options);
-  ~SqliteWriter();  // finishes what is queued; what the disk refuses then fails
+  StoreWriter(std::unique_ptr<WriterConnection> connection, const StoreOptions& options);
+  ~StoreWriter();  // finishes what is queued; what the disk refuses then fails
 
   void write(Write write, Store::Done done);
   StoreLoad load() const;
@@ -31,25 +33,28 @@ class SqliteWriter {
     Store::Done done;
     std::size_t bytes = 0;
     std::optional<Error> wrong = std::nullopt;  // found so at the last attempt; nothing of it was written
+    bool changed_nothing = false;               // at the last attempt: a repeat, or wrong
   };
 
   void run();
   std::deque<Item> next_group();
   void commit(std::deque<Item> group);
   Result<void> apply_to_transaction(Item& item);
+  Result<void> apply_all(std::deque<Item>& group, std::size_t count);
   Result<void> try_commit(std::deque<Item>& group, std::size_t count);
   bool wait_for_room(const Error& why);
   void finish(Item& item, const Result<void>& committed);
   void give_up(const Error& why);
 
-  Database database_;
-  const SqliteOptions options_;
+  std::unique_ptr<WriterConnection> connection_;
+  const StoreOptions options_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Item> queue_;
   StoreLoad load_;
   std::optional<Error> broken_;
   bool stopping_ = false;
+  int waits_ = 0;  // in a row, without a commit between
   std::thread thread_;
 };
 

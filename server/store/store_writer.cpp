@@ -1,4 +1,8 @@
-#include "server/store/sqlite_writer.hpp"
+#include "server/store/store_writer.hpp"
+
+#include <algorithm>
+
+#include "server/store/store_writes.hpp"
 
 namespace headframe {
 namespace {
@@ -17,13 +21,13 @@ bool is_one_statement(const Write& write) {
 
 }  // namespace
 
-SqliteWriter::SqliteWriter(Database database, const SqliteOptions& options)
-    : database_(std::move(database)), options_(options) {
+StoreWriter::StoreWriter(std::unique_ptr<WriterConnection> connection, const StoreOptions& options)
+    : connection_(std::move(connection)), options_(options) {
   load_.queue_bytes = options.queue_bytes;
   thread_ = std::thread([this] { run(); });
 }
 
-SqliteWriter::~SqliteWriter() {
+StoreWriter::~StoreWriter() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -32,7 +36,7 @@ SqliteWriter::~SqliteWriter() {
   thread_.join();
 }
 
-void SqliteWriter::write(Write write, Store::Done done) {
+void StoreWriter::write(Write write, Store::Done done) {
   Item item{std::move(write), std::move(done), 0};
   item.bytes = size_bytes(item.write);
   Error why{ErrorCode::unavailable, "the store can not keep up: " + std::to_string(options_.queue_bytes) +
@@ -52,12 +56,12 @@ void SqliteWriter::write(Write write, Store::Done done) {
   item.done(tl::unexpected(std::move(why)));
 }
 
-StoreLoad SqliteWriter::load() const {
+StoreLoad StoreWriter::load() const {
   const std::lock_guard lock(mutex_);
   return load_;
 }
 
-void SqliteWriter::run() {
+void StoreWriter::run() {
   while (true) {
     auto group = next_group();
     if (group.empty()) return;
@@ -65,7 +69,7 @@ void SqliteWriter::run() {
   }
 }
 
-std::deque<SqliteWriter::Item> SqliteWriter::next_group() {
+std::deque<StoreWriter::Item> StoreWriter::next_group() {
   std::unique_lock lock(mutex_);
   wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
   wake_.wait_for(lock, std::chrono::milliseconds(options_.group_ms),
@@ -78,13 +82,13 @@ std::deque<SqliteWriter::Item> SqliteWriter::next_group() {
   return group;
 }
 
-void SqliteWriter::commit(std::deque<Item> group) {
+void StoreWriter::commit(std::deque<Item> group) {
   for (std::size_t count = group.size(); !group.empty();) {
     const auto done = broken_ ? Result<void>(tl::unexpected(*broken_)) : try_commit(group, count);
     const bool disk = !done && done.error().code == ErrorCode::unavailable;
     if (!done && is_of_the_database(done.error())) {
       give_up(done.error());
-    } else if (!done && count > 1) {
+    } else if (!done && count > 1 && !connection_->is_lost()) {
       count /= 2;
       continue;
     }
@@ -94,9 +98,11 @@ void SqliteWriter::commit(std::deque<Item> group) {
   }
 }
 
-Result<void> SqliteWriter::apply_to_transaction(Item& item) {
+Result<void> StoreWriter::apply_to_transaction(Item& item) {
   item.wrong.reset();
-  auto done = headframe::apply(database_, item.write);  // not std::apply
+  item.changed_nothing = false;
+  auto done = headframe::apply(connection_->database(), item.write,  // not std::apply
+                               [&item](std::uint64_t rows) { item.changed_nothing = rows == 0; });
   if (done || !is_one_statement(item.write) || done.error().code == ErrorCode::unavailable ||
       is_of_the_database(done.error()))
     return done;
@@ -104,38 +110,57 @@ Result<void> SqliteWriter::apply_to_transaction(Item& item) {
   return {};
 }
 
-Result<void> SqliteWriter::try_commit(std::deque<Item>& group, std::size_t count) {
-  const auto start = std::chrono::steady_clock::now();
-  auto done = database_.execute("BEGIN IMMEDIATE");
-  for (std::size_t i = 0; done && i < count; ++i) done = apply_to_transaction(group[i]);
-  if (done) done = database_.execute("COMMIT");
-  if (!done) {
-    (void)database_.execute("ROLLBACK");
-    return done;
+Result<void> StoreWriter::apply_all(std::deque<Item>& group, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (auto done = apply_to_transaction(group[i]); !done) return done;
+  if (auto done = connection_->database().settle(); !done) return done;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!group[i].changed_nothing) continue;
+    auto right = why_nothing_changed(connection_->database(), group[i].write);
+    if (right) continue;
+    if (right.error().code == ErrorCode::unavailable || is_of_the_database(right.error())) return right;
+    group[i].wrong = std::move(right.error());
   }
-  if (done = database_.still_there(); !done) return done;
+  return {};
+}
+
+Result<void> StoreWriter::try_commit(std::deque<Item>& group, std::size_t count) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto begun = connection_->begin();
+  if (!begun) return tl::unexpected(begun.error());
+  if (*begun) {
+    auto done = apply_all(group, count);
+    if (done) done = connection_->commit();
+    if (!done) {
+      connection_->rollback();
+      return done;
+    }
+  }
+  waits_ = 0;
   const std::lock_guard lock(mutex_);
   ++load_.commits;
   load_.commit_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return done;
+  return {};
 }
 
 /// False: the store closes.
-bool SqliteWriter::wait_for_room(const Error& why) {
+bool StoreWriter::wait_for_room(const Error& why) {
+  const int doubled = options_.retry_ms << std::min(waits_++, 10);
+  const std::chrono::milliseconds pause(std::clamp(doubled, options_.retry_ms, options_.longest_retry_ms));
   std::unique_lock lock(mutex_);
   load_.waits_for = load_.last_error = why.message;
-  return !wake_.wait_for(lock, std::chrono::milliseconds(options_.retry_ms), [&] { return stopping_; });
+  return !wake_.wait_for(lock, pause, [&] { return stopping_; });
 }
 
 /// From now on. broken_ is only set here, on the writer's thread, which therefore reads it without the lock.
-void SqliteWriter::give_up(const Error& why) {
+void StoreWriter::give_up(const Error& why) {
   if (broken_) return;
   const std::lock_guard lock(mutex_);
   broken_ = why;
   load_.broken = why.message;
 }
 
-void SqliteWriter::finish(Item& item, const Result<void>& committed) {
+void StoreWriter::finish(Item& item, const Result<void>& committed) {
   const Result<void> result = committed && item.wrong ? Result<void>(tl::unexpected(*item.wrong)) : committed;
   {
     const std::lock_guard lock(mutex_);

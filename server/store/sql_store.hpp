@@ -1,0 +1,57 @@
+#pragma once
+// The store, over whichever SQL database it has been given connections to.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+
+#include "server/store/data_directory.hpp"
+#include "server/store/store_writer.hpp"
+
+namespace headframe {
+
+/// What a store is made of.
+struct SqlStoreParts {
+  DataDirectory directory;
+  std::unique_ptr<Database> reader;
+  std::unique_ptr<WriterConnection> writer;
+  StoreOptions options;
+  /// Makes a backup as this file.
+  std::function<Result<void>(const std::filesystem::path& file)> write_backup;
+};
+
+class SqlStore final : public Store {
+ public:
+  explicit SqlStore(SqlStoreParts parts);
+
+  void write(Write write, Done done) override { writer_.write(std::move(write), std::move(done)); }
+  StoreLoad load() const override;
+  Result<std::vector<SessionRecord>> sessions() override;
+  Result<void> each_keyframe(SessionId session, std::uint64_t first,
+                             const std::function<void(Keyframe)>& visit) override;
+  Result<std::uint64_t> last_keyframe(SessionId session) override;
+  Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) override;
+  Result<std::string> cloud(const KeyframeRef& keyframe) override;
+  Result<StoredMerge> merge() override;
+  Result<StoredNotes> notes() override;
+  Result<std::vector<RobotRecord>> robots() override;
+  Result<std::vector<TroubleRecord>> troubles() override;
+  Result<std::filesystem::path> backup() override;
+
+ private:
+  void note_damage(const KeyframeRef& keyframe);
+
+  DataDirectory directory_;
+  std::function<Result<void>(const std::filesystem::path&)> write_backup_;
+  std::mutex mutex_;  // of reader_ and damaged_
+  std::set<KeyframeRef> damaged_;
+  std::atomic<std::size_t> damaged_count_ = 0;
+  std::mutex backup_mutex_;
+  int backups_ = 0;
+  std::unique_ptr<Database> reader_;
+  StoreWriter writer_;
+};
+
+}  // namespace headframe

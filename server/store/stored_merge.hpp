@@ -1,0 +1,12 @@
+#pragma once
+// What merging and the operator have made of the sessions, read from their tables.
+
+#include "server/store/database.hpp"
+#include "server/store/store.hpp"
+
+namespace headframe {
+
+Result<StoredMerge> read_merge(Database& database);
+Result<StoredNotes> read_notes(Database& database);
+
+}  // namespace headframe
