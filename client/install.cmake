@@ -1,6 +1,6 @@
 # cmake --install: the robot library as a package, find_package(headframe) and link headframe::robot_client.
 include(CMakePackageConfigHelpers)
-set(rooms headframe_options headframe_proto headframe_geometry headframe_cloud headframe_signature headframe_network
+set(rooms headframe_options headframe_proto headframe_geometry headframe_cloud headframe_coverage headframe_signature headframe_network
   headframe_descriptor headframe_wire headframe_security headframe_dataset headframe_keyframe headframe_spool
   headframe_credential headframe_uplink headframe_robot_client)
 if(HEADFRAME_NETWORKS)

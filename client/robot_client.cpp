@@ -250,6 +250,18 @@ void RobotClient::localize(const std::function<void(const Localization&)>& callb
   state_->link.on_localization(callback);
   state_->uplink->localize(static_cast<bool>(callback));
 }
+void RobotClient::trajectories(const std::function<void(const Trajectories&)>& callback) {
+  state_->link.on_trajectories(callback);
+  state_->uplink->trajectories(static_cast<bool>(callback));
+}
+void RobotClient::coverage(const std::function<void(const Coverage&)>& callback) {
+  state_->link.on_coverage(callback);
+  state_->uplink->coverage(static_cast<bool>(callback));
+}
+void RobotClient::map_around(const MapQuestion& question, const std::function<void(const MapAround&)>& callback) {
+  state_->link.on_map(callback);
+  state_->uplink->map_around(question);
+}
 void RobotClient::trigger(const std::string& reason) { state_->uplink->trigger(reason); }
 SessionKey RobotClient::session() const { return state_->link.identity().session; }
 

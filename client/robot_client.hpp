@@ -14,6 +14,7 @@
 #include "client/keyframe/sweeps.hpp"
 #include "client/localization.hpp"
 #include "client/progress.hpp"
+#include "client/surroundings.hpp"
 #include "client/transforms.hpp"
 #include "common/cloud/point_cloud.hpp"
 #include "common/descriptor/family.hpp"
@@ -81,6 +82,19 @@ class RobotClient {
   /// called on the link's thread, like on_transform's; the last one set counts. None: asks no more. Nothing is merged
   /// for the question, and an answer that is withdrawn comes as `not_yet`.
   void localize(const std::function<void(const Localization&)>& callback);
+
+  /// Asks for the paths of the other sessions of the robot's component, from now on, over connections to come too. The
+  /// callback gets all of them, in the robot's local frame: at once, and again whenever there is something new. It is
+  /// called on the link's thread, like on_transform's; the last one set counts. None: asks no more.
+  void trajectories(const std::function<void(const Trajectories&)>& callback);
+
+  /// The same for what was seen of the component from above: where not to go any more.
+  void coverage(const std::function<void(const Coverage&)>& callback);
+
+  /// Asks once for the points that all sessions have around here. The callback gets the one answer, in the robot's
+  /// local frame, on the link's thread: a map, or why there is none. One is asked for at a time: a later question takes
+  /// the place of the one before, which is not answered any more.
+  void map_around(const MapQuestion& question, const std::function<void(const MapAround&)>& callback);
 
   /// Asks the server to merge now.
   void trigger(const std::string& reason);

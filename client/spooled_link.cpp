@@ -38,7 +38,10 @@ Result<void> SpooledLink::append(const Keyframe& keyframe, std::string_view enco
 
 void SpooledLink::on_event(const UplinkEvent& event) {
   if (const auto* t = std::get_if<Transforms>(&event)) return take(*t);
-  if (const auto* l = std::get_if<Localization>(&event)) return take(*l);
+  if (const auto* l = std::get_if<Localization>(&event)) return hand_on(*l, &SpooledLink::on_localization_);
+  if (const auto* o = std::get_if<Trajectories>(&event)) return hand_on(*o, &SpooledLink::on_trajectories_);
+  if (const auto* c = std::get_if<Coverage>(&event)) return hand_on(*c, &SpooledLink::on_coverage_);
+  if (const auto* m = std::get_if<MapAround>(&event)) return hand_on(*m, &SpooledLink::on_map_);
   const Lock lock(mutex_);
   Result<void> written;
   if (const auto* w = std::get_if<Welcomed>(&event)) {
@@ -86,18 +89,35 @@ void SpooledLink::take(const Transforms& transforms) {
   if (callback) callback(transforms);
 }
 
-void SpooledLink::take(const Localization& localization) {
-  std::function<void(const Localization&)> callback;
+/// To the callback that was set last; not under the lock.
+template <class Told>
+void SpooledLink::hand_on(const Told& told, std::function<void(const Told&)> SpooledLink::*set) {
+  std::function<void(const Told&)> callback;
   {
     const Lock lock(mutex_);
-    callback = on_localization_;
+    callback = this->*set;
   }
-  if (callback) callback(localization);
+  if (callback) callback(told);
 }
 
 void SpooledLink::on_localization(const std::function<void(const Localization&)>& callback) {
   const Lock lock(mutex_);
   on_localization_ = callback;
+}
+
+void SpooledLink::on_trajectories(const std::function<void(const Trajectories&)>& callback) {
+  const Lock lock(mutex_);
+  on_trajectories_ = callback;
+}
+
+void SpooledLink::on_coverage(const std::function<void(const Coverage&)>& callback) {
+  const Lock lock(mutex_);
+  on_coverage_ = callback;
+}
+
+void SpooledLink::on_map(const std::function<void(const MapAround&)>& callback) {
+  const Lock lock(mutex_);
+  on_map_ = callback;
 }
 
 void SpooledLink::on_transform(const std::function<void(const Transforms&)>& callback) {

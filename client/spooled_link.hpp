@@ -37,6 +37,11 @@ class SpooledLink final : public UplinkSource {
   /// Called on the uplink's thread with every answer to where the robot is.
   void on_localization(const std::function<void(const Localization&)>& callback);
 
+  // The same with every answer to what others know. A map's is called once.
+  void on_trajectories(const std::function<void(const Trajectories&)>& callback);
+  void on_coverage(const std::function<void(const Coverage&)>& callback);
+  void on_map(const std::function<void(const MapAround&)>& callback);
+
   Progress progress() const;  // without bytes_sent and connected
 
   /// All that the policy sends is acknowledged by the server that we are, or were last, connected to.
@@ -47,7 +52,8 @@ class SpooledLink final : public UplinkSource {
 
  private:
   void take(const Transforms& transforms);
-  void take(const Localization& localization);
+  template <class Told>
+  void hand_on(const Told& told, std::function<void(const Told&)> SpooledLink::*set);
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -62,6 +68,9 @@ class SpooledLink final : public UplinkSource {
   std::optional<Transforms> transforms_;
   std::function<void(const Transforms&)> on_transform_;
   std::function<void(const Localization&)> on_localization_;
+  std::function<void(const Trajectories&)> on_trajectories_;
+  std::function<void(const Coverage&)> on_coverage_;
+  std::function<void(const MapAround&)> on_map_;
 };
 
 }  // namespace headframe

@@ -104,6 +104,7 @@ void MapMergeServer::Parts::stop() {
   for (std::thread& thread : threads) thread.join();
   threads.clear();
   worker.stop();
+  hub.stop_answers();
   store.reset();  // writes what was received; its callbacks find hub and worker still there
 }
 

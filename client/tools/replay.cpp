@@ -18,8 +18,8 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all",
                                                                                 family = RobotConfig().family;
-  bool insecure = false, fast = false, provisional = false, localize = false;
-  double rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
+  bool insecure = false, fast = false, provisional = false, localize = false, around = false;
+  double map_radius_m = 0, rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
 
 int failed(const std::string& message, int status = 1) {
@@ -74,6 +74,13 @@ void linger(double linger_s, std::size_t scans, const RobotClient& robot, Replay
   }
 }
 
+/// The map of all robots around the last scan, each time when the robot learns where others are.
+void ask_for_map(const Options& options, const SessionFolder& session, RobotClient& robot, ReplayReport& report) {
+  if (options.map_radius_m <= 0 || session.size() == 0) return;
+  const SphereRegion sphere{session.T_local_sensor(session.size() - 1).translation(), options.map_radius_m};
+  robot.map_around({sphere}, [&](const MapAround& map) { report.map(map); });
+}
+
 Result<void> run(const Options& options, const SessionFolder& session, RobotClient& robot) {
   ReplayReport report(session.size());
   for (const auto& warning : session.warnings()) report.warning(warning);
@@ -83,8 +90,14 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
   const auto before = robot.progress().keyframes;
   report.line((before > 0 ? "resumes session " : "session ") + mine.robot + "/" + mine.session +
               (before > 0 ? " after keyframe " + std::to_string(before) : ""));
-  robot.on_transform([&](const Transforms& t) { report.transforms(mine, t); });
+  robot.on_transform([&](const Transforms& t) {
+    report.transforms(mine, t);
+    ask_for_map(options, session, robot, report);
+  });
   if (options.localize) robot.localize([&](const Localization& l) { report.localization(l); });
+
+  if (options.around) robot.trajectories([&](const Trajectories& t) { report.trajectories(t); });
+  if (options.around) robot.coverage([&](const Coverage& c) { report.coverage(c); });
 
   auto done = play(session, options, robot, report);
   if (done)
@@ -163,6 +176,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--provisional", o.provisional, "print merges that still wait for path, too; nothing to drive by");
   app.add_flag("--localize", o.localize, "ask where the robot is in the map of others, and print the answers");
+  app.add_flag("--around", o.around, "print the paths of others, and what was seen of the mine, as they come");
+  app.add_option("--map", o.map_radius_m, "ask for the map of all robots, so many metres around the last scan")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--linger", o.linger_s, "stay so many seconds after the last answer (30 with on_request, else 0)")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--patience", o.patience_s, "give up after so many seconds without progress")

@@ -29,6 +29,19 @@ std::string pose(const Pose& T) {
   return text;
 }
 
+/// Empty: there is something to say.
+std::string nothing_of(const std::string& what, const SurroundingsTold& told) {
+  using State = SurroundingsTold::State;
+  if (told.state == State::unsupported) return what + ": this server is too old to tell; update it";
+  return told.state == State::none ? what + ": " + told.missing : "";
+}
+
+double length_m(const std::vector<Eigen::Vector3d>& path_m) {
+  double sum_m = 0;
+  for (std::size_t i = 1; i < path_m.size(); ++i) sum_m += (path_m[i] - path_m[i - 1]).norm();
+  return sum_m;
+}
+
 }  // namespace
 
 std::string describe(const Progress& p) {
@@ -112,6 +125,36 @@ void ReplayReport::localization(const Localization& l) {
   line("where am I, keyframe " + std::to_string(l.keyframe) + ": on the map of " + name(l.session) + ", in " +
        name(l.anchor) + "'s frame: T_component_sensor " + pose(l.T_component_sensor) + text +
        (l.merged ? ", merged" : ""));
+}
+
+void ReplayReport::trajectories(const Trajectories& t) {
+  if (const std::string nothing = nothing_of("paths of others", t); !nothing.empty()) return line(nothing);
+  std::string text = "paths of others, revision " + std::to_string(t.revision) + ":";
+  for (const auto& path : t.paths) {
+    text += " " + name(path.session) + " " + std::to_string(std::lround(length_m(path.p_local_m))) + " m";
+    if (path.age_s) text += ", " + std::to_string(std::lround(*path.age_s / 60)) + " min ago";
+    text += ";";
+  }
+  line(text);
+}
+
+void ReplayReport::coverage(const Coverage& c) {
+  if (const std::string nothing = nothing_of("coverage", c); !nothing.empty()) return line(nothing);
+  std::size_t seen = 0, gone = 0;
+  for (const auto& [index, tile] : c.tiles)
+    for (const CoverageCell& cell : tile->cells) {
+      seen += cell.what != 0 ? 1 : 0;
+      gone += (cell.what & coverage_path) != 0 ? 1 : 0;
+    }
+  line("coverage, revision " + std::to_string(c.revision) + ": " + std::to_string(seen) + " m2 seen, " +
+       std::to_string(gone) + " m2 driven through, by " + std::to_string(c.sessions.size()) + " sessions");
+}
+
+void ReplayReport::map(const MapAround& m) {
+  if (!m.refused.empty()) return line("map: " + m.refused);
+  line("map, revision " + std::to_string(m.revision) + ": " + std::to_string(m.points.size()) + " points of " +
+       std::to_string(m.clouds) + " clouds" +
+       (m.clouds_left_out > 0 ? ", " + std::to_string(m.clouds_left_out) + " older ones left out" : ""));
 }
 
 void ReplayReport::end(const Progress& progress) {

@@ -19,6 +19,9 @@ class ReplayReport {
   void step(std::size_t scans_done, const Progress& progress);
   void transforms(const SessionKey& mine, const Transforms& transforms);
   void localization(const Localization& localization);
+  void trajectories(const Trajectories& trajectories);
+  void coverage(const Coverage& coverage);
+  void map(const MapAround& map);
   void end(const Progress& progress);
 
  private:

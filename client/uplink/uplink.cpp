@@ -107,11 +107,17 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
       if (!pending_trigger.empty()) l->protocol.trigger(std::exchange(pending_trigger, {}));
     }
     if (const auto* keyframes = std::get_if<KeyframesDurable>(&event)) durable = std::max(durable, keyframes->up_to);
+    if (const auto* told = std::get_if<SurroundingsMessage>(&event)) {
+      take(l, *told);
+      if (l->over) return;
+      continue;
+    }
     const auto* ended = std::get_if<LinkEnded>(&event);
     if (ended) end(l, ended->permanent ? std::nullopt : std::optional(backoff.next_s()));
     on_event(event);
     if (ended) return;
     if (asks_where && std::holds_alternative<Welcomed>(event)) ask_where(l);
+    if (std::holds_alternative<Welcomed>(event)) ask_around(l);
   }
 }
 

@@ -47,6 +47,13 @@ class Uplink {
   /// Localization, also that a server does not know the question.
   void localize(bool asks);
 
+  // Asks what others know, over this and every later connection, until it is called with false. Answers come as
+  // Trajectories, Coverage and MapAround, also that a server does not know the question. One map at a time is asked
+  // for.
+  void trajectories(bool asks);
+  void coverage(bool asks);
+  void map_around(const MapQuestion& question);
+
   /// Says goodbye if connected, waits for the server to hang up (at most config.close_s) and ends the thread. Not to be
   /// called from on_event.
   void close(bool complete);

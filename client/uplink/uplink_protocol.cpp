@@ -135,6 +135,11 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
     case Body::kSubmapRequest: return carries_ ? on_submap_request(message.submap_request()) : void();
     case Body::kTransformUpdate: return carries_ ? on_transforms(message.transform_update(), events) : void();
     case Body::kLocalization: return carries_ ? on_localization(message.localization(), events) : void();
+    case Body::kTrajectories:
+    case Body::kCoverage:
+    case Body::kMapPart:
+      if (carries_) events.emplace_back(SurroundingsMessage{std::make_shared<const v1::ServerMessage>(message)});
+      return;
     case Body::kLinkPolicy:
       policy_ = {static_cast<double>(message.link_policy().bytes_per_s()),
                  printable_text(message.link_policy().hold())};
@@ -165,7 +170,11 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
   auto capabilities = usable_capabilities({message.capabilities().begin(), message.capabilities().end()});
-  localizes_ = std::find(capabilities.begin(), capabilities.end(), localize_capability) != capabilities.end();
+  const auto knows = [&](std::string_view name) {
+    return std::find(capabilities.begin(), capabilities.end(), name) != capabilities.end();
+  };
+  localizes_ = knows(localize_capability);
+  knows_around_ = knows(surroundings_capability);
   events.emplace_back(Welcomed{message.spares(), std::move(capabilities)});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
   for (const auto& range : message.durable_clouds())
@@ -240,6 +249,11 @@ bool UplinkProtocol::localize(bool asks) {
   message.mutable_localize()->set_stop(!asks);
   queue(message);
   return true;
+}
+
+bool UplinkProtocol::ask_around(const v1::RobotMessage& question) {
+  if (knows_around_) queue(question);
+  return knows_around_;
 }
 
 void UplinkProtocol::goodbye(bool complete) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "client/localization.hpp"
+#include "client/surroundings.hpp"
 #include "client/transforms.hpp"
 #include "common/result.hpp"
 #include "common/wire/convert.hpp"
@@ -54,12 +56,17 @@ struct PolicyTold {
   double bytes_per_s = 0;  // 0: no limit
   std::string hold;        // not empty: why the server takes nothing for now
 };
+/// Of what others know around the robot; for the SurroundingsBook.
+struct SurroundingsMessage {
+  std::shared_ptr<const v1::ServerMessage> message;
+};
 struct LinkEnded {
   Error error;
   bool permanent = false;  // connecting again will not help
 };
-using UplinkEvent = std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, CloudRefused, Transforms,
-                                 Localization, PolicyTold, LinkEnded>;
+using UplinkEvent =
+    std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, CloudRefused, Transforms, Localization,
+                 Trajectories, Coverage, MapAround, SurroundingsMessage, PolicyTold, LinkEnded>;
 
 struct UplinkLimits {
   std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
@@ -97,6 +104,9 @@ class UplinkProtocol {
 
   /// After the welcome: asks where the robot is, or no more. False: the server does not know the question.
   bool localize(bool asks);
+
+  /// After the welcome: asks what others know. False: the server does not know such questions.
+  bool ask_around(const v1::RobotMessage& question);
 
   /// Nothing follows this; the caller closes once it is written.
   void goodbye(bool complete);
@@ -164,7 +174,8 @@ class UplinkProtocol {
   bool carries_ = true;              // the session; false: a spare
   bool carried_alone_ = true;        // never a spare: what is acknowledged was sent here
   Probed probed_ = Probed::no;
-  bool localizes_ = false;  // the server knows the question
+  bool localizes_ = false;     // the server knows the question
+  bool knows_around_ = false;  // and those about others
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once

@@ -78,6 +78,8 @@ void Uplink::Thread::choose(const Link& l) {
   retry.cancel();
   if (!up) take(l, {Welcomed{spares_allowed, capabilities}, KeyframesDurable{durable}});
   take(l, l->protocol.take_over());
+  if (asks_where) ask_where(l);
+  ask_around(l);
   calm_down();
   pump(l);
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/uplink/pacing.hpp"
+#include "client/uplink/surroundings_book.hpp"
 #include "client/uplink/uplink.hpp"
 #include "common/security/link_stream.hpp"
 #include "common/security/tls.hpp"
@@ -70,6 +71,10 @@ struct Uplink::Thread {
   bool spare(const Link& l) const { return std::find(spares.begin(), spares.end(), l) != spares.end(); }
   std::size_t room(const Link& link) const;
   void ask_where(const Link& link);
+  void ask_around(const Link& link);
+  void take(const Link& link, const SurroundingsMessage& told);
+  template <class Change>
+  void change_questions(Change change);
   void begin_close(bool complete);
 
   static constexpr std::size_t most_attempts = 4;
@@ -100,6 +105,7 @@ struct Uplink::Thread {
   Clock::time_point no_spare_before{};
   std::string pending_trigger;
   bool asks_where = false;
+  SurroundingsBook book;
   bool closing = false;
   std::atomic<bool> up{false};
   std::atomic<std::uint64_t> bytes_sent{0};

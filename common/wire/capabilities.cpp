@@ -5,15 +5,23 @@
 namespace headframe {
 
 std::vector<std::string> robot_capabilities(bool provisional) {
-  std::vector<std::string> names{"cloud_refusal", "link_policy", std::string(localize_capability), "spares",
+  std::vector<std::string> names{"cloud_refusal",
+                                 "link_policy",
+                                 std::string(localize_capability),
+                                 "spares",
+                                 std::string(surroundings_capability),
                                  std::string(transform_pages_capability)};
   if (provisional) names.emplace_back(provisional_capability);
   return names;
 }
 
 std::vector<std::string> server_capabilities() {
-  return {"cloud_form_1", "cloud_form_2", std::string(localize_capability), std::string(provisional_capability),
-          "spares"};
+  return {"cloud_form_1",
+          "cloud_form_2",
+          std::string(localize_capability),
+          std::string(provisional_capability),
+          "spares",
+          std::string(surroundings_capability)};
 }
 
 std::vector<std::string> usable_capabilities(const std::vector<std::string>& listed) {

@@ -22,6 +22,9 @@ inline constexpr std::string_view transform_pages_capability = "transform_pages"
 /// A robot that lists it may ask where it is (Localize) a server that lists it.
 inline constexpr std::string_view localize_capability = "localize";
 
+/// A robot that lists it may ask a server that lists it what others know around it (SurroundingsRequest, MapRequest).
+inline constexpr std::string_view surroundings_capability = "surroundings";
+
 /// What the robot library lists in its hello, and this server in its welcome.
 std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();

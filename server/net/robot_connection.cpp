@@ -246,6 +246,11 @@ void RobotConnection::tell_localization(std::shared_ptr<const std::string> paylo
   on_strand([payload = std::move(payload)](RobotConnection& self) { self.protocol_.tell_localization(payload); });
 }
 
+void RobotConnection::tell_surroundings(SurroundingsKind kind, std::shared_ptr<const std::string> payload) {
+  on_strand(
+      [kind, payload = std::move(payload)](RobotConnection& self) { self.protocol_.tell_surroundings(kind, payload); });
+}
+
 void RobotConnection::stand_by() {
   on_strand([](RobotConnection& self) { self.protocol_.stand_by(); });
 }

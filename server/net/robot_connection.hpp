@@ -41,6 +41,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   void request_submap(const std::vector<std::uint64_t>& sequences) override;
   void update_transform(std::shared_ptr<const TransformPages> pages) override;
   void tell_localization(std::shared_ptr<const std::string> payload) override;
+  void tell_surroundings(SurroundingsKind kind, std::shared_ptr<const std::string> payload) override;
   void stand_by() override;
   void close(v1::ErrorKind kind, const std::string& message, bool permanent) override;
 

@@ -54,7 +54,10 @@ void RobotConnection::tick() {
     }
     begin();  // in the clear it can be told why
   }
-  if (protocol_.welcomed()) tell_policy();
+  if (protocol_.welcomed()) {
+    tell_policy();
+    hub_.look_around(session_, this);
+  }
   const bool stuck = writing_ && std::chrono::duration<double>(now - write_began_).count() >= limits_.write_s;
   if (stuck) ++hub_.counts().stuck;
   if (stuck || (finishing_ && now - finish_began_ >= farewell)) return drop();

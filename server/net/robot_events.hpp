@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/session/map_question.hpp"
 #include "common/wire/convert.hpp"
 
 namespace headframe {
@@ -38,6 +39,23 @@ struct TriggerRequested {
 struct WhereAsked {
   bool asks = true;  // false: no more
 };
+/// What others know around the robot.
+enum class SurroundingsKind { trajectories, coverage, map };
+struct SurroundingsAsked {  // trajectories or coverage
+  SurroundingsKind kind = SurroundingsKind::trajectories;
+  bool asks = true;  // false: no more
+  HeldVersion held;
+};
+struct MapAsked {
+  std::uint64_t id = 0;
+  Region region;  // as the robot wrote it, in its local frame
+  double resolution_m = 0;
+  HeldVersion since;
+};
+struct MapNextAsked {
+  std::uint64_t id = 0;
+  std::uint32_t offset = 0;
+};
 struct GoodbyeReceived {
   bool complete = false;
 };
@@ -45,9 +63,9 @@ struct ProbeReceived {  // to be answered by RobotProtocol::resume() before the 
   bool keyframe_follows = false;
 };
 struct TakenOver {};  // this connection carries the session from now on
-using RobotEvent =
-    std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused, CloudsUnavailable,
-                 TriggerRequested, WhereAsked, GoodbyeReceived, ProbeReceived, TakenOver>;
+using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused,
+                                CloudsUnavailable, TriggerRequested, WhereAsked, SurroundingsAsked, MapAsked,
+                                MapNextAsked, GoodbyeReceived, ProbeReceived, TakenOver>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {

@@ -109,6 +109,8 @@ std::string RobotOutbox::take() {
     *message.mutable_error() = *error_;
     append(out, message);
   }
+  if (out.empty() && !surroundings_.empty())
+    (void)append_frame(out, *surroundings_.extract(surroundings_.begin()).mapped());
   policy_.reset();
   keyframe_ack_.reset();
   ping_.reset();

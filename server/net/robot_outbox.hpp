@@ -31,13 +31,18 @@ class RobotOutbox {
   }
   /// A serialised ServerMessage.
   void localization(std::shared_ptr<const std::string> payload) { localization_ = std::move(payload); }
+  /// The same.
+  void surroundings(SurroundingsKind kind, std::shared_ptr<const std::string> payload) {
+    surroundings_[kind] = std::move(payload);
+  }
   void policy(LinkPolicy policy) { policy_ = std::move(policy); }
   void ping(std::uint64_t nonce) { ping_ = nonce; }
   void pong(std::uint64_t nonce) { pong_ = nonce; }
   void error(v1::ErrorKind kind, const std::string& message, bool permanent);
 
   /// All of it as frames, most urgent first, but for transforms that come in pages one page at a time, so that the next
-  /// acknowledgement waits for one at most. Empty when there is nothing.
+  /// acknowledgement waits for one at most; what others know around the robot goes one by one, when there is nothing
+  /// else. Empty when there is nothing.
   std::string take();
 
  private:
@@ -52,6 +57,7 @@ class RobotOutbox {
   std::shared_ptr<const TransformPages> transform_;  // from next_page_ on
   std::size_t next_page_ = 0;
   std::shared_ptr<const std::string> localization_;
+  std::map<SurroundingsKind, std::shared_ptr<const std::string>> surroundings_;
   std::optional<LinkPolicy> policy_;
   std::optional<v1::ErrorReport> error_;
 };

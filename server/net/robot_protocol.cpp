@@ -14,6 +14,23 @@ double seconds(RobotProtocol::Time from, RobotProtocol::Time to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
+SurroundingsAsked asked(SurroundingsKind kind, const v1::SurroundingsRequest& message) {
+  return {kind, !message.stop(), {message.epoch(), message.version()}};
+}
+
+/// Whether there may be such a map is said by whoever makes it.
+MapAsked asked(const v1::MapRequest& message) {
+  MapAsked out{message.id(), {}, message.resolution_m(), {message.epoch(), message.version()}};
+  if (message.has_sphere()) {
+    const v1::Sphere& s = message.sphere();
+    out.region = SphereRegion{{s.x(), s.y(), s.z()}, s.radius_m()};
+  } else if (message.has_box()) {
+    const v1::Box& b = message.box();
+    out.region = BoxRegion{{b.low_x(), b.low_y(), b.low_z()}, {b.high_x(), b.high_y(), b.high_z()}};
+  }
+  return out;
+}
+
 std::string tenths(double s) {
   std::string text = std::to_string(s);
   return text.substr(0, text.find('.') + 2);
@@ -54,6 +71,10 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
     case Body::kSubmapUnavailable: return on_unavailable(message.submap_unavailable());
     case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, trigger_reason_bytes)};
     case Body::kLocalize: return WhereAsked{!message.localize().stop()};
+    case Body::kTrajectoriesRequest: return asked(SurroundingsKind::trajectories, message.trajectories_request());
+    case Body::kCoverageRequest: return asked(SurroundingsKind::coverage, message.coverage_request());
+    case Body::kMapRequest: return asked(message.map_request());
+    case Body::kMapNext: return MapNextAsked{message.map_next().id(), message.map_next().offset()};
     case Body::kGoodbye: complete_ = message.goodbye().complete(); return GoodbyeReceived{complete_};
     case Body::kPing: outbox_.pong(message.ping().nonce()); return std::nullopt;
     case Body::kPong: return std::nullopt;

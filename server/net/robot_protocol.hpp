@@ -57,6 +57,11 @@ class RobotProtocol {
   /// A serialised ServerMessage.
   void tell_localization(std::shared_ptr<const std::string> payload) { outbox_.localization(std::move(payload)); }
 
+  /// The same; it goes when nothing else waits, and takes the place of one of its kind that waits.
+  void tell_surroundings(SurroundingsKind kind, std::shared_ptr<const std::string> payload) {
+    outbox_.surroundings(kind, std::move(payload));
+  }
+
   void tell_policy(LinkPolicy policy) { outbox_.policy(std::move(policy)); }
 
   std::string take_output() { return outbox_.take(); }

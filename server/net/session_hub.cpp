@@ -3,13 +3,31 @@
 #include <spdlog/spdlog.h>
 
 #include <bit>
+#include <random>
 
 namespace headframe {
 namespace {
 
 constexpr std::size_t keyframe_bytes = 1024;  // of memory until it is on disk, about
 
+/// Of maps that robots are told of; another in each run of the server, and never a small number.
+std::uint64_t first_epoch() {
+  std::random_device random;
+  return (std::uint64_t{random()} << 32 | random()) | 1ULL << 63;
+}
+
 }  // namespace
+
+SessionHub::SessionHub(Store& store, MergeNews& news, const RobotLimits& limits)
+    : store_(store),
+      news_(news),
+      limits_(limits),
+      quota_(limits),
+      desk_(
+          store, first_epoch(), [this](SessionId session) { return surroundings_of(session); },
+          [this](SessionId session, SurroundingsKind kind, SurroundingsDesk::Payload payload) {
+            if (const auto robot = link_of(session)) robot->tell_surroundings(kind, std::move(payload));
+          }) {}
 
 Result<void> SessionHub::restore() {
   auto sessions = store_.sessions();
@@ -68,6 +86,9 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
   if (const auto* where = std::get_if<WhereAsked>(&event)) handle(session, *where, link);
+  if (const auto* asked = std::get_if<SurroundingsAsked>(&event)) ask(session, *asked, link);
+  if (const auto* asked = std::get_if<MapAsked>(&event)) ask(session, *asked, link);
+  if (const auto* asked = std::get_if<MapNextAsked>(&event)) ask(session, *asked, link);
   if (std::holds_alternative<TakenOver>(event)) take_over(session, link);
   if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
     write(PutMerge{}, link, 0, [this, session] { news_.trigger(session, Trigger::request); });
@@ -88,6 +109,7 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
             auto& durable = sessions_.at(session).keyframes;
             durable = std::max(durable, sequence);
           }
+          desk_.changed();
           news_.keyframes_durable(session, sequence);
           if (const auto robot = to.lock()) robot->keyframes_durable(sequence);
         });

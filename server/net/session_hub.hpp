@@ -14,6 +14,7 @@
 #include "server/net/robot_events.hpp"
 #include "server/net/robot_limits.hpp"
 #include "server/net/robot_quota.hpp"
+#include "server/net/surroundings_desk.hpp"
 #include "server/net/transform_pages.hpp"
 #include "server/session/session_row.hpp"
 #include "server/store/store.hpp"
@@ -38,6 +39,7 @@ class RobotLink {
   virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
   virtual void update_transform(std::shared_ptr<const TransformPages> pages) = 0;
   virtual void tell_localization(std::shared_ptr<const std::string> payload) = 0;
+  virtual void tell_surroundings(SurroundingsKind kind, std::shared_ptr<const std::string> payload) = 0;
   /// Another connection carries the session from now on.
   virtual void stand_by() = 0;
   virtual void close(v1::ErrorKind kind, const std::string& message, bool permanent) = 0;
@@ -47,10 +49,11 @@ class RobotLink {
 /// safe; never blocks on the disk but in restore().
 class SessionHub : public Robots {
  public:
-  SessionHub(Store& store, MergeNews& news, const RobotLimits& limits = {})
-      : store_(store), news_(news), limits_(limits), quota_(limits) {}
+  SessionHub(Store& store, MergeNews& news, const RobotLimits& limits = {});
 
   Result<void> restore();
+  /// What robots ask about others is answered no more, and nothing of it reads the store any longer.
+  void stop_answers() { desk_.stop(); }
 
   struct Admitted {
     SessionId session = 0;
@@ -69,6 +72,8 @@ class SessionHub : public Robots {
   void take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link);
   void received(SessionId session, std::size_t bytes);
   void left(SessionId session, const RobotLink* link);
+  /// Answers what the session asks about others, when there is an answer; to be called often.
+  void look_around(SessionId session, const RobotLink* link);
   std::uint64_t durable_keyframes(SessionId session) const;
   /// It was deleted: its connections end, and its robot is told to begin another.
   void forget(SessionId session);
@@ -141,6 +146,9 @@ class SessionHub : public Robots {
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
   void handle(SessionId session, const WhereAsked& event, const std::shared_ptr<RobotLink>& link);
+  template <class Question>
+  void ask(SessionId session, const Question& question, const std::shared_ptr<RobotLink>& link);
+  SessionSurroundings surroundings_of(SessionId session) const;
   std::optional<Result<Admitted>> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
   using PagesPtr = std::shared_ptr<const TransformPages>;
@@ -169,7 +177,8 @@ class SessionHub : public Robots {
   LinkPolicy policy_;
   Clock::time_point policy_made_;
   RobotQuota quota_;
-  FairPool decoding_{2};  // last: its work is done before what it uses goes
+  FairPool decoding_{2};  // these two last: their work is done before what it uses goes
+  SurroundingsDesk desk_;
 };
 
 }  // namespace headframe

@@ -95,6 +95,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     session.wants_provisional = lists(provisional_capability);
     session.takes_pages = lists(transform_pages_capability);
     session.asks_where = false;
+    desk_.left(session.record.id);
     admitted = {
         record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
     news_.session_added(record.id, record.key.robot, record.family);
@@ -160,6 +161,7 @@ void SessionHub::left(SessionId session, const RobotLink* link) {
   if (known.link.lock().get() != link) return;  // replaced before
   known.link.reset();
   known.asks_where = false;
+  desk_.left(session);
   news_.robot_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
 }

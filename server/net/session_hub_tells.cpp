@@ -145,6 +145,7 @@ void SessionHub::publish(const Atlas& atlas, const std::vector<Component>& chang
       add_updates(component, true, updates);
     }
   }
+  desk_.changed();
   for (const auto& [robot, pages] : updates) robot->update_transform(pages);
 }
 

@@ -10,6 +10,7 @@
 #include "common/descriptor/family.hpp"
 #include "server/place/wall_search.hpp"
 #include "tests/bench/basin.hpp"
+#include "tests/bench/coverage.hpp"
 #include "tests/bench/descriptors/descriptors.hpp"
 #include "tests/bench/live/live.hpp"
 #include "tests/bench/localize.hpp"
@@ -123,6 +124,7 @@ int run(const Options& options) {
     bench.out = options.out;
     return localize(bench);
   });
+  part("coverage", false, [&] { return coverage({.recordings = options.recordings}); });
   part("live", false, [&] { return live(options.live_bench()); });
   part("years", false, [&] {
     YearsBench bench = options.years;
@@ -136,7 +138,7 @@ int run(const Options& options) {
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, localize, live, years, partners, descriptors, link",
+          "recordings, merge-times, stages, localize, coverage, live, years, partners, descriptors, link",
       2);
 }
 

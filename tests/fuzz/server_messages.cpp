@@ -1,7 +1,9 @@
 // Every message that a server may send, to the robot's side of the protocol.
 #include <google/protobuf/stubs/logging.h>
 
+#include "client/uplink/surroundings_book.hpp"
 #include "client/uplink/uplink_protocol.hpp"
+#include "common/wire/capabilities.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
 namespace headframe::fuzz {
@@ -31,9 +33,17 @@ class Source : public UplinkSource {
 
 Hello hello() { return {{"ant", "s1"}, {"os1", 32, 22, 22, 120}, {{"f", 1}, 1, 0}, CloudPolicy::all, "fuzz", 7}; }
 
-void hear(UplinkProtocol& link, std::string_view payload, UplinkProtocol::Time now) {
+/// What others know goes on to the robot's book, which asks on.
+void hear(UplinkProtocol& link, SurroundingsBook& book, std::string_view payload, UplinkProtocol::Time now) {
   std::string frame;
-  if (append_frame(frame, payload)) (void)link.receive(frame, now);
+  if (!append_frame(frame, payload)) return;
+  for (const UplinkEvent& event : link.receive(frame, now)) {
+    const auto* told = std::get_if<SurroundingsMessage>(&event);
+    if (!told) continue;
+    const auto taken = book.take(*told->message);
+    if (taken && taken->next) (void)link.ask_around(*taken->next);
+    if (!book.wants_map()) book.want_map({SphereRegion{{0, 0, 0}, 5}});
+  }
 }
 
 void change_roles(UplinkProtocol& link, std::size_t with) {
@@ -56,6 +66,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   UplinkProtocol::Time now{};
   const fuzz::Source source;
   UplinkProtocol link({}, fuzz::hello(), source, now);
+  SurroundingsBook book(20000);
+  book.want_trajectories(true);
+  book.want_coverage(true);
+  book.want_map({SphereRegion{{0, 0, 0}, 5}});
   auto bytes = fuzz::text(data, size);
   std::vector<UplinkEvent> events;
   const auto first = fuzz::take_byte(bytes);
@@ -64,12 +78,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (first % 8 != 0) {
     v1::ServerMessage welcome;
     welcome.mutable_welcome()->set_protocol_version(protocol_version);
-    fuzz::hear(link, welcome.SerializeAsString(), now);
+    welcome.mutable_welcome()->add_capabilities(std::string(surroundings_capability));
+    fuzz::hear(link, book, welcome.SerializeAsString(), now);
   }
   for (const auto piece : fuzz::pieces(bytes)) {
     now += std::chrono::milliseconds(200);
     for (std::size_t i = piece.size() % 32; i > 0 && link.next_frame(now, 256, events); --i) continue;
-    fuzz::hear(link, piece, now);
+    fuzz::hear(link, book, piece, now);
     (void)link.tick(now);
     (void)link.doubtful(now);
     fuzz::change_roles(link, piece.size());

@@ -72,6 +72,7 @@ class UplinkProtocolTest : public testing::Test {
     if (m.has_submap_unavailable()) return "none" + std::to_string(m.submap_unavailable().sequences(0));
     if (m.has_trigger()) return "trigger";
     if (m.has_localize()) return m.localize().stop() ? "where no more" : "where?";
+    if (m.has_coverage_request()) return "coverage?";
     if (m.has_goodbye()) return m.goodbye().complete() ? "goodbye complete" : "goodbye";
     return m.has_ping() ? "ping" : "pong";
   }

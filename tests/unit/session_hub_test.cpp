@@ -38,6 +38,7 @@ class HeardLink : public RobotLink {
     localization = message.localization();
   }
   v1::Localization localization;  // the last
+  void tell_surroundings(SurroundingsKind, std::shared_ptr<const std::string>) override {}
   void stand_by() override { heard.push_back("stand by"); }
   void close(v1::ErrorKind, const std::string&, bool permanent) override {
     heard.push_back(permanent ? "closed for good" : "closed");

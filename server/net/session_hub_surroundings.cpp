@@ -1,0 +1,44 @@
+// Robots that ask what others know around them.
+
+#include "server/net/session_hub.hpp"
+
+namespace headframe {
+
+/// A spare asks nothing.
+template <class Question>
+void SessionHub::ask(SessionId session, const Question& question, const std::shared_ptr<RobotLink>& link) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (sessions_.at(session).link.lock() != link) return;
+  }
+  desk_.ask(session, question);
+}
+template void SessionHub::ask(SessionId, const SurroundingsAsked&, const std::shared_ptr<RobotLink>&);
+template void SessionHub::ask(SessionId, const MapAsked&, const std::shared_ptr<RobotLink>&);
+template void SessionHub::ask(SessionId, const MapNextAsked&, const std::shared_ptr<RobotLink>&);
+
+void SessionHub::look_around(SessionId session, const RobotLink* link) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (sessions_.at(session).link.lock().get() != link) return;
+  }
+  desk_.look(session, policy_of(session).bytes_per_s);
+}
+
+/// Without a component where it is in none.
+SessionSurroundings SessionHub::surroundings_of(SessionId session) const {
+  const std::lock_guard lock(mutex_);
+  SessionSurroundings around;
+  around.revision = atlas_.revision;
+  for (const Component& component : atlas_.components)
+    if (placement_in(component, session) != nullptr) around.component = {component.id, component.placements};
+  for (const Placement& placement : around.component.placements) {
+    const auto known = sessions_.find(placement.session);
+    if (known == sessions_.end()) continue;
+    around.keys[placement.session] = known->second.record.key;
+    around.durable[placement.session] = known->second.keyframes;
+  }
+  return around;
+}
+
+}  // namespace headframe

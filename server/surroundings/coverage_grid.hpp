@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "common/coverage/coverage_tile.hpp"
+#include "common/session/keyframe.hpp"
+
+namespace headframe {
+
+/// What was seen of a component, from above, in its frame. The same keyframes in any order give the same grid. Not
+/// thread safe.
+class CoverageGrid {
+ public:
+  /// What would need a tile more than most_tiles is left out: full().
+  explicit CoverageGrid(std::size_t most_tiles) : most_tiles_(most_tiles) {}
+
+  /// Free space and walls around a keyframe, as its wall profile tells them, out to coverage_range_m.
+  void see(std::uint32_t session, const Pose& T_component_sensor, double stamp_s, const WallProfile& walls);
+  /// The sensor has gone straight from one place to the other.
+  void walk(std::uint32_t session, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, double stamp_s);
+
+  const std::map<TileIndex, CoverageTile>& tiles() const { return tiles_; }
+  bool full() const { return full_; }
+  /// The tiles that have changed since this was asked last.
+  std::set<TileIndex> take_changed() { return std::exchange(changed_, {}); }
+
+ private:
+  void mark(const Eigen::Vector2d& p_m, std::uint8_t what, std::uint32_t session, std::int32_t time);
+
+  std::size_t most_tiles_;
+  std::map<TileIndex, CoverageTile> tiles_;
+  std::set<TileIndex> changed_;
+  bool full_ = false;
+};
+
+}  // namespace headframe
