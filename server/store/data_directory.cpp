@@ -29,10 +29,11 @@ bool looks_our_own(const fs::path& path) {
 
 /// What robots have mapped is nobody else's business on this machine. SQLite gives its other files the database's mode,
 /// so the database is there, empty, before SQLite makes it.
-void take_from_others(const fs::path& path, bool is_our_own) {
+void take_from_others(const fs::path& path, bool is_our_own, DataDirectory::Database database) {
   std::error_code ignored;
   if (is_our_own) fs::permissions(path, others, fs::perm_options::remove, ignored);
-  const int made = ::open((path / "headframe.db").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const bool is_here = database == DataDirectory::Database::here;
+  const int made = is_here ? ::open((path / "headframe.db").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1;
   if (made >= 0) ::close(made);
   for (const char* name : database_files) fs::permissions(path / name, others, fs::perm_options::remove, ignored);
 }
@@ -42,7 +43,7 @@ bool is_taken(int file) { return ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno 
 
 }  // namespace
 
-Result<DataDirectory> DataDirectory::open(const std::filesystem::path& path) {
+Result<DataDirectory> DataDirectory::open(const std::filesystem::path& path, Database database) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error)
@@ -59,7 +60,7 @@ Result<DataDirectory> DataDirectory::open(const std::filesystem::path& path) {
     return failure(ErrorCode::unavailable, "data directory " + path.string() +
                                                " is in use by another headframe-server; stop it or choose another "
                                                "--data");
-  take_from_others(path, is_our_own);
+  take_from_others(path, is_our_own, database);
   return locked;
 }
 

@@ -10,8 +10,10 @@ namespace headframe {
 /// its owner can read the database, and the directory itself unless other things are kept in it.
 class DataDirectory {
  public:
+  enum class Database { here, elsewhere };
+
   /// unavailable when it can not be created or written, or another server holds it.
-  static Result<DataDirectory> open(const std::filesystem::path& path);
+  static Result<DataDirectory> open(const std::filesystem::path& path, Database database = Database::here);
 
   DataDirectory(DataDirectory&& other) noexcept;
   DataDirectory& operator=(DataDirectory&& other) noexcept;

@@ -1,7 +1,8 @@
-// Databases that older servers wrote, and what of an atlas is written when it changes.
+// Databases that older servers wrote.
 #include <gtest/gtest.h>
 
 #include "server/store/schema.hpp"
+#include "server/store/sqlite.hpp"
 #include "tests/support/keyframes.hpp"
 #include "tests/support/stores.hpp"
 
@@ -16,69 +17,7 @@ constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN attempted_whole;"
     "PRAGMA user_version=3;";
 
-struct StoredAtlas : testing::Test {
-  void SetUp() override {
-    const auto store = open(dir);
-    for (const SessionId id : {1, 2, 3})
-      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
-  }
-
-  /// Sessions of the component of 1, each this far east of it.
-  static Atlas atlas(std::uint64_t revision, const std::map<SessionId, double>& east_m) {
-    Atlas out{revision, {{1, {}}}};
-    for (const auto& [id, x_m] : east_m) out.components[0].placements.push_back({id, pose_from_yaw(0, {x_m, 0, 0})});
-    return out;
-  }
-
-  int rows_of(std::uint64_t revision) const {
-    auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
-    int rows = 0;
-    EXPECT_TRUE(database->each(
-        "SELECT count(*) FROM placements WHERE revision=?",
-        [&](const Row& row) { rows = static_cast<int>(row.integer(0)); }, revision));
-    return rows;
-  }
-
-  TempDir dir;
-};
-
-TEST_F(StoredAtlas, ARevisionWritesWhatItMovesAndTheLastOneIsReadWhole) {
-  {
-    const auto store = open(dir);
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, atlas(1, {{1, 0}, {2, 5}, {3, 9}}), {}}));
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, atlas(2, {{1, 0}, {2, 5}, {3, 10}}), {}}));
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, atlas(3, {{1, 0}, {3, 10}}), {}}));
-    ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {}, atlas(4, {{1, 0}, {3, 10}}), {}}));
-  }
-  const Atlas read = open(dir)->merge()->atlas;
-  EXPECT_EQ(read.revision, 4U);
-  ASSERT_EQ(read.components.size(), 1U);
-  ASSERT_EQ(read.components[0].placements.size(), 2U) << "2 was set aside";
-  EXPECT_EQ(read.components[0].placements[1].session, 3);
-  EXPECT_EQ(read.components[0].placements[1].T_component_session.translation().x(), 10);
-  EXPECT_EQ(rows_of(1), 3);
-  EXPECT_EQ(rows_of(2), 1);
-  EXPECT_EQ(rows_of(3), 1) << "that it is gone";
-  EXPECT_EQ(rows_of(4), 0);
-}
-
-TEST_F(StoredAtlas, KeepsHowSessionsLookLikeThemselvesUntilTheyAreDeleted) {
-  const SelfLikeness one{120.5, 40, 2, 3.5, {{1, 7}, {1, 9}}}, other{30, 4, 0, 0, {}}, later{35, 5, 1, 0, {}};
-  {
-    const auto store = open(dir);
-    PutMerge merge;
-    merge.self_likeness = {{1, one}, {2, other}};
-    ASSERT_TRUE(write_and_wait(*store, merge));
-    merge.self_likeness = {{2, later}};
-    ASSERT_TRUE(write_and_wait(*store, merge));
-  }
-  const auto store = open(dir);
-  EXPECT_EQ(store->merge()->self_likeness, (std::map<SessionId, SelfLikeness>{{1, one}, {2, later}}));
-  ASSERT_TRUE(write_and_wait(*store, PutTrouble{{1, 0, 0, "deleted", true}}));
-  EXPECT_EQ(store->merge()->self_likeness, (std::map<SessionId, SelfLikeness>{{2, later}}));
-}
-
-TEST(Store, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
+TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   const TempDir dir;
   {
     const auto store = open(dir);
@@ -112,7 +51,7 @@ TEST(Store, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   ASSERT_TRUE(write_and_wait(*store, PutSurvey{{1, Pose::Identity(), {}}}));
 }
 
-TEST(Store, ADatabaseFromBeforeDecisionsIsBroughtUp) {
+TEST(SqliteHistory, ADatabaseFromBeforeDecisionsIsBroughtUp) {
   const TempDir dir;
   {
     auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());

@@ -1,0 +1,54 @@
+#include "server/store/postgres_store.hpp"
+
+#include "server/store/backup.hpp"
+#include "server/store/postgres_reader.hpp"
+#include "server/store/postgres_schema.hpp"
+#include "server/store/postgres_writer.hpp"
+#include "server/store/sql_store.hpp"
+
+namespace headframe {
+namespace {
+
+constexpr int lock_wait_ms = 5000;  // PostgreSQL may not have noticed yet that the server before is dead
+
+Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, const std::string& name) {
+  auto database = std::make_unique<PostgresDatabase>(url, name);
+  if (auto done = database->connect(); !done) return tl::unexpected(done.error());
+  return database;
+}
+
+Result<std::unique_ptr<PostgresWriterConnection>> open_writer(const std::string& url, const std::string& name) {
+  auto database = connected(url, name);
+  if (!database) return tl::unexpected(database.error());
+  auto done = take_for_one_server(**database, lock_wait_ms);
+  if (done) done = migrate(**database);
+  if (!done) return tl::unexpected(done.error());
+  return PostgresWriterConnection::open(std::move(*database));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& directory, const std::string& url,
+                                                   const StoreOptions& options) {
+  const auto name = postgres_name(url);
+  if (!name) return tl::unexpected(name.error());
+  auto owned = DataDirectory::open(directory, DataDirectory::Database::elsewhere);
+  if (!owned) return tl::unexpected(owned.error());
+  if (std::filesystem::exists(directory / "headframe.db"))
+    return failure(ErrorCode::refused, directory.string() + " holds a database of its own, headframe.db, beside " +
+                                           *name + ": take it there with --migrate, or move it away");
+  remove_unfinished_backups(directory);
+  auto writer = open_writer(url, *name);
+  if (!writer) return tl::unexpected(writer.error());
+  auto reader = connected(url, *name);
+  if (!reader) return tl::unexpected(reader.error());
+  return std::make_unique<SqlStore>(SqlStoreParts{
+      std::move(*owned), std::make_unique<PostgresReader>(std::move(*reader)), std::move(*writer), options,
+      [name = *name](const std::filesystem::path&) -> Result<void> {
+        return failure(ErrorCode::refused, "what robots have sent lies in " + name +
+                                               ": back that up with pg_dump or pg_basebackup, and the data directory "
+                                               "as files");
+      }});
+}
+
+}  // namespace headframe

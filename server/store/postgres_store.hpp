@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "server/store/store.hpp"
+#include "server/store/store_options.hpp"
+
+namespace headframe {
+
+/// Opens the database of a postgresql:// URL, made ready when it is empty, for this server alone: sessions and all that
+/// robots have sent lie there, and `directory`, created and locked, holds what is this server's own. One writer thread
+/// with group commit; while the database is away the writes wait, and go on when it is back. unavailable: no server
+/// answers there, it is a standby, or the directory can not be written or is in use; refused: another server uses the
+/// database, or the directory holds a database of its own; incompatible: a newer schema; bad_input: the URL, role,
+/// database or password are wrong, or what PostgreSQL acknowledges is not durable.
+Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& directory, const std::string& url,
+                                                   const StoreOptions& options = {.retry_ms = 100,
+                                                                                  .longest_retry_ms = 2000});
+
+}  // namespace headframe

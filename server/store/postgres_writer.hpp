@@ -1,0 +1,37 @@
+#pragma once
+
+#include "server/store/postgres.hpp"
+#include "server/store/writer_connection.hpp"
+
+namespace headframe {
+
+/// Takes the database for one server, as long as the connection lives: a session-level advisory lock. refused: another
+/// server has it, and still has it after `wait_ms`; the message says who.
+Result<void> take_for_one_server(PostgresDatabase& database, int wait_ms);
+
+/// The one connection that writes. The row of table `writer` names the server that writes and counts its commits, and
+/// each transaction changes it: so a commit whose answer was lost is found out, a server that was cut off while another
+/// took over writes nothing, and a database that lost commits which were answered is noticed.
+class PostgresWriterConnection final : public WriterConnection {
+ public:
+  /// On a connected database that was taken and has its tables.
+  static Result<std::unique_ptr<PostgresWriterConnection>> open(std::unique_ptr<PostgresDatabase> database);
+
+  Database& database() override { return *database_; }
+  Result<bool> begin() override;
+  Result<void> commit() override;
+  void rollback() override;
+  bool is_lost() const override { return !database_->is_connected(); }
+
+ private:
+  explicit PostgresWriterConnection(std::unique_ptr<PostgresDatabase> database) : database_(std::move(database)) {}
+  Result<void> reconnect();
+  Result<bool> found_committed();
+
+  std::unique_ptr<PostgresDatabase> database_;
+  std::int64_t owner_ = 0, commits_ = 0;  // commits that were answered, or found
+  bool in_doubt_ = false;                 // a commit was sent, and no answer came
+  std::uint64_t counted_ = 0;             // rows of `writer` that this transaction has changed
+};
+
+}  // namespace headframe

@@ -1,0 +1,135 @@
+#include "tests/support/postgres_cluster.hpp"
+
+#include <gtest/gtest.h>
+#include <libpq-fe.h>
+#include <pwd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+namespace headframe::test {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr const char* superuser = "headframe";
+
+/// PostgreSQL does not run as root.
+const passwd* unprivileged() {
+  const passwd* postgres = ::getpwnam("postgres");
+  return postgres != nullptr ? postgres : ::getpwnam("nobody");
+}
+
+std::vector<int> children_of(int parent) {
+  std::vector<int> children;
+  std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
+  for (int child = 0; in >> child;) children.push_back(child);
+  return children;
+}
+
+}  // namespace
+
+fs::path PostgresCluster::programs() {
+  std::error_code none;
+  std::vector<fs::path> found;
+  for (const auto& version : fs::directory_iterator("/usr/lib/postgresql", none))
+    if (fs::exists(version.path() / "bin" / "initdb")) found.push_back(version.path() / "bin");
+  return found.empty() ? fs::path() : *std::max_element(found.begin(), found.end());
+}
+
+std::vector<std::string> PostgresCluster::as_unprivileged(const std::string& program) const {
+  std::vector<std::string> argv{"/usr/bin/setpriv", "--pdeathsig", "QUIT"};
+  if (::geteuid() == 0)
+    argv.insert(argv.end(), {"--reuid", unprivileged()->pw_name, "--regid", std::to_string(unprivileged()->pw_gid),
+                             "--clear-groups"});
+  argv.push_back((programs() / program).string());
+  return argv;
+}
+
+Result<std::unique_ptr<PostgresCluster>> PostgresCluster::make() {
+  std::string name = (fs::temp_directory_path() / "headframe-pg-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) return failure(ErrorCode::unavailable, "no temporary folder " + name);
+  std::unique_ptr<PostgresCluster> made(new PostgresCluster(name));
+  if (::geteuid() == 0 && ::chown(name.c_str(), unprivileged()->pw_uid, unprivileged()->pw_gid) != 0)
+    return failure(ErrorCode::unavailable, name + " can not be given away");
+  auto argv = made->as_unprivileged("initdb");
+  argv.insert(argv.end(), {"-D", name + "/data", "-U", superuser, "-A", "trust", "-E", "UTF8", "--locale=C",
+                           "--no-sync", "--no-instructions"});
+  auto initdb = Process::start(argv);
+  if (!initdb) return tl::unexpected(initdb.error());
+  const auto ended = initdb->wait(60s);
+  if (!ended || ended->status != 0)
+    return failure(ErrorCode::unavailable, "initdb failed: " + (ended ? ended->output : ended.error().message));
+  if (auto started = made->start(); !started) return tl::unexpected(started.error());
+  return made;
+}
+
+PostgresCluster* PostgresCluster::of_this_process() {
+  static auto cluster = make();
+  EXPECT_TRUE(cluster) << cluster.error().message;
+  return cluster ? cluster->get() : nullptr;
+}
+
+Result<void> PostgresCluster::start() {
+  auto argv = as_unprivileged("postgres");
+  argv.insert(argv.end(),
+              {"-D", (folder_ / "data").string(), "-c", "listen_addresses=", "-c",
+               "unix_socket_directories=" + folder_.string(), "-c", "max_connections=40", "-c", "shared_buffers=16MB"});
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (!server_ || server_->poll() >= 0) {  // it will not start while processes of the one before are about to end
+      auto started = Process::start(argv, (folder_ / "server.log").string());
+      if (!started) return tl::unexpected(started.error());
+      server_.emplace(std::move(*started));
+    }
+    if (PQping(url("postgres").c_str()) == PQPING_OK) return {};
+    std::this_thread::sleep_for(20ms);
+  }
+  return failure(ErrorCode::unavailable, "PostgreSQL does not start, see " + (folder_ / "server.log").string());
+}
+
+void PostgresCluster::kill() {
+  if (!server_) return;
+  const auto children = children_of(server_->pid());
+  server_->signal(SIGKILL);
+  for (const int child : children) ::kill(child, SIGKILL);
+  (void)server_->wait(10s);
+  server_.reset();
+}
+
+PostgresCluster::~PostgresCluster() {
+  if (server_) {
+    server_->signal(SIGQUIT);  // at once
+    (void)server_->wait(10s);
+  }
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+std::string PostgresCluster::url(const std::string& database) const {
+  return "postgresql:///" + database + "?host=" + folder_.string() + "&user=" + superuser;
+}
+
+Result<void> PostgresCluster::execute(const std::string& sql) {
+  PGconn* connection = PQconnectdb(url("postgres").c_str());
+  PGresult* result = PQexec(connection, sql.c_str());
+  const bool good = PQresultStatus(result) == PGRES_COMMAND_OK || PQresultStatus(result) == PGRES_TUPLES_OK;
+  const std::string why = PQerrorMessage(connection);
+  PQclear(result);
+  PQfinish(connection);
+  if (!good) return failure(ErrorCode::unavailable, sql + ": " + why);
+  return {};
+}
+
+Result<std::string> PostgresCluster::make_database() {
+  const std::string name = "mine" + std::to_string(++databases_);
+  if (auto made = execute("CREATE DATABASE " + name); !made) return tl::unexpected(made.error());
+  return url(name);
+}
+
+}  // namespace headframe::test
