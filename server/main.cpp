@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <iostream>
 
@@ -19,6 +20,7 @@ using namespace headframe;
 
 constexpr int bad_usage = 2;
 constexpr auto stop_within = std::chrono::seconds(4);
+constexpr auto database_within = std::chrono::seconds(60);  // at the start: both may just have been switched on
 
 int fail(const std::string& message, int status) {
   std::cerr << "headframe-server: " << message << '\n';
@@ -43,8 +45,19 @@ void raise_file_limit() {
   (void)::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-int serve(const ServerOptions& options) {
+/// Until the database is looked for again; false: it was waited for long enough, or a signal ends the server.
+WaitForDatabase wait_for_database(const sigset_t& signals) {
+  const auto deadline = std::chrono::steady_clock::now() + database_within;
+  return [signals, deadline](const Error& why, std::chrono::milliseconds pause) {
+    spdlog::warn("waiting for the database: {}", why.message);
+    const timespec time{pause.count() / 1000, pause.count() % 1000 * 1'000'000};
+    return sigtimedwait(&signals, nullptr, &time) < 0 && std::chrono::steady_clock::now() < deadline;
+  };
+}
+
+int serve(ServerOptions options) {
   const sigset_t signals = hold_signals();
+  options.wait_for_database = wait_for_database(signals);
   auto server = MapMergeServer::start(options);
   if (!server) return fail(server.error().message, 1);
   if (!options.insecure) std::cout << "headframe-server fingerprint: " << to_hex((*server)->fingerprint()) << '\n';
@@ -85,7 +98,7 @@ int run(int argc, char** argv) {
   app.add_flag("--new-identity", new_identity,
                "make another key where the server's own is lost: all robots enrol anew");
   app.add_option("--restore", backup, "make --data from this file, which headframe backup has written, and end");
-  app.add_option("--config", config, "TOML file: [server], [limits], [merge]");
+  app.add_option("--config", config, "TOML file: [server], [store], [limits], [merge]");
   app.set_version_flag("--version", "headframe-server " HEADFRAME_VERSION);
   try {
     app.parse(argc, argv);

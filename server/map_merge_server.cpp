@@ -111,12 +111,25 @@ void MapMergeServer::Parts::stop() {
 MapMergeServer::MapMergeServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 MapMergeServer::~MapMergeServer() = default;
 
-Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOptions& options) {
+namespace {
+
+Result<std::unique_ptr<Store>> open_store(const ServerOptions& options) {
   constexpr std::size_t mib = 1024UL * 1024;
+  const ServerConfig& config = options.config;
+  const std::size_t queue_bytes = static_cast<std::size_t>(config.write_queue_mib) * mib;
+  if (config.store_url.empty())
+    return open_sqlite_store(options.data, {.queue_bytes = queue_bytes,
+                                            .database_bytes = static_cast<std::uint64_t>(config.database_mib) * mib});
+  return open_postgres_store(options.data, config.store_url,
+                             {.queue_bytes = queue_bytes, .retry_ms = 100, .longest_retry_ms = 2000},
+                             options.wait_for_database);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOptions& options) {
   google::protobuf::SetLogHandler(nullptr);  // it has a line for every bad string of every stranger
-  auto store = open_sqlite_store(options.data,
-                                 {.queue_bytes = static_cast<std::size_t>(options.config.write_queue_mib) * mib,
-                                  .database_bytes = static_cast<std::uint64_t>(options.config.database_mib) * mib});
+  auto store = open_store(options);
   if (!store) return tl::unexpected(store.error());
   std::optional<boost::asio::ssl::context> tls;
   std::string fingerprint;

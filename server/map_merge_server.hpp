@@ -6,6 +6,7 @@
 
 #include "common/endpoint.hpp"
 #include "server/config/server_config.hpp"
+#include "server/store/postgres_store.hpp"
 
 namespace headframe {
 
@@ -16,13 +17,15 @@ struct ServerOptions {
   ServerConfig config;
   bool insecure = false;      // neither TLS nor tokens: who reaches the ports may use them
   bool new_identity = false;  // where the key is missing by which enrolled robots know the server, another may be made
+  WaitForDatabase wait_for_database = {};  // none: the start fails where the database does not answer
 };
 
-/// Runs from start() to stop(); restored from its data directory when there is something in it.
+/// Runs from start() to stop(); restored from its data directory, and its database, when there is something in them.
 class MapMergeServer {
  public:
-  /// unavailable: the directory can not be written or is in use, a port is taken; incompatible: a newer schema;
-  /// refused: the server's identity is lost.
+  /// unavailable: the directory can not be written or is in use, a port is taken, the database does not answer;
+  /// incompatible: a newer schema; refused: the server's identity is lost, another server uses the database; bad_input:
+  /// the database's URL, or who is let in there.
   static Result<std::unique_ptr<MapMergeServer>> start(const ServerOptions& options);
 
   /// stop(): no robot is served any more, the running attempt is finished, what was received is written.

@@ -13,13 +13,14 @@ namespace {
 /// A key of the file and the member that it sets, between low and high.
 struct Key {
   std::string_view section, name;
-  std::variant<int*, double*, RegistrationEngine*> value;
+  std::variant<int*, double*, RegistrationEngine*, std::string*> value;
   double low = 0, high = 0;
 };
 
 std::vector<Key> keys_of(ServerConfig& c) {
   return {
       {"server", "io_threads", &c.io_threads, 1, 64},
+      {"store", "url", &c.store_url},
       {"limits", "database_mib", &c.database_mib, 0, 1e8},
       {"limits", "write_queue_mib", &c.write_queue_mib, 32, 65536},
       {"limits", "robots", &c.limits.robots, 1, 4096},
@@ -83,8 +84,17 @@ Result<void> set_engine(RegistrationEngine& engine, const toml::node& node, cons
   return {};
 }
 
+Result<void> set_url(std::string& url, const toml::node& node, const std::string& where) {
+  url = node.value<std::string>().value_or("");
+  if (url.starts_with("postgresql://") || url.starts_with("postgres://")) return {};
+  return failure(ErrorCode::bad_input, where +
+                                           ": url must begin with postgresql://; leave it away and the server keeps an "
+                                           "SQLite database in --data");
+}
+
 Result<void> set(const Key& key, const toml::node& node, const std::string& where) {
   if (auto* const* engine = std::get_if<RegistrationEngine*>(&key.value)) return set_engine(**engine, node, where);
+  if (auto* const* url = std::get_if<std::string*>(&key.value)) return set_url(**url, node, where);
   const bool whole = std::holds_alternative<int*>(key.value);
   const auto value = node.value<double>();
   if (!value || (whole && !node.is_integer()) || !(*value >= key.low && *value <= key.high)) {
@@ -126,12 +136,16 @@ Result<ServerConfig> parse_config(std::string_view text, const std::string& name
       const std::string section(entry.str());
       if (!node.is_table() || known_names(keys, section).empty())
         return failure(ErrorCode::bad_input, place(name, node.source()) + ": unknown section or key '" + section +
-                                                 "'; there are: [server], [limits], [merge]");
+                                                 "'; there are: [server], [store], [limits], [merge]");
       if (auto done = read_section(keys, section, *node.as_table(), name); !done) return tl::unexpected(done.error());
     }
   } catch (const toml::parse_error& error) {
     return failure(ErrorCode::bad_input, place(name, error.source()) + ": " + std::string(error.description()));
   }
+  if (!config.store_url.empty() && config.database_mib > 0)
+    return failure(ErrorCode::bad_input, name +
+                                             ": database_mib in [limits] is of SQLite's file, and [store] url says "
+                                             "that there is none: leave one of them away");
   return config;
 }
 

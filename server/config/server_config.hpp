@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "common/result.hpp"
@@ -13,7 +14,8 @@ namespace headframe {
 /// Everything a configuration file may set, with the defaults of a server without one.
 struct ServerConfig {
   int io_threads = 2;         // [server]
-  int database_mib = 0;       // [limits]: of the database file, reached like a full disk; 0: none
+  std::string store_url;      // [store] url: postgresql://...; empty: SQLite in the data directory
+  int database_mib = 0;       // [limits]: of SQLite's file, reached like a full disk; 0: none
   int write_queue_mib = 256;  // [limits]: of all robots together
   RobotLimits limits;
   ScheduleConfig schedule;

@@ -194,7 +194,7 @@ void MergeWorker::feed(SessionId session, bool counts) {
   Known& known = known_[session];
   double metres = 0;
   bool junction = false;
-  const auto read = store_.each_keyframe(session, known.keyframes + 1, [&](Keyframe keyframe) {
+  const auto give = [&](Keyframe keyframe) {
     const Eigen::Vector3d here_m = keyframe.T_local_sensor.translation();
     if (known.keyframes > 0) metres += (here_m - known.last_m).norm();
     known.last_m = here_m;
@@ -202,7 +202,8 @@ void MergeWorker::feed(SessionId session, bool counts) {
     junction |= keyframe.descriptor.place_class == PlaceClass::junction;
     if (keyframe.point_count == 0) known.without_cloud.insert(keyframe.sequence);
     pipeline_->add_keyframe(session, std::move(keyframe));
-  });
+  };
+  const auto read = read_patiently([&] { return store_.each_keyframe(session, known.keyframes + 1, give); });
   if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
   MergeView::Session& shown = draft_.sessions[session];
   shown.distance_m += metres;

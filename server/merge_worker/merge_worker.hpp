@@ -102,6 +102,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// What the operator asks for: run once, on the worker's thread, or with why it can not be carried out.
   using Order = std::function<void(const Result<void>& admitted)>;
   static constexpr std::size_t most_orders = 64, most_unprepared = 4096;
+  static constexpr auto look_again_after = std::chrono::milliseconds(200);  // for a store that is away
 
   template <class Change>
   void tell(SessionId session, Change change);
@@ -128,6 +129,8 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::vector<Withdrawal> withdrawn_by(const AttemptReport& report) const;
   void note_withdrawn(const std::vector<Withdrawal>& withdrawn);
   bool write_durably(const Write& write);
+  template <class Read>
+  auto read_patiently(const Read& read) -> decltype(read());
   // worker_restore.cpp
   void bring_back();
   void bring_in(const SessionRecord& session);
@@ -186,5 +189,21 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();
   std::thread thread_;
 };
+
+/// What was read; while the store is away it is read again and again, until it is back or the server stops.
+template <class Read>
+auto MergeWorker::read_patiently(const Read& read) -> decltype(read()) {
+  auto answer = read();
+  const auto piece = watch_.piece();
+  bool waited = false;
+  for (bool stops = false; !answer && !stops && store_.is_away(); answer = read()) {
+    if (!waited) no_work();  // the database's time is not the sessions' fault
+    waited = true;
+    std::unique_lock lock(mutex_);
+    stops = wake_.wait_for(lock, look_again_after, [&] { return stopping_; });
+  }
+  if (waited && piece) working_on(piece->a, piece->b);
+  return answer;
+}
 
 }  // namespace headframe

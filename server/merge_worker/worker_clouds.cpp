@@ -16,7 +16,7 @@ CloudState MergeWorker::state(const KeyframeRef& keyframe) const {
 }
 
 Result<KeyframeCloud> MergeWorker::load(const KeyframeRef& keyframe) {
-  const auto encoded = store_.cloud(keyframe);
+  const auto encoded = read_patiently([&] { return store_.cloud(keyframe); });
   if (!encoded) return tl::unexpected(encoded.error());
   return decode_cloud(*encoded);
 }

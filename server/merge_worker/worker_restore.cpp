@@ -67,7 +67,7 @@ void MergeWorker::bring_in(const SessionRecord& session) {
     pipeline_->add_session(session.id, session.family);
     feed(session.id, false);
     if (session.complete || settled(session)) pipeline_->complete_session(session.id);
-    if (const auto clouds = store_.cloud_sequences(session.id); clouds)
+    if (const auto clouds = read_patiently([&] { return store_.cloud_sequences(session.id); }); clouds)
       known_[session.id].stored = {clouds->begin(), clouds->end()};
     else
       spdlog::error("clouds of session {} can not be read: {}", session.id, clouds.error().message);

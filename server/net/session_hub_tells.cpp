@@ -26,7 +26,7 @@ LinkPolicy SessionHub::policy() {
     policy.hold =
         "the server can not write its database until it is mended and the server started anew: " + load.broken;
   else if (!load.waits_for.empty())
-    policy.hold = "the server waits for its disk: " + load.waits_for;
+    policy.hold = "the server waits until it can write: " + load.waits_for;
   else if (load.queued_bytes > load.queue_bytes / (was_held ? 4 : 2))
     policy.hold = "the server's disk is slow: more waits to be written than is good";
   if (const std::uint64_t budget = budget_bytes_per_s_; budget > 0) {

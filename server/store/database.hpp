@@ -76,6 +76,9 @@ class Database {
   virtual Result<void> change(std::string_view sql, std::span<const SqlValue> values, const Changed& changed) = 0;
   virtual Result<void> query(std::string_view sql, std::span<const SqlValue> values, const Visit& visit) = 0;
 
+  /// False: it went away, and everything fails (unavailable) until it is back.
+  virtual bool is_connected() const { return true; }
+
   /// Whether an answer is a round trip away, so that it is better not to ask first.
   virtual bool answers_from_afar() const = 0;
 

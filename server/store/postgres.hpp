@@ -31,7 +31,7 @@ class PostgresDatabase final : public Database {
   /// A new connection in place of the one before. unavailable: no server answers there, or it is a standby; bad_input:
   /// it will not have us (no such database or role, another password), or is not fit to keep what is acknowledged.
   Result<void> connect();
-  bool is_connected() const { return connection_ != nullptr; }
+  bool is_connected() const override { return connection_ != nullptr; }
   const std::string& name() const { return name_; }
 
   Result<void> execute(const std::string& sql) override;

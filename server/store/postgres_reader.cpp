@@ -1,19 +1,22 @@
 #include "server/store/postgres_reader.hpp"
 
+#include <algorithm>
+
 namespace headframe {
 namespace {
 
-constexpr auto look_again = std::chrono::milliseconds(500);
+constexpr PostgresReader::Clock::duration shortest_pause = std::chrono::milliseconds(100);
 
 }  // namespace
 
 Result<void> PostgresReader::be_connected() {
   if (database_->is_connected()) return {};
   if (Clock::now() < not_before_) return tl::unexpected(last_);
+  const auto start = Clock::now();
   auto done = database_->connect();
   if (done) return done;
   last_ = {ErrorCode::unavailable, done.error().message};
-  not_before_ = Clock::now() + look_again;
+  not_before_ = Clock::now() + std::max(shortest_pause, Clock::now() - start);
   return tl::unexpected(last_);
 }
 

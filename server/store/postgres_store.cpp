@@ -1,5 +1,7 @@
 #include "server/store/postgres_store.hpp"
 
+#include <algorithm>
+
 #include "server/store/backup.hpp"
 #include "server/store/postgres_reader.hpp"
 #include "server/store/postgres_schema.hpp"
@@ -9,6 +11,7 @@
 namespace headframe {
 namespace {
 
+constexpr std::chrono::milliseconds first_pause(250), longest_pause(4000);
 constexpr int lock_wait_ms = 5000;  // PostgreSQL may not have noticed yet that the server before is dead
 
 Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, const std::string& name) {
@@ -26,10 +29,19 @@ Result<std::unique_ptr<PostgresWriterConnection>> open_writer(const std::string&
   return PostgresWriterConnection::open(std::move(*database));
 }
 
+Result<std::unique_ptr<PostgresWriterConnection>> open_when_there(const std::string& url, const std::string& name,
+                                                                  const WaitForDatabase& wait) {
+  for (auto pause = first_pause;; pause = std::min(2 * pause, longest_pause)) {
+    auto writer = open_writer(url, name);
+    const bool is_away = !writer && writer.error().code == ErrorCode::unavailable;
+    if (!is_away || !wait || !wait(writer.error(), pause)) return writer;
+  }
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& directory, const std::string& url,
-                                                   const StoreOptions& options) {
+                                                   const StoreOptions& options, const WaitForDatabase& wait) {
   const auto name = postgres_name(url);
   if (!name) return tl::unexpected(name.error());
   auto owned = DataDirectory::open(directory, DataDirectory::Database::elsewhere);
@@ -38,7 +50,7 @@ Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& 
     return failure(ErrorCode::refused, directory.string() + " holds a database of its own, headframe.db, beside " +
                                            *name + ": take it there with --migrate, or move it away");
   remove_unfinished_backups(directory);
-  auto writer = open_writer(url, *name);
+  auto writer = open_when_there(url, *name, wait);
   if (!writer) return tl::unexpected(writer.error());
   auto reader = connected(url, *name);
   if (!reader) return tl::unexpected(reader.error());

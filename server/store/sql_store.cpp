@@ -39,6 +39,11 @@ StoreLoad SqlStore::load() const {
   return load;
 }
 
+bool SqlStore::is_away() {
+  const std::lock_guard lock(mutex_);
+  return !reader_->is_connected();
+}
+
 Result<std::vector<SessionRecord>> SqlStore::sessions() {
   std::vector<SessionRecord> sessions;
   const std::lock_guard lock(mutex_);

@@ -28,6 +28,7 @@ class SqlStore final : public Store {
 
   void write(Write write, Done done) override { writer_.write(std::move(write), std::move(done)); }
   StoreLoad load() const override;
+  bool is_away() override;
   Result<std::vector<SessionRecord>> sessions() override;
   Result<void> each_keyframe(SessionId session, std::uint64_t first,
                              const std::function<void(Keyframe)>& visit) override;

@@ -1,6 +1,5 @@
 #pragma once
-// What the base station keeps: sessions, keyframes, clouds, alignments, revisions. SQLite today; PostgreSQL will stand
-// behind the same interface.
+// What the base station keeps: sessions, keyframes, clouds, alignments, revisions; in SQLite or PostgreSQL.
 
 #include <cstdint>
 #include <filesystem>
@@ -118,7 +117,7 @@ struct StoreLoad {
   std::size_t queue_bytes = 0;        // the most that may be queued
   std::size_t damaged_keyframes = 0;  // rows that were read and are not what was written
   std::string last_error;             // empty when the last write was well
-  std::string waits_for;              // why the disk refuses the next write; empty: it does not. It is tried again
+  std::string waits_for;              // why the next write can not be made yet; empty: it can. It is tried again
   std::string broken;  // why nothing is written any more, until the store is opened anew; empty: it is well
 };
 
@@ -144,12 +143,16 @@ class Store {
   virtual ~Store() = default;
 
   /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
-  /// the queue is full (unavailable). A full or slow disk is no failure: the write waits for room. It must be quick.
+  /// the queue is full (unavailable). A full or slow disk, or a database that is away, is no failure: the write waits.
+  /// It must be quick.
   /// Writes are applied in the order of the calls; a keyframe that would leave a hole in its session's sequence fails.
   /// Failures: invalid_argument and refused (another keyframe of this number is stored) concern this write alone;
   /// bad_input and internal say that the database can not be written any more: from then on every write fails so.
   virtual void write(Write write, Done done) = 0;
   virtual StoreLoad load() const = 0;
+
+  /// The database does not answer: reads fail (unavailable), and may be repeated as they were when it is back.
+  virtual bool is_away() = 0;
 
   // Reads block on the disk: never on an I/O thread.
   virtual Result<std::vector<SessionRecord>> sessions() = 0;
@@ -167,9 +170,9 @@ class Store {
   virtual Result<std::vector<RobotRecord>> robots() = 0;
   virtual Result<std::vector<TroubleRecord>> troubles() = 0;
 
-  /// A file with all that is durable now and what robots and operators know the server by (see backup.hpp), on the
-  /// disk of the database; the caller removes it. Writes go on meanwhile. unavailable: the disk says no, or another
-  /// backup is being made.
+  /// A file with all that is durable now and what robots and operators know the server by (see backup.hpp), in the
+  /// data directory; the caller removes it. Writes go on meanwhile. unavailable: the disk says no, or another
+  /// backup is being made; refused: PostgreSQL is backed up with its own tools.
   virtual Result<std::filesystem::path> backup() = 0;
 };
 

@@ -77,9 +77,9 @@ PostgresCluster* PostgresCluster::of_this_process() {
 
 Result<void> PostgresCluster::start() {
   auto argv = as_unprivileged("postgres");
-  argv.insert(argv.end(),
-              {"-D", (folder_ / "data").string(), "-c", "listen_addresses=", "-c",
-               "unix_socket_directories=" + folder_.string(), "-c", "max_connections=40", "-c", "shared_buffers=16MB"});
+  argv.insert(argv.end(), {"-D", (folder_ / "data").string(), "-c", "listen_addresses=", "-c",
+                           "unix_socket_directories=" + folder_.string(), "-c", "max_connections=40", "-c",
+                           "shared_buffers=16MB", "-c", "recovery_init_sync_method=syncfs"});
   const auto deadline = std::chrono::steady_clock::now() + 60s;
   while (std::chrono::steady_clock::now() < deadline) {
     if (!server_ || server_->poll() >= 0) {  // it will not start while processes of the one before are about to end

@@ -29,6 +29,8 @@ class PostgresCluster {
   /// An empty database of its own; its URL.
   Result<std::string> make_database();
   std::string url(const std::string& database) const;
+  /// Its socket is in it.
+  const std::filesystem::path& folder() const { return folder_; }
   /// As its superuser, in the database that every cluster has.
   Result<void> execute(const std::string& sql);
 
@@ -39,7 +41,6 @@ class PostgresCluster {
 
  private:
   explicit PostgresCluster(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  std::string user() const;
   std::vector<std::string> as_unprivileged(const std::string& program) const;
 
   const std::filesystem::path folder_;

@@ -46,6 +46,18 @@ TEST(ServerConfig, TheRegistrationEngineIsChosenByName) {
     EXPECT_EQ(error_of("[merge]\nregistration = " + bad), "hf.toml:2: registration must be \"vgicp\" or \"pcl_gicp\"");
 }
 
+TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
+  EXPECT_EQ(parse_config("[store]\nurl = 'postgresql://mine@db/mine'\n", "hf.toml")->store_url,
+            "postgresql://mine@db/mine");
+  EXPECT_EQ(parse_config("", "hf.toml")->store_url, "");
+  for (const std::string bad : {"'mysql://db/mine'", "'postgresql:/db'", "''", "5432"})
+    EXPECT_EQ(error_of("[store]\nurl = " + bad),
+              "hf.toml:2: url must begin with postgresql://; leave it away and the server keeps an SQLite database in "
+              "--data");
+  EXPECT_NE(error_of("[store]\nurl = 'postgresql://db/mine'\n[limits]\ndatabase_mib = 5").find("database_mib"),
+            std::string::npos);
+}
+
 TEST(ServerConfig, BrokenTomlSaysWhere) {
   EXPECT_EQ(error_of("[merge]\nthreads = = 2\n").rfind("hf.toml:2: ", 0), 0U);
   const auto missing = load_config("/nowhere/hf.toml");
