@@ -20,10 +20,12 @@ ScratchFolder::~ScratchFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Result<BaseStation> BaseStation::start(const std::filesystem::path& data, const std::string& listen, bool insecure) {
+Result<BaseStation> BaseStation::start(const std::filesystem::path& data, const std::string& listen, bool insecure,
+                                       const std::filesystem::path& config) {
   std::vector<std::string> argv{
       program("headframe-server"), "--data", data.string(), "--listen", listen, "--http", "127.0.0.1:0"};
   if (insecure) argv.emplace_back("--insecure");
+  if (!config.empty()) argv.insert(argv.end(), {"--config", config.string()});
   auto process = Process::start(argv);
   if (!process) return tl::unexpected(process.error());
   static const std::regex ready("headframe-server ready: robots on ([^,]+), http on ([^,]+), data in .*");

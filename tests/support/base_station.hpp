@@ -25,10 +25,11 @@ class ScratchFolder {
 /// A running headframe-server.
 class BaseStation {
  public:
-  /// With TLS and tokens, unless insecure. Keeps its data in `data`; fails with what the server printed when it does
+  /// With TLS and tokens, unless insecure. Keeps its data in `data`; `config`: its TOML file, if
+  /// any. Fails with what the server printed when it does
   /// not get ready.
   static Result<BaseStation> start(const std::filesystem::path& data, const std::string& listen = "127.0.0.1:0",
-                                   bool insecure = false);
+                                   bool insecure = false, const std::filesystem::path& config = {});
 
   const std::string& robots() const { return robots_; }  // HOST:PORT
   const std::string& http() const { return http_; }

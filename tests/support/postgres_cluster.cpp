@@ -25,6 +25,16 @@ const passwd* unprivileged() {
   return postgres != nullptr ? postgres : ::getpwnam("nobody");
 }
 
+/// Files in memory outlive killed processes as those on a disk do, and cost nobody's disk anything; where there is
+/// little memory for them (a container has 64 MB), the temporary folder.
+fs::path roomy_memory() {
+  constexpr std::uintmax_t enough_bytes = 1ULL << 30U;
+  std::error_code none;
+  const fs::path memory = "/dev/shm";
+  const auto space = fs::space(memory, none);
+  return !none && space.available >= enough_bytes ? memory : fs::temp_directory_path();
+}
+
 std::vector<int> children_of(int parent) {
   std::vector<int> children;
   std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
@@ -52,7 +62,7 @@ std::vector<std::string> PostgresCluster::as_unprivileged(const std::string& pro
 }
 
 Result<std::unique_ptr<PostgresCluster>> PostgresCluster::make() {
-  std::string name = (fs::temp_directory_path() / "headframe-pg-XXXXXX").string();
+  std::string name = (roomy_memory() / "headframe-pg-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) return failure(ErrorCode::unavailable, "no temporary folder " + name);
   std::unique_ptr<PostgresCluster> made(new PostgresCluster(name));
   if (::geteuid() == 0 && ::chown(name.c_str(), unprivileged()->pw_uid, unprivileged()->pw_gid) != 0)

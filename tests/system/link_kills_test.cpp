@@ -6,6 +6,7 @@
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/kills.hpp"
 #include "tests/support/base_station.hpp"
+#include "tests/support/postgres_cluster.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -21,6 +22,26 @@ TEST(LinkKills, TwentyKillsLoseDuplicateAndCorruptNothing) {
   EXPECT_GE(outcome->kills, plan.count);
   EXPECT_GT(outcome->server_kills, 0);
   EXPECT_LT(outcome->server_kills, outcome->kills);
+  EXPECT_EQ(outcome->faults.sum(), 0U) << outcome->faults.first;
+  EXPECT_EQ(outcome->faults.keyframes, 3 * plan.keyframes);
+  EXPECT_EQ(outcome->faults.clouds, 3 * plan.keyframes);
+}
+
+TEST(LinkKills, OverPostgresqlTheyLoseDuplicateAndCorruptNothingEither) {
+  if (test::PostgresCluster::programs().empty()) GTEST_SKIP() << test::PostgresCluster::not_installed;
+  const auto cluster = test::PostgresCluster::make();
+  ASSERT_TRUE(cluster) << cluster.error().message;
+  const test::ScratchFolder scratch;
+  KillPlan plan;
+  plan.count = plan.kills_a_block = 8;
+  plan.seed = 3;
+  plan.keyframes = 150;
+  plan.postgres = {[&] { return (*cluster)->make_database(); }, [&] { (*cluster)->kill(); },
+                   [&] { return (*cluster)->start(); }};
+  const auto outcome = kill_campaign(plan, scratch.path());
+  ASSERT_TRUE(outcome) << outcome.error().message;
+  EXPECT_GT(outcome->server_kills, 0);
+  EXPECT_GT(outcome->database_kills, 0);
   EXPECT_EQ(outcome->faults.sum(), 0U) << outcome->faults.first;
   EXPECT_EQ(outcome->faults.keyframes, 3 * plan.keyframes);
   EXPECT_EQ(outcome->faults.clouds, 3 * plan.keyframes);

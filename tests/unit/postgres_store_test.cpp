@@ -93,15 +93,23 @@ TEST_F(PostgresStore, ACommitWhoseAnswerWasLostIsFoundOut) {
     ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
   execute("ALTER SYSTEM SET synchronous_standby_names = 'nobody'");
   execute("SELECT pg_reload_conf()");
+  std::atomic<bool> enough = false;
+  std::thread probe([&] {  // until commits wait: the server takes its new settings in its own time
+    for (int i = 0; !enough; ++i) EXPECT_TRUE(cluster->execute("CREATE TABLE probe" + std::to_string(i) + " ()"));
+  });
+  const std::string waiting = " FROM pg_stat_activity WHERE wait_event = 'SyncRep'";
+  while (number("SELECT count(*)" + waiting) == 0) std::this_thread::yield();
+  enough = true;
   const Alignment alignment{1, 1, 2, AlignmentState::published, Pose::Identity(), {}};
   std::promise<Result<void>> written;
   store->write(PutMerge{0, 0, {alignment}, Atlas{1, {{1, {{1, Pose::Identity()}, {2, Pose::Identity()}}}}}, {}},
-               [&](const Result<void>& result) { written.set_value(result); });
-  while (number("SELECT count(*)" + std::string(of_servers) + " AND wait_event = 'SyncRep'") == 0)
-    std::this_thread::yield();
+               [&](const Result<void>& done) { written.set_value(done); });
+  const std::string of_the_server = waiting + " AND application_name = 'headframe-server'";
+  while (number("SELECT count(*)" + of_the_server) == 0) std::this_thread::yield();
+  execute("SELECT pg_terminate_backend(pid)" + of_the_server);
   execute("ALTER SYSTEM RESET synchronous_standby_names");
-  execute("SELECT pg_reload_conf(), pg_terminate_backend(pid)" + std::string(of_servers) +
-          " AND wait_event = 'SyncRep'");
+  execute("SELECT pg_reload_conf()");
+  probe.join();
   const auto result = written.get_future().get();
   EXPECT_TRUE(result) << result.error().message;
   EXPECT_EQ(number("SELECT count(*) FROM merge_order"), 1) << "written once";

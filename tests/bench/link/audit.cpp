@@ -1,9 +1,11 @@
 #include "tests/bench/link/audit.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include "client/spool/spool.hpp"
 #include "server/store/columns.hpp"
+#include "server/store/postgres.hpp"
 #include "server/store/sqlite.hpp"
 #include "tests/bench/link/drive.hpp"
 
@@ -30,6 +32,17 @@ Result<Spool> open_spool(const std::string& robot, const std::filesystem::path& 
   hello.family = {config.own_descriptors->family, config.own_descriptors->q_size, config.own_descriptors->w_size};
   hello.clouds = config.clouds;
   return Spool::open({spool, config.cloud_quota_bytes, false}, hello);
+}
+
+Result<std::unique_ptr<Database>> open_database(const std::filesystem::path& data, const std::string& url) {
+  if (!url.empty()) {
+    auto postgres = std::make_unique<PostgresDatabase>(url, url);
+    if (auto connected = postgres->connect(); !connected) return tl::unexpected(connected.error());
+    return postgres;
+  }
+  auto sqlite = SqliteDatabase::open((data / "headframe.db").string());
+  if (!sqlite) return tl::unexpected(sqlite.error());
+  return std::make_unique<SqliteDatabase>(std::move(*sqlite));
 }
 
 struct Stored {
@@ -125,12 +138,12 @@ Result<Told> told(const std::string& robot, const std::filesystem::path& spool) 
 }
 
 Result<Faults> audit(const std::filesystem::path& data, const std::map<std::string, Produced>& produced,
-                     const std::map<std::string, Told>& told) {
-  auto database = SqliteDatabase::open((data / "headframe.db").string());
+                     const std::map<std::string, Told>& told, const std::string& url) {
+  auto database = open_database(data, url);
   if (!database) return tl::unexpected(database.error());
   Faults faults;
   for (const auto& [robot, truth] : produced) {
-    const auto stored = read(*database, robot);
+    const auto stored = read(**database, robot);
     if (!stored) return tl::unexpected(stored.error());
     const auto it = told.find(robot);
     faults.add(compare(robot, *stored, truth, it == told.end() ? Told() : it->second));

@@ -40,8 +40,9 @@ struct Faults {
   void add(const Faults& other);
 };
 
-/// Reads the database of a server that may be running. unavailable: it can not be read.
+/// Reads the database of a server that may be running: SQLite's below `data`, or that of a postgresql:// URL if it is
+/// not empty. unavailable: it can not be read.
 Result<Faults> audit(const std::filesystem::path& data, const std::map<std::string, Produced>& produced,
-                     const std::map<std::string, Told>& told);
+                     const std::map<std::string, Told>& told, const std::string& url = "");
 
 }  // namespace headframe::bench

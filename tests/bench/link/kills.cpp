@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <optional>
 #include <random>
 #include <thread>
@@ -31,7 +32,8 @@ class Block {
       if (!made) return tl::unexpected(made.error());
       produced_[name] = std::move(*made);
     }
-    auto done = start_server();
+    auto done = make_store();
+    if (done) done = start_server();
     for (std::size_t i = 0; done && i < robots_.size(); ++i) done = start_robot(i);
     for (const int last = outcome.kills + kills; done && outcome.kills < last;) done = round(outcome);
     for (auto& robot : robots_) {
@@ -48,8 +50,18 @@ class Block {
  private:
   int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
 
+  Result<void> make_store() {
+    if (!plan_.postgres) return {};
+    auto made = plan_.postgres->make_database();
+    if (!made) return tl::unexpected(made.error());
+    url_ = *made;
+    config_ = scratch_ / "config.toml";
+    std::ofstream(config_) << "[store]\nurl = \"" << url_ << "\"\n";
+    return {};
+  }
+
   Result<void> start_server() {
-    auto started = test::BaseStation::start(scratch_ / "data", listen_);
+    auto started = test::BaseStation::start(scratch_ / "data", listen_, false, config_);
     if (!started) return tl::unexpected(started.error());
     listen_ = started->robots();  // the same port from now on
     server_.emplace(std::move(*started));
@@ -70,25 +82,47 @@ class Block {
     return {};
   }
 
-  /// Victim -1 is the server.
-  Result<void> round(KillOutcome& outcome) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(pick(5, 400)));
+  // Robots are 0 and on.
+  static constexpr int server_victim = -1, database_victim = -2;
+
+  /// One robot, the server, or all; with PostgreSQL that too, as often as the server.
+  std::vector<int> pick_victims() {
     std::vector<int> victims;
     const int kind = pick(0, 9), robots = static_cast<int>(robots_.size());
-    for (int v = -1; v < robots; ++v)
-      if (kind == 9 || (kind >= 5 ? v == -1 : v == kind % robots)) victims.push_back(v);
+    const int one = kind >= 5 ? server_victim : kind % robots;
+    for (int v = server_victim; v < robots; ++v)
+      if (kind == 9 || v == one) victims.push_back(v);
+    if (plan_.postgres && (kind == 9 || pick(0, 1) == 0)) victims = {database_victim};
+    if (plan_.postgres && kind == 9) victims.push_back(server_victim);
     std::shuffle(victims.begin(), victims.end(), random_);
-    for (const int v : victims) {
-      auto& process = v < 0 ? server_->process() : *robots_[static_cast<std::size_t>(v)];
-      process.signal(SIGKILL);
-      (void)process.wait(10s);
-      ++outcome.kills;
-      outcome.server_kills += v < 0 ? 1 : 0;
-    }
+    return victims;
+  }
+
+  void kill(int victim, KillOutcome& outcome) {
+    ++outcome.kills;
+    outcome.server_kills += victim == server_victim ? 1 : 0;
+    outcome.database_kills += victim == database_victim ? 1 : 0;
+    if (victim == database_victim) return plan_.postgres->kill();
+    auto& process = victim == server_victim ? server_->process() : *robots_[static_cast<std::size_t>(victim)];
+    process.signal(SIGKILL);
+    (void)process.wait(10s);
+  }
+
+  Result<void> start(int victim) {
+    if (victim == database_victim) return plan_.postgres->start();
+    return victim == server_victim ? start_server() : start_robot(static_cast<std::size_t>(victim));
+  }
+
+  Result<void> round(KillOutcome& outcome) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(pick(5, 400)));
+    std::vector<int> victims = pick_victims();
+    for (const int v : victims) kill(v, outcome);
     auto told = snapshot();
     std::shuffle(victims.begin(), victims.end(), random_);
+    std::stable_partition(victims.begin(), victims.end(),
+                          [](int v) { return v == database_victim; });  // it is waited for
     for (const int v : victims)
-      if (auto done = v < 0 ? start_server() : start_robot(static_cast<std::size_t>(v)); !done) return done;
+      if (auto done = start(v); !done) return done;
     if (!told) return tl::unexpected(told.error());
     return compare(*told, outcome);
   }
@@ -114,7 +148,7 @@ class Block {
   }
 
   Result<void> compare(const std::map<std::string, Told>& told, KillOutcome& outcome) {
-    const auto faults = audit(scratch_ / "data", produced_, told);
+    const auto faults = audit(scratch_ / "data", produced_, told, url_);
     if (!faults) return tl::unexpected(faults.error());
     ++outcome.compares;
     const auto stored = outcome.faults.keyframes, clouds = outcome.faults.clouds;
@@ -132,7 +166,7 @@ class Block {
       all.keyframes = all.produced = plan_.keyframes;
       for (std::uint64_t s = 1; s <= plan_.keyframes; ++s) all.clouds.insert(s);
     }
-    const auto faults = audit(scratch_ / "data", produced_, everything);
+    const auto faults = audit(scratch_ / "data", produced_, everything, url_);
     if (!faults) return tl::unexpected(faults.error());
     ++outcome.compares;
     outcome.faults.add(*faults);
@@ -147,6 +181,8 @@ class Block {
   std::vector<std::string> names_, enrolments_;  // an enrolment may be shown again by the robot that used it
   std::map<std::string, Produced> produced_;
   std::string listen_ = "127.0.0.1:0";
+  std::string url_;  // empty: SQLite
+  fs::path config_;
   std::optional<test::BaseStation> server_;
   std::vector<std::optional<test::Process>> robots_;
 };

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "tests/bench/link/audit.hpp"
 
@@ -14,11 +15,18 @@ struct KillPlan {
   int kills_a_block = 20;  // then the robots may finish, all is compared, and new ones begin
   std::uint64_t keyframes = 700;
   int every_ms = 10;  // a keyframe and its cloud, each robot
+  /// A PostgreSQL that the server writes to and that is killed as well; none: SQLite.
+  struct Postgres {
+    std::function<Result<std::string>()> make_database;  // an empty one; its URL
+    std::function<void()> kill;
+    std::function<Result<void>()> start;  // after that; ready when it returns
+  };
+  std::optional<Postgres> postgres = std::nullopt;
 };
 
 struct KillOutcome {
   int kills = 0;  // processes killed with SIGKILL
-  int server_kills = 0;
+  int server_kills = 0, database_kills = 0;
   int compares = 0;
   Faults faults;
 };
