@@ -82,7 +82,7 @@ Result<bool> PostgresWriterConnection::found_committed() {
 Result<bool> PostgresWriterConnection::begin() {
   if (is_lost()) {
     if (auto there = reconnect(); !there) return tl::unexpected(there.error());
-    const auto committed = found_committed();
+    auto committed = found_committed();
     if (!committed) return committed;
     in_doubt_ = false;
     commits_ += *committed ? 1 : 0;
