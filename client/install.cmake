@@ -6,6 +6,7 @@ set(rooms headframe_options headframe_proto headframe_geometry headframe_cloud h
 if(HEADFRAME_NETWORKS)
   list(APPEND rooms headframe_onnx)
 endif()
+set_target_properties(${rooms} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for programs that load them, as Python does
 foreach(room ${rooms})
   string(REPLACE headframe_ "" exported ${room})
   set_target_properties(${room} PROPERTIES EXPORT_NAME ${exported})

@@ -51,7 +51,7 @@ class SurroundingsDesk {
   /// be sent; 0: no limit.
   void look(SessionId session, std::uint64_t bytes_per_s);
 
-  static constexpr std::size_t page_bytes = 4096;              // half a second of a link of 64 kbit/s
+  static constexpr std::size_t page_bytes = 2048;              // a quarter of a second of a link of 64 kbit/s
   static constexpr auto look_every = std::chrono::seconds(1);  // for what is new
   static constexpr auto unasked = std::chrono::seconds(5);     // who has not asked on by then is sent other answers
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <limits>
 #include <random>
@@ -20,8 +21,10 @@ using boost::system::error_code;
 constexpr std::size_t for_good = std::numeric_limits<std::size_t>::max();
 
 struct Pair {
-  explicit Pair(boost::asio::io_context& io) : ends{tcp::socket(io), tcp::socket(io)} {}
-  std::array<tcp::socket, 2> ends;  // robot, server
+  explicit Pair(boost::asio::io_context& io)
+      : ends{tcp::socket(io), tcp::socket(io)}, paces{boost::asio::steady_timer(io), boost::asio::steady_timer(io)} {}
+  std::array<tcp::socket, 2> ends;                 // robot, server
+  std::array<boost::asio::steady_timer, 2> paces;  // for what comes from that end
   std::array<std::array<char, 1500>, 2> bytes{};
   std::size_t left = for_good;
   bool stalls = false;
@@ -70,13 +73,23 @@ struct FaultyProxy::State {
           if (from == 0) to_server += passed;
           boost::asio::write(pair->ends[1 - from], boost::asio::buffer(pair->bytes[from], passed), error);
           if (error) return pair->close();
-          if (pair->left > 0) return forward(pair, from);
+          if (pair->left > 0) return forward_in_time(pair, from, passed);
           ++happened;
           if (pair->stalls)
             silent.push_back(pair);  // both ends stay open
           else
             pair->close();
         });
+  }
+
+  /// The next bytes once those that were passed on have taken their time.
+  void forward_in_time(const std::shared_ptr<Pair>& pair, std::size_t from, std::size_t passed) {
+    if (plan.bytes_per_s <= 0) return forward(pair, from);
+    const std::chrono::duration<double> taken(static_cast<double>(passed) / plan.bytes_per_s);
+    pair->paces[from].expires_after(std::chrono::duration_cast<std::chrono::steady_clock::duration>(taken));
+    pair->paces[from].async_wait([this, pair, from](error_code error) {
+      if (!error) forward(pair, from);
+    });
   }
 
   boost::asio::io_context io{1};

@@ -11,6 +11,7 @@ struct LinkFaults {
   int cuts = 10;                   // connections that are closed in the middle, first
   int stalls = 1;                  // then connections that fall silent and stay open
   std::size_t most_bytes = 60000;  // of both directions together, until it happens
+  double bytes_per_s = 0;          // in each direction; 0: as fast as they come
 };
 
 /// Forwards connections to 127.0.0.1:port in pieces of 1 to 1500 bytes, and breaks them at seeded places; when all

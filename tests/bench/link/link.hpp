@@ -11,6 +11,9 @@ nlohmann::json link_bytes();
 /// What honest robots notice of attacks, of each kind by itself; only: those whose names have these words.
 nlohmann::json link_hostile(double seconds, const std::string& only);
 
+/// Keyframe to ack over a link of 64 kbit/s, alone and while the robot is told without a pause what others know.
+nlohmann::json link_around(double seconds);
+
 /// Two robots of the demo's mine, clouds on request: what their merge costs.
 nlohmann::json link_merge();
 

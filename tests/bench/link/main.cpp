@@ -40,6 +40,9 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   KillPlan kill_plan;
   auto* bytes_part = app.add_subcommand("bytes", "bytes of a keyframe and of a point");
   auto* merge_part = app.add_subcommand("merge", "bytes that a merge of two robots of the demo costs");
+  double around_seconds = 60;
+  auto* around_part = app.add_subcommand("around", "a thin link that is never without answers about others");
+  around_part->add_option("--seconds", around_seconds, "alone, and beside the answers")->capture_default_str();
   double hostile_seconds = 5;
   std::string hostile_only;
   auto* hostile_part = app.add_subcommand("hostile", "what honest robots notice of attacks, each kind by itself");
@@ -80,6 +83,7 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   };
   part(bytes_part, link_bytes);
   part(merge_part, link_merge);
+  part(around_part, [&] { return link_around(around_seconds); });
   part(hostile_part, [&] { return link_hostile(hostile_seconds, hostile_only); });
   part(kills_part, [&] {
     return link_kills(kill_plan, saved(out / "link.json")["link"],
