@@ -26,7 +26,7 @@ void CoverageGrid::see(std::uint32_t session, const Pose& T_component_sensor, do
     const double azimuth_rad = heading_rad + (static_cast<double>(i) + 0.5) * sector_rad;
     const Eigen::Vector2d ahead(std::cos(azimuth_rad), std::sin(azimuth_rad));
     const double free_m = std::min(range_m - step_m, coverage_range_m);
-    for (double r = 0; r < free_m; r += step_m) mark(from_m + r * ahead, coverage_free, session, time);
+    for (int k = 0; k * step_m < free_m; ++k) mark(from_m + k * step_m * ahead, coverage_free, session, time);
     if (range_m <= coverage_range_m) mark(from_m + range_m * ahead, coverage_wall, session, time);
   }
 }
@@ -51,8 +51,9 @@ void CoverageGrid::mark(const Eigen::Vector2d& p_m, std::uint8_t what, std::uint
     if (tiles_.size() >= most_tiles_) return;
     tile = tiles_.try_emplace(index).first;
   }
-  const std::int32_t column = x - index.x * coverage_tile_cells, row = y - index.y * coverage_tile_cells;
-  CoverageCell& cell = tile->second.cells.at(static_cast<std::size_t>(row * coverage_tile_cells + column));
+  const auto column = static_cast<std::size_t>(x - index.x * coverage_tile_cells);
+  const auto row = static_cast<std::size_t>(y - index.y * coverage_tile_cells);
+  CoverageCell& cell = tile->second.cells.at(row * coverage_tile_cells + column);
   const CoverageCell before = cell;
   const bool newer = before.what == 0 || time > before.last_seen;
   cell.what |= what;

@@ -78,6 +78,7 @@ TEST(Coverage, TheOrderOfWhatIsSeenDoesNotMatter) {
     double stamp_s;
   };
   std::vector<Seen> all;
+  all.reserve(20);
   for (int i = 0; i < 20; ++i)
     all.push_back(
         {1U + static_cast<std::uint32_t>(i) % 3, pose_from_yaw(i, {0.4 * i - 4, 0.1 * i, 0}), 250.0 * (i % 7)});

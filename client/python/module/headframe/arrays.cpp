@@ -1,4 +1,4 @@
-#include "client/python/headframe/arrays.hpp"
+#include "client/python/module/headframe/arrays.hpp"
 
 namespace headframe::python {
 

@@ -3,7 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include "client/python/headframe/arrays.hpp"
+#include "client/python/module/headframe/arrays.hpp"
 #include "client/robot_client.hpp"
 #include "common/endpoint.hpp"
 

@@ -7,12 +7,12 @@ if(NOT pybind11_FOUND)
   return()
 endif()
 set(python_module ${CMAKE_BINARY_DIR}/python-module)
-pybind11_add_module(headframe_python_module MODULE NO_EXTRAS python/headframe/module.cpp python/headframe/arrays.cpp)
+pybind11_add_module(headframe_python_module MODULE NO_EXTRAS python/module/headframe/module.cpp python/module/headframe/arrays.cpp)
 target_link_libraries(headframe_python_module PRIVATE headframe_robot_client)
 set_target_properties(headframe_python_module PROPERTIES OUTPUT_NAME _robot UNITY_BUILD OFF CXX_VISIBILITY_PRESET hidden
   LIBRARY_OUTPUT_DIRECTORY ${python_module}/headframe)
 add_custom_command(TARGET headframe_python_module POST_BUILD COMMAND ${CMAKE_COMMAND} -E copy_if_different
-  ${CMAKE_CURRENT_SOURCE_DIR}/python/headframe/__init__.py ${CMAKE_CURRENT_SOURCE_DIR}/python/headframe/__init__.pyi
-  ${CMAKE_CURRENT_SOURCE_DIR}/python/headframe/py.typed ${python_module}/headframe)
-set_property(TARGET headframe_python_module APPEND PROPERTY LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/headframe/__init__.py
-  ${CMAKE_CURRENT_SOURCE_DIR}/python/headframe/__init__.pyi)
+  ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.py ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.pyi
+  ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/py.typed ${python_module}/headframe)
+set_property(TARGET headframe_python_module APPEND PROPERTY LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.py
+  ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.pyi)
