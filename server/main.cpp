@@ -6,12 +6,14 @@
 #include <chrono>
 #include <csignal>
 #include <iostream>
+#include <memory>
 
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
 #include "server/merge_worker/work_mark.hpp"
 #include "server/stop_deadline.hpp"
 #include "server/store/backup.hpp"
+#include "server/store/migration.hpp"
 #include "server/support/printable_log.hpp"
 
 namespace {
@@ -86,11 +88,38 @@ int restore(const std::string& backup, const std::string& data) {
   return 0;
 }
 
+/// Now and then a line: how far a table is.
+TableProgress printed_progress() {
+  static constexpr auto often_enough = std::chrono::seconds(2);
+  auto last = std::make_shared<std::chrono::steady_clock::time_point>();
+  return [last](std::string_view table, std::uint64_t rows, std::uint64_t of) {
+    const auto now = std::chrono::steady_clock::now();
+    if (rows != 0 && (rows == of || now - *last < often_enough)) return;
+    *last = now;
+    if (of > 0) std::cout << table << ": " << rows << " of " << of << std::endl;
+  };
+}
+
+int migrate_store(const std::string& from, const std::string& to) {
+  constexpr std::string_view sqlite = "sqlite:", postgres = "postgres";
+  const bool forth = from.starts_with(sqlite) && to.starts_with(postgres);
+  if (!forth && !(from.starts_with(postgres) && to.starts_with(sqlite)))
+    return fail("--migrate takes sqlite:DIR and postgresql://..., in the order from and to", bad_usage);
+  const auto done = forth ? migrate_to_postgres(from.substr(sqlite.size()), to, printed_progress())
+                          : migrate_to_sqlite(from, to.substr(sqlite.size()), printed_progress());
+  if (!done) return fail("--migrate: " + done.error().message, 1);
+  std::cout << "headframe-server: " << done->tables << " tables with " << done->rows
+            << " rows were copied, read again and found the same; "
+            << (forth ? "give the url in [store] from now on" : "leave the url in [store] away from now on") << '\n';
+  return 0;
+}
+
 int run(int argc, char** argv) {
+  std::vector<std::string> from_to;
   std::string data, listen = "127.0.0.1:7447", http = "127.0.0.1:7448", config, backup;
   bool insecure = false, insecure_any = false, new_identity = false;
   CLI::App app("The base station: robots stream their maps, the server merges them.", "headframe-server");
-  app.add_option("--data", data, "directory of the database; made when it is not there")->required();
+  app.add_option("--data", data, "directory of the database; made when it is not there");
   app.add_option("--listen", listen, "HOST:PORT for robots; port 0 takes any")->capture_default_str();
   app.add_option("--http", http, "HOST:PORT for operators; port 0 takes any")->capture_default_str();
   app.add_flag("--insecure", insecure, "on the loopback: no TLS, no enrolment, no operator's token");
@@ -98,6 +127,8 @@ int run(int argc, char** argv) {
   app.add_flag("--new-identity", new_identity,
                "make another key where the server's own is lost: all robots enrol anew");
   app.add_option("--restore", backup, "make --data from this file, which headframe backup has written, and end");
+  app.add_option("--migrate", from_to, "take all from sqlite:DIR to a postgresql:// URL, or back, and end")
+      ->expected(2);
   app.add_option("--config", config, "TOML file: [server], [store], [limits], [merge]");
   app.set_version_flag("--version", "headframe-server " HEADFRAME_VERSION);
   try {
@@ -105,6 +136,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : bad_usage;
   }
+  if (!from_to.empty()) return migrate_store(from_to[0], from_to[1]);
+  if (data.empty()) return fail("--data is required: the directory of the database", bad_usage);
   if (!backup.empty()) return restore(backup, data);
   const auto robots = parse_endpoint(listen), operators = parse_endpoint(http);
   if (!robots) return fail("--listen: " + robots.error().message, bad_usage);

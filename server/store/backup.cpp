@@ -1,12 +1,7 @@
 #include "server/store/backup.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <vector>
 
@@ -14,6 +9,7 @@
 #include "server/store/data_directory.hpp"
 #include "server/store/schema.hpp"
 #include "server/store/sqlite.hpp"
+#include "server/store/unfinished_file.hpp"
 
 namespace headframe {
 namespace {
@@ -28,50 +24,6 @@ constexpr std::array<std::string_view, 5> private_files{"identity.pem", "operato
 struct PrivateFile {
   std::string name, content;
 };
-
-/// Removes the file when it goes, unless it was kept.
-class Unfinished {
- public:
-  explicit Unfinished(fs::path path) : path_(std::move(path)) { remove(); }
-  ~Unfinished() {
-    if (!kept_) remove();
-  }
-  Unfinished(const Unfinished&) = delete;
-  Unfinished& operator=(const Unfinished&) = delete;
-
-  const fs::path& path() const { return path_; }
-  Result<void> keep_as(const fs::path& name) {
-    std::error_code error;
-    fs::rename(path_, name, error);
-    const fs::path folder = name.has_parent_path() ? name.parent_path() : fs::path(".");
-    const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const bool durable = opened >= 0 && ::fsync(opened) == 0;
-    if (opened >= 0) ::close(opened);
-    if (error || !durable)
-      return failure(ErrorCode::unavailable,
-                     name.string() + " can not be written: " + (error ? error.message() : std::strerror(errno)));
-    kept_ = true;
-    return {};
-  }
-
- private:
-  void remove() const {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  fs::path path_;
-  bool kept_ = false;
-};
-
-/// SQLite keeps the mode of a file that is there.
-Result<void> make_private(const fs::path& file) {
-  std::ofstream made(file, std::ios::binary | std::ios::trunc);
-  std::error_code error;
-  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, error);
-  if (!made || error)
-    return failure(ErrorCode::unavailable, file.string() + " can not be written; is there room, and may it be?");
-  return {};
-}
 
 /// A copy of the whole database as one transaction sees it.
 Result<void> copy_database(const fs::path& from, const fs::path& to) {
@@ -139,7 +91,7 @@ Result<void> check_whole(SqliteDatabase& backup) {
 Result<void> write_backup(const fs::path& directory, const fs::path& file) {
   const fs::path database = directory / database_name;
   if (!fs::exists(database)) return failure(ErrorCode::not_found, "there is no database in " + directory.string());
-  Unfinished part(file.string() + ".part");
+  UnfinishedFile part(file.string() + ".part");
   if (auto done = copy_database(database, part.path()); !done) return done;
   {
     auto backup = SqliteDatabase::open(part.path().string());
@@ -165,7 +117,7 @@ Result<void> restore_backup(const fs::path& file, const fs::path& directory) {
                        " already, and a backup replaces none: give another --data, or move that one away");
   std::error_code error;
   fs::create_directories(directory, error);
-  Unfinished part(directory / "headframe.db.restored");
+  UnfinishedFile part(directory / "headframe.db.restored");
   if (auto made = make_private(part.path()); !made) return made;
   if (!fs::copy_file(file, part.path(), fs::copy_options::overwrite_existing, error))
     return failure(ErrorCode::unavailable,

@@ -30,6 +30,10 @@ class SqliteWriterConnection final : public WriterConnection {
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::filesystem::path& directory, const StoreOptions& options) {
+  if (!std::filesystem::exists(directory / "headframe.db") && std::filesystem::exists(directory / "headframe.db.moved"))
+    return failure(ErrorCode::refused, "the database of " + directory.string() +
+                                           " was taken to PostgreSQL (what was here is headframe.db.moved): give its "
+                                           "url in [store], or take it back with --migrate");
   auto owned = DataDirectory::open(directory);
   if (!owned) return tl::unexpected(owned.error());
   remove_unfinished_backups(directory);
