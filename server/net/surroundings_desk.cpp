@@ -44,9 +44,14 @@ void SurroundingsDesk::stop() {
   pool_.reset();
 }
 
-/// Who asks has got what was on its way.
+/// Who asks has got what was on its way; the next page is larger if that was quick, and smaller if it was slow.
 SurroundingsDesk::Asking& SurroundingsDesk::asks(SessionId session) {
   Asking& asking = asking_[session];
+  if (asking.waits_until != Clock::time_point{}) {
+    const auto took = now_() - asking.answered;
+    if (took < quick) asking.page_bytes = std::min(asking.page_bytes * 2, most_page_bytes);
+    if (took > slow) asking.page_bytes = std::max(asking.page_bytes / 2, least_page_bytes);
+  }
   asking.waits_until = {};
   return asking;
 }
@@ -114,13 +119,14 @@ std::optional<Kind> SurroundingsDesk::next(const Asking& asking, Clock::time_poi
 void SurroundingsDesk::note_sent(Asking& asking, Kind kind, std::size_t bytes) const {
   const auto now = now_();
   asking.last = kind;
+  asking.answered = now;
   asking.waits_until = now + unasked;
   if (asking.bytes_per_s > 0)
     asking.paced_until = now + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
                                    static_cast<double>(bytes) / static_cast<double>(asking.bytes_per_s)));
 }
 
-SurroundingsDesk::Payload SurroundingsDesk::part(Map& map) {
+SurroundingsDesk::Payload SurroundingsDesk::part(Map& map, std::size_t page_bytes) {
   v1::MapPart part;
   if (*map.wanted == 0) part = map.head;
   part.set_id(map.question.id);
@@ -141,7 +147,7 @@ void SurroundingsDesk::go_on(SessionId session) {
     const auto kind = next(asking, now_());
     if (!kind) return;
     if (*kind == Kind::map && asking.map->made) {
-      told = part(*asking.map);
+      told = part(*asking.map, asking.page_bytes);
       note_sent(asking, *kind, told->size());
     } else {
       asking.working = true;
@@ -154,6 +160,7 @@ void SurroundingsDesk::go_on(SessionId session) {
 void SurroundingsDesk::work(SessionId session, Kind kind) {
   std::optional<HeldVersion> held;
   std::optional<MapAsked> map;
+  std::size_t page_bytes = least_page_bytes;
   {
     const std::lock_guard lock(mutex_);
     const auto entry = asking_.find(session);
@@ -165,10 +172,11 @@ void SurroundingsDesk::work(SessionId session, Kind kind) {
       question->second.changes = changes_;
       question->second.looked_at = now_();
       held = question->second.held;
+      page_bytes = entry->second.page_bytes;
     }
   }
   if (map) make_map(session, *map);
-  if (held) answer(session, kind, *held);
+  if (held) answer(session, kind, *held, page_bytes);
   {
     const std::lock_guard lock(mutex_);
     if (const auto entry = asking_.find(session); entry != asking_.end()) entry->second.working = false;
@@ -176,8 +184,8 @@ void SurroundingsDesk::work(SessionId session, Kind kind) {
   go_on(session);
 }
 
-void SurroundingsDesk::answer(SessionId session, Kind kind, const HeldVersion& held) {
-  const Payload told = page(session, kind, held);
+void SurroundingsDesk::answer(SessionId session, Kind kind, const HeldVersion& held, std::size_t page_bytes) {
+  const Payload told = page(session, kind, held, page_bytes);
   if (!told) return;  // the question stands
   {
     const std::lock_guard lock(mutex_);
@@ -192,7 +200,8 @@ void SurroundingsDesk::answer(SessionId session, Kind kind, const HeldVersion& h
 }
 
 /// Null: nothing is newer than what the robot holds.
-SurroundingsDesk::Payload SurroundingsDesk::page(SessionId session, Kind kind, const HeldVersion& held) {
+SurroundingsDesk::Payload SurroundingsDesk::page(SessionId session, Kind kind, const HeldVersion& held,
+                                                 std::size_t page_bytes) {
   const SessionSurroundings around = around_(session);
   if (around.component.placements.size() < 2) return held == told_alone ? nullptr : no_page(kind, told_alone, alone);
   const auto known = maps_.refreshed(around, now_());

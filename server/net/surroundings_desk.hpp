@@ -18,8 +18,9 @@
 namespace headframe {
 
 /// One answer at a time is on its way to a robot: until it has asked for the next there is none, so that no more than
-/// one page of about page_bytes stands before an acknowledgement, however thin the link. All work is done on one thread
-/// of its own, in turns of one piece for each robot. Thread safe; nothing here blocks.
+/// one page stands before an acknowledgement. A page grows and shrinks with the time that the last ones took to be
+/// asked on from: about a tenth of a second, however thin the link. All work is done on one thread of its own, in turns
+/// of one piece for each robot. Thread safe; nothing here blocks.
 class SurroundingsDesk {
  public:
   using Clock = std::chrono::steady_clock;
@@ -51,7 +52,8 @@ class SurroundingsDesk {
   /// be sent; 0: no limit.
   void look(SessionId session, std::uint64_t bytes_per_s);
 
-  static constexpr std::size_t page_bytes = 2048;              // a quarter of a second of a link of 64 kbit/s
+  static constexpr std::size_t least_page_bytes = 1024, most_page_bytes = 16384;  // about; the first is the least
+  static constexpr auto quick = std::chrono::milliseconds(50), slow = std::chrono::milliseconds(200);  // to be asked on
   static constexpr auto look_every = std::chrono::seconds(1);  // for what is new
   static constexpr auto unasked = std::chrono::seconds(5);     // who has not asked on by then is sent other answers
 
@@ -73,8 +75,10 @@ class SurroundingsDesk {
     std::map<SurroundingsKind, Question> questions;  // trajectories, coverage
     std::optional<Map> map;
     bool working = false;
-    SurroundingsKind last = SurroundingsKind::map;  // what was answered last: another comes first
-    Clock::time_point waits_until{}, paced_until{};
+    SurroundingsKind last = SurroundingsKind::map;   // what was answered last: another comes first
+    Clock::time_point waits_until{}, paced_until{};  // waits_until: set while an answer is on its way
+    Clock::time_point answered{};
+    std::size_t page_bytes = least_page_bytes;
     std::uint64_t bytes_per_s = 0;
   };
 
@@ -84,10 +88,10 @@ class SurroundingsDesk {
   static bool due(const Question& question, std::uint64_t changes, Clock::time_point now);
   std::optional<SurroundingsKind> next(const Asking& asking, Clock::time_point now) const;
   void work(SessionId session, SurroundingsKind kind);
-  void answer(SessionId session, SurroundingsKind kind, const HeldVersion& held);
-  Payload page(SessionId session, SurroundingsKind kind, const HeldVersion& held);
+  void answer(SessionId session, SurroundingsKind kind, const HeldVersion& held, std::size_t page_bytes);
+  Payload page(SessionId session, SurroundingsKind kind, const HeldVersion& held, std::size_t page_bytes);
   void make_map(SessionId session, const MapAsked& question);
-  static Payload part(Map& map);
+  static Payload part(Map& map, std::size_t page_bytes);
   void note_sent(Asking& asking, SurroundingsKind kind, std::size_t bytes) const;
 
   std::mutex mutex_;

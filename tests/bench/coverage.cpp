@@ -55,11 +55,11 @@ class Mine {
   Told tell() {
     Told told;
     const ComponentMaps::Known known{&map_, 1ULL << 63};
-    while (const auto piece = map_.coverage_after(coverage_.version, SurroundingsDesk::page_bytes)) {
+    while (const auto piece = map_.coverage_after(coverage_.version, SurroundingsDesk::least_page_bytes)) {
       told.coverage_bytes += coverage_page(around_, 1, coverage_, known, *piece, 0).ByteSizeLong();
       coverage_ = {known.epoch, piece->version};
     }
-    while (const auto piece = map_.paths_after(paths_.version, 1, SurroundingsDesk::page_bytes)) {
+    while (const auto piece = map_.paths_after(paths_.version, 1, SurroundingsDesk::least_page_bytes)) {
       told.path_bytes += trajectories_page(around_, 1, paths_, known, *piece, 0).ByteSizeLong();
       paths_ = {known.epoch, piece->version};
     }

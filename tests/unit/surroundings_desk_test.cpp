@@ -1,6 +1,7 @@
 // Who asks what others know is answered from a real store, one answer at a time.
 #include "server/net/surroundings_desk.hpp"
 
+#include <array>
 #include <condition_variable>
 #include <deque>
 
@@ -189,6 +190,35 @@ TEST_F(LongDesk, ARobotWithALimitIsToldNoFasterThanThat) {
   EXPECT_EQ(told(), 0U);
   at(after_s + 0.2);
   EXPECT_TRUE(answer().has_coverage());
+}
+
+TEST_F(LongDesk, PagesGrowOverAQuickLinkAndShrinkOverASlowOne) {
+  merge();
+  book_.want_coverage(true);
+  ask(book_.coverage_question());
+  std::vector<std::size_t> bytes;
+  const auto page_after = [&](std::chrono::steady_clock::duration took) {
+    const v1::ServerMessage page = answer();
+    bytes.push_back(page.ByteSizeLong());
+    time_ = time_.load() + took;
+    const auto taken = book_.take(page);
+    ASSERT_TRUE(taken && taken->next);
+    ask(*taken->next);
+  };
+  page_after(49ms);
+  page_after(49ms);
+  page_after(100ms);
+  page_after(201ms);
+  page_after(201ms);
+  page_after(201ms);
+  page_after(0ms);
+  ASSERT_EQ(bytes.size(), 7U);
+  constexpr std::size_t a_tile = 400;
+  const std::array<std::size_t, 7> about{1024, 2048, 4096, 4096, 2048, 1024, 1024};
+  for (std::size_t i = 0; i < about.size(); ++i) {
+    EXPECT_GT(bytes[i] + a_tile, about[i]) << i;
+    EXPECT_LT(bytes[i], about[i] + a_tile) << i;
+  }
 }
 
 TEST_F(Desk, AMapComesInPartsAndIsWhatTheCloudsHold) {

@@ -46,10 +46,9 @@ py::tuple cells_of(const Coverage& coverage) {
     for (std::size_t i = 0; i < tile->cells.size(); ++i) {
       const CoverageCell& cell = tile->cells[i];
       if (cell.what == 0) continue;
-      const auto row = static_cast<double>(i / coverage_tile_cells),
-                 column = static_cast<double>(i % coverage_tile_cells);
-      middles.push_back((index.x * coverage_tile_cells + column + 0.5) * coverage_cell_m);
-      middles.push_back((index.y * coverage_tile_cells + row + 0.5) * coverage_cell_m);
+      const std::size_t row = i / coverage_tile_cells, column = i % coverage_tile_cells;
+      middles.push_back((index.x * coverage_tile_cells + static_cast<double>(column) + 0.5) * coverage_cell_m);
+      middles.push_back((index.y * coverage_tile_cells + static_cast<double>(row) + 0.5) * coverage_cell_m);
       what.push_back(cell.what);
       times_s.push_back(cell.last_seen * coverage_time_s);
       sessions.push_back(cell.session);
