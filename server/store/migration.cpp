@@ -12,8 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int lock_wait_ms = 5000;
-
 Result<Migrated> copy_and_compare(Database& from, Database& to, const TableProgress& progress) {
   const auto sent = copy_tables(from, to, progress);
   if (!sent) return tl::unexpected(sent.error());
@@ -39,7 +37,7 @@ Result<std::unique_ptr<PostgresDatabase>> taken_postgres(const std::string& url)
   if (!name) return tl::unexpected(name.error());
   auto database = std::make_unique<PostgresDatabase>(url, *name);
   auto done = database->connect();
-  if (done) done = take_for_one_server(*database, lock_wait_ms);
+  if (done) done = take_for_one_server(*database);
   if (!done) return tl::unexpected(done.error());
   return database;
 }

@@ -12,7 +12,6 @@ namespace headframe {
 namespace {
 
 constexpr std::chrono::milliseconds first_pause(250), longest_pause(4000);
-constexpr int lock_wait_ms = 5000;  // PostgreSQL may not have noticed yet that the server before is dead
 
 Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, const std::string& name) {
   auto database = std::make_unique<PostgresDatabase>(url, name);
@@ -23,7 +22,7 @@ Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, cons
 Result<std::unique_ptr<PostgresWriterConnection>> open_writer(const std::string& url, const std::string& name) {
   auto database = connected(url, name);
   if (!database) return tl::unexpected(database.error());
-  auto done = take_for_one_server(**database, lock_wait_ms);
+  auto done = take_for_one_server(**database);
   if (done) done = migrate(**database);
   if (!done) return tl::unexpected(done.error());
   return PostgresWriterConnection::open(std::move(*database));

@@ -1,36 +1,62 @@
 #include "server/store/postgres_writer.hpp"
 
+#include <chrono>
 #include <random>
+#include <thread>
 
 namespace headframe {
 namespace {
 
 constexpr std::int64_t lock_key = 0x6865616466726d65;  // "headfrme"
 
-/// Who has the lock, as far as the role may see it.
-std::string holder(PostgresDatabase& database) {
+constexpr auto look_again = std::chrono::milliseconds(100);
+constexpr int most_looks = 300;
+constexpr int idle_looks = 3;  // so often in a row the connection of a dead server is never seen idle
+
+struct Holder {
   std::string who;
+  bool is_idle = false;
+};
+
+/// Who has the lock, as far as the role may see it.
+Holder holder(PostgresDatabase& database) {
+  Holder found;
   (void)database.each(
       "SELECT ', connected from ' || coalesce(host(client_addr), 'the same machine') || ' since ' ||"
-      " to_char(backend_start, 'YYYY-MM-DD HH24:MI:SS TZ') FROM pg_locks JOIN pg_stat_activity USING (pid) WHERE"
-      " locktype = 'advisory' AND granted AND (classid::bigint << 32 | objid::bigint) = ? AND"
+      " to_char(backend_start, 'YYYY-MM-DD HH24:MI:SS TZ'), coalesce(state LIKE 'idle%', true) FROM pg_locks"
+      " JOIN pg_stat_activity USING (pid) WHERE locktype = 'advisory' AND granted AND"
+      " (classid::bigint << 32 | objid::bigint) = ? AND"
       " pg_locks.database = (SELECT oid FROM pg_database WHERE datname = current_database())",
-      [&](const Row& row) { who = row.text(0); }, lock_key);
-  return who;
+      [&](const Row& row) {
+        found = {row.text(0), row.integer(1) != 0};
+      },
+      lock_key);
+  return found;
+}
+
+Result<bool> try_to_take(PostgresDatabase& database) {
+  bool taken = false;
+  auto asked = database.each(
+      "SELECT pg_try_advisory_lock(?)", [&](const Row& row) { taken = row.integer(0) != 0; }, lock_key);
+  if (!asked) return tl::unexpected(asked.error());
+  return taken;
 }
 
 }  // namespace
 
-Result<void> take_for_one_server(PostgresDatabase& database, int wait_ms) {
-  auto taken = database.execute("SET lock_timeout = " + std::to_string(wait_ms));
-  if (taken)
-    taken = database.each(
-        "SELECT pg_advisory_lock(?)", [](const Row&) {}, lock_key);
-  if (!taken && database.is_connected() && taken.error().code == ErrorCode::unavailable)
-    return failure(ErrorCode::refused, database.name() + " is in use by another headframe-server" + holder(database) +
-                                           "; stop that one, or give this one a database of its own");
-  if (taken) taken = database.execute("SET lock_timeout = 0");
-  return taken;
+Result<void> take_for_one_server(PostgresDatabase& database, bool once) {
+  Holder other;
+  for (int looks = 0, idle = 0; looks < most_looks && idle < idle_looks; ++looks) {
+    const auto taken = try_to_take(database);
+    if (!taken) return tl::unexpected(taken.error());
+    if (*taken) return {};
+    other = holder(database);
+    idle = other.is_idle ? idle + 1 : 0;
+    if (once) break;
+    std::this_thread::sleep_for(look_again);
+  }
+  return failure(ErrorCode::refused, database.name() + " is in use by another headframe-server" + other.who +
+                                         "; stop that one, or give this one a database of its own");
 }
 
 Result<std::unique_ptr<PostgresWriterConnection>> PostgresWriterConnection::open(
@@ -51,7 +77,7 @@ Result<std::unique_ptr<PostgresWriterConnection>> PostgresWriterConnection::open
 
 Result<void> PostgresWriterConnection::reconnect() {
   auto done = database_->connect();
-  if (done) done = take_for_one_server(*database_, 1);
+  if (done) done = take_for_one_server(*database_, true);
   if (done) return done;
   const Error why = done.error();
   // A server that has taken over is known by its mark; without one, the lock is that of our own lost connection.

@@ -5,9 +5,10 @@
 
 namespace headframe {
 
-/// Takes the database for one server, as long as the connection lives: a session-level advisory lock. refused: another
-/// server has it, and still has it after `wait_ms`; the message says who.
-Result<void> take_for_one_server(PostgresDatabase& database, int wait_ms);
+/// Takes the database for one server, as long as the connection lives: a session-level advisory lock. One that is still
+/// held by the connection of a server that died is waited for, half a minute at most, unless `once`: PostgreSQL ends
+/// such a connection when what it works on is done. refused: another server has it, and lives; the message says who.
+Result<void> take_for_one_server(PostgresDatabase& database, bool once = false);
 
 /// The one connection that writes. The row of table `writer` names the server that writes and counts its commits, and
 /// each transaction changes it: so a commit whose answer was lost is found out, a server that was cut off while another

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <thread>
 
+#include "server/store/postgres_writer.hpp"
 #include "tests/support/both_stores.hpp"
 #include "tests/support/keyframes.hpp"
 
@@ -52,6 +53,19 @@ TEST_F(PostgresStore, ASecondServerIsRefusedAndToldWhoIsThere) {
       << why;
   store.reset();
   EXPECT_EQ(open_error(home->url()), "opened");
+}
+
+/// The connection of a server that died may work for a while on what it was sent last: it is waited for.
+TEST_F(PostgresStore, AServerThatDiedIsSucceededWhenItsLastCommandIsDone) {
+  open(*home).reset();
+  PostgresDatabase dead(home->url(), "PostgreSQL");
+  ASSERT_TRUE(dead.connect());
+  ASSERT_TRUE(take_for_one_server(dead));
+  std::thread works([&] { EXPECT_TRUE(dead.execute("SELECT pg_sleep(1); SELECT pg_advisory_unlock_all()")); });
+  while (number("SELECT count(*)" + std::string(of_servers) + " AND wait_event = 'PgSleep'") == 0)
+    std::this_thread::yield();
+  EXPECT_EQ(open_error(home->url()), "opened");
+  works.join();
 }
 
 TEST_F(PostgresStore, WhileTheDatabaseIsAwayWritesWaitAndNothingIsLostOrDoubled) {
