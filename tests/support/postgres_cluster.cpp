@@ -61,8 +61,8 @@ std::vector<std::string> PostgresCluster::as_unprivileged(const std::string& pro
   return argv;
 }
 
-Result<std::unique_ptr<PostgresCluster>> PostgresCluster::make() {
-  std::string name = (roomy_memory() / "headframe-pg-XXXXXX").string();
+Result<std::unique_ptr<PostgresCluster>> PostgresCluster::make(const fs::path& place) {
+  std::string name = ((place.empty() ? roomy_memory() : place) / "headframe-pg-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) return failure(ErrorCode::unavailable, "no temporary folder " + name);
   std::unique_ptr<PostgresCluster> made(new PostgresCluster(name));
   if (::geteuid() == 0 && ::chown(name.c_str(), unprivileged()->pw_uid, unprivileged()->pw_gid) != 0)

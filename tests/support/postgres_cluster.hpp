@@ -19,8 +19,9 @@ class PostgresCluster {
   static constexpr const char* not_installed =
       "PostgreSQL is not installed, so nothing is tested with it: apt-get install postgresql";
 
-  /// Makes and starts one; ready when it returns.
-  static Result<std::unique_ptr<PostgresCluster>> make();
+  /// Makes and starts one; ready when it returns. In a folder of its own in `place`; without one in memory, if there is
+  /// enough, where commits cost nothing.
+  static Result<std::unique_ptr<PostgresCluster>> make(const std::filesystem::path& place = {});
   /// One for all tests of this process, made at the first call; null: it did not start, and the test has failed.
   static PostgresCluster* of_this_process();
 

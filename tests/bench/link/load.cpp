@@ -25,6 +25,7 @@ using namespace std::chrono_literals;
 Result<Served> serve_for(const LoadPlan& plan, const fs::path& scratch) {
   std::ostringstream config;
   config << "[limits]\nrobots = " << plan.robots + 8 << "\n";
+  if (!plan.store_url.empty()) config << "[store]\nurl = \"" << plan.store_url << "\"\n";
   if (plan.caches_mb > 0)
     for (const char* cache : {"[merge]\nclouds_mb", "places_mb", "walls_mb"})
       config << cache << " = " << plan.caches_mb << "\n";

@@ -9,10 +9,11 @@
 namespace headframe::bench {
 
 struct LoadPlan {
-  int robots = 200;      // each a keyframe a second with its cloud
-  double seconds = 600;  // after all have connected
-  int points = 3000;     // of a cloud: some 7 KB
-  int caches_mb = 0;     // each of the server's caches for merging; 0: its defaults. Small ones are full soon
+  int robots = 200;            // each a keyframe a second with its cloud
+  double seconds = 600;        // after all have connected
+  int points = 3000;           // of a cloud: some 7 KB
+  std::string store_url = {};  // postgresql://...; empty: SQLite
+  int caches_mb = 0;           // each of the server's caches for merging; 0: its defaults. Small ones are full soon
 };
 
 struct LoadOutcome {

@@ -65,6 +65,10 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   load_part->add_option("--points", load_plan.points, "of each cloud")->capture_default_str();
   load_part->add_option("--caches-mb", load_plan.caches_mb, "each of the server's merge caches; 0: as it is");
   load_part->add_flag("--until-it-breaks", until_it_breaks, "then ever more robots, 30 s each");
+  LoadPlan store_plan{.robots = 50, .seconds = 40};
+  auto* stores_part = app.add_subcommand("stores", "what PostgreSQL costs beside SQLite; only when it is named");
+  stores_part->add_option("--robots", store_plan.robots)->capture_default_str();
+  stores_part->add_option("--seconds", store_plan.seconds)->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -91,6 +95,7 @@ int link_main(int argc, char** argv, const std::filesystem::path& out) {
   });
   part(faults_part, [&] { return link_faults(seconds, seed); });
   part(load_part, [&] { return link_load(load_plan, until_it_breaks); });
+  if (stores_part->parsed()) part(stores_part, [&] { return link_stores(store_plan); });
   return good ? 0 : 1;
 }
 

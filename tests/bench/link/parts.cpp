@@ -5,6 +5,7 @@
 
 #include "tests/bench/link/faults.hpp"
 #include "tests/support/base_station.hpp"
+#include "tests/support/postgres_cluster.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -173,6 +174,33 @@ nlohmann::json link_load(const LoadPlan& plan, bool until_it_breaks) {
     print(*next);
     last = *next;
     figures["breaks_at_robots"] = last.robots;
+  }
+  return figures;
+}
+
+nlohmann::json link_stores(LoadPlan plan) {
+  const auto cluster = test::PostgresCluster::make(std::filesystem::temp_directory_path());
+  if (!cluster) return std::fprintf(stderr, "link stores: %s\n", cluster.error().message.c_str()), nlohmann::json();
+  std::printf(
+      "link stores (%d robots, %.0f s, a keyframe a second each with a cloud of %d points)\n"
+      "  store      keyframes   p50 ms   p99 ms    max ms  unacked  server cores  late ms\n",
+      plan.robots, plan.seconds, plan.points);
+  nlohmann::json figures;
+  for (const bool postgres : {false, true, false, true}) {
+    auto url = postgres ? (*cluster)->make_database() : Result<std::string>("");
+    if (!url) return std::fprintf(stderr, "link stores: %s\n", url.error().message.c_str()), nlohmann::json();
+    plan.store_url = *url;
+    const auto o = load_once(plan);
+    if (!o) return std::fprintf(stderr, "link stores: %s\n", o.error().message.c_str()), nlohmann::json();
+    const char* name = postgres ? "postgresql" : "sqlite";
+    std::printf("  %-10s %9llu %8.1f %8.1f %9.1f %8llu %13.2f %8.0f\n", name,
+                static_cast<unsigned long long>(o->keyframes), o->ack_p50_ms, o->ack_p99_ms, o->ack_max_ms,
+                static_cast<unsigned long long>(o->unacknowledged), o->server_cores, o->late_ms);
+    std::fflush(stdout);
+    figures["stores"][name].push_back({{"ack_p50_ms", o->ack_p50_ms},
+                                       {"ack_p99_ms", o->ack_p99_ms},
+                                       {"unacknowledged", o->unacknowledged},
+                                       {"server_cores", o->server_cores}});
   }
   return figures;
 }

@@ -20,4 +20,7 @@ nlohmann::json link_faults(double seconds, std::uint32_t seed);
 /// The plan, then if wanted ever more robots for 30 s until the bar of 250 ms breaks.
 nlohmann::json link_load(const LoadPlan& plan, bool until_it_breaks);
 
+/// The plan over SQLite and over a PostgreSQL of its own on the same disk, in turn, twice.
+nlohmann::json link_stores(LoadPlan plan);
+
 }  // namespace headframe::bench
