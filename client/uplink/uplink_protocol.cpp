@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "client/uplink/localization_message.hpp"
 #include "client/uplink/transform_update.hpp"
 #include "common/printable.hpp"
 #include "common/wire/capabilities.hpp"
@@ -222,12 +221,6 @@ bool UplinkProtocol::joins_pages(const v1::TransformUpdate& message, Transforms&
   return true;
 }
 
-void UplinkProtocol::on_localization(const v1::Localization& message, Events& events) {
-  auto told = localization_from(message);
-  if (!told) return end(events, ErrorCode::bad_input, "localization: " + told.error().message, false);
-  events.emplace_back(std::move(*told));
-}
-
 void UplinkProtocol::on_error(const v1::ErrorReport& message, Events& events) {
   end(events, code_of(message.kind()), "the server says: " + printable_text(message.message()), message.permanent());
 }
@@ -241,19 +234,6 @@ void UplinkProtocol::trigger(const std::string& reason) {
   v1::RobotMessage message;
   message.mutable_trigger()->set_reason(reason.substr(0, reason_bytes));
   queue(message);
-}
-
-bool UplinkProtocol::localize(bool asks) {
-  if (!localizes_) return false;
-  v1::RobotMessage message;
-  message.mutable_localize()->set_stop(!asks);
-  queue(message);
-  return true;
-}
-
-bool UplinkProtocol::ask_around(const v1::RobotMessage& question) {
-  if (knows_around_) queue(question);
-  return knows_around_;
 }
 
 void UplinkProtocol::goodbye(bool complete) {
