@@ -19,7 +19,12 @@ class RobotRate : public testing::Test {
     server_.reset();
     ServerConfig config;
     config.limits.uplink_kib_s = 100;
-    auto started = MapMergeServer::start({folder_.path() / "data", robots, {"127.0.0.1", 0}, config});
+    ServerOptions options;
+    options.data = folder_.path() / "data";
+    options.listen = robots;
+    options.http = Endpoint{"127.0.0.1", 0};
+    options.config = config;
+    auto started = MapMergeServer::start(options);
     ASSERT_TRUE(started) << started.error().message;
     server_ = std::move(*started);
   }
