@@ -1,12 +1,15 @@
 #include "tests/support/postgres_cluster.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <libpq-fe.h>
 #include <pwd.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <thread>
 
@@ -18,6 +21,8 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr const char* superuser = "headframe";
+constexpr std::string_view folder_prefix = "headframe-pg-";
+constexpr const char* lock_name = "lock";
 
 /// PostgreSQL does not run as root.
 const passwd* unprivileged() {
@@ -33,6 +38,21 @@ fs::path roomy_memory() {
   const fs::path memory = "/dev/shm";
   const auto space = fs::space(memory, none);
   return !none && space.available >= enough_bytes ? memory : fs::temp_directory_path();
+}
+
+/// What clusters left whose tests were killed: they ended, but nobody was there to remove their folders. The lock of
+/// one that is there ended with its test.
+void remove_what_was_left(const fs::path& place) {
+  std::error_code none;
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(place, none)) {
+    if (!entry.path().filename().string().starts_with(folder_prefix)) continue;
+    const int lock = ::open((entry.path() / lock_name).c_str(), O_RDWR | O_CLOEXEC);
+    if (lock < 0) continue;
+    if (::flock(lock, LOCK_EX | LOCK_NB) == 0) left.push_back(entry.path());
+    ::close(lock);
+  }
+  for (const fs::path& folder : left) fs::remove_all(folder, none);
 }
 
 std::vector<int> children_of(int parent) {
@@ -62,9 +82,16 @@ std::vector<std::string> PostgresCluster::as_unprivileged(const std::string& pro
 }
 
 Result<std::unique_ptr<PostgresCluster>> PostgresCluster::make(const fs::path& place) {
-  std::string name = ((place.empty() ? roomy_memory() : place) / "headframe-pg-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) return failure(ErrorCode::unavailable, "no temporary folder " + name);
+  const fs::path parent = place.empty() ? roomy_memory() : place;
+  remove_what_was_left(parent);
+  std::string making = (parent / "headframe-new-XXXXXX").string();
+  if (::mkdtemp(making.data()) == nullptr) return failure(ErrorCode::unavailable, "no temporary folder " + making);
+  const std::string name = (parent / (std::string(folder_prefix) + making.substr(making.size() - 6))).string();
   std::unique_ptr<PostgresCluster> made(new PostgresCluster(name));
+  made->lock_ = ::open((making + "/" + lock_name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const bool locked = made->lock_ >= 0 && ::flock(made->lock_, LOCK_EX | LOCK_NB) == 0;
+  if (!locked || std::rename(making.c_str(), name.c_str()) != 0)  // under its name nobody finds it free
+    return failure(ErrorCode::unavailable, making + " can not be locked and renamed");
   if (::geteuid() == 0 && ::chown(name.c_str(), unprivileged()->pw_uid, unprivileged()->pw_gid) != 0)
     return failure(ErrorCode::unavailable, name + " can not be given away");
   auto argv = made->as_unprivileged("initdb");
@@ -119,6 +146,7 @@ PostgresCluster::~PostgresCluster() {
   }
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 std::string PostgresCluster::url(const std::string& database) const {

@@ -10,8 +10,9 @@
 
 namespace headframe::test {
 
-/// Ended with this, and by the kernel should this process die first. Run as root it is another user's, as PostgreSQL
-/// wants it. Not thread safe; the thread that starts it must outlive it.
+/// Ended with this, and by the kernel should this process die first; its folder is then removed when the next one is
+/// made. Run as root it is another user's, as PostgreSQL wants it. Not thread safe; the thread that starts it must
+/// outlive it.
 class PostgresCluster {
  public:
   /// Where its programs are; empty: it is not installed.
@@ -45,6 +46,7 @@ class PostgresCluster {
   std::vector<std::string> as_unprivileged(const std::string& program) const;
 
   const std::filesystem::path folder_;
+  int lock_ = -1;  // on a file in the folder, held by this process: who finds it free may remove the folder
   std::optional<Process> server_;
   int databases_ = 0;
 };
