@@ -63,6 +63,8 @@ class AlignmentBook {
   /// The report, the atlas and the alignments in the robots' frames.
   AttemptReport given_out(AttemptReport report);
   const Atlas& atlas_given_out() const { return atlas_given_out_; }
+  const Atlas& atlas() const { return atlas_; }  // this and the next: in local frames
+  const std::vector<Alignment>& alignments() const { return alignments_; }
   const std::vector<Alignment>& alignments_given_out() const { return alignments_given_out_; }
 
  private:

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/pose_constraint.hpp"
 #include "server/merge/cloud_source.hpp"
 #include "server/place/leads.hpp"
 #include "server/session/self_likeness.hpp"
@@ -39,6 +40,7 @@ struct AttemptReport {
   std::map<SessionId, SelfLikeness> self_likeness = {};  // found since the last attempt, to be stored
   bool whole = false;                                    // the session was complete: no keyframe was expected
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
+  std::vector<PairClosures> closures = {};  // all that are known of the pairs for which more were found, to be stored
 };
 
 /// An attempt under way: where its clouds come from, and the report that it fills.

@@ -23,7 +23,8 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
-  s.update_atlas(report);                   // 9: maps merge one after another
+  s.close_loops(id, attempt);
+  s.update_atlas(report);  // 9: maps merge one after another, and bend where they meet again
   report.self_likeness = s.self.take_news();
   return s.book.given_out(std::move(report));
 }
@@ -157,12 +158,18 @@ void MergePipeline::State::drop_ruled_out(const OrderedPair& pair, const Alignme
   });
 }
 
+void MergePipeline::State::close_loops(SessionId id, const Attempt& attempt) {
+  attempt.report.closures = closures.find(id, book.alignments(), attempt);
+  for (const PairClosures& pair : attempt.report.closures) corrected.set(pair);
+}
+
 void MergePipeline::State::update_atlas(AttemptReport& report) {
   book.update_atlas(
       [&](SessionId a, SessionId b, const Pose& T_a_b) {
         return consistency.known_contact({a, b, T_a_b}).value_or(Contact::none);
       },
       [&](const auto& pair) { return consistency.objection(pair); }, report);
+  corrected.update(book.atlas().components, book.alignments());
 }
 
 }  // namespace headframe

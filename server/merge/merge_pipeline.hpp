@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/atlas/atlas.hpp"
+#include "server/atlas/correction.hpp"
 #include "server/merge/attempt.hpp"
 #include "server/merge/localization.hpp"
 #include "server/merge/merge_config.hpp"
@@ -45,6 +46,8 @@ class MergePipeline {
   /// Before restore(): how often sessions look like themselves, as attempts reported it. What is not known is looked at
   /// by prepare_ahead(), or when an attempt asks for it.
   void restore_self_likeness(std::map<SessionId, SelfLikeness> known);
+  /// As they were stored; before restore().
+  void restore_closures(const PairClosures& known);
 
   /// The operator's word on an alignment, put into the atlas at once. not_found: no such alignment; refused: the
   /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
@@ -72,6 +75,8 @@ class MergePipeline {
   std::string why_cut(SessionId id) const;
 
   const Atlas& atlas() const;
+  /// Of the sessions that the pose graph bends, between the frames of the robots.
+  const Corrections& corrections() const;
   const std::vector<Alignment>& alignments() const;
 
  private:

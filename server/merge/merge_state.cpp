@@ -16,6 +16,8 @@ MergePipeline::State::State(const MergeConfig& c)
       self(c, sessions, finder, submaps, requests),
       verifier(c, sessions, submaps, self, requests),
       book(c, sessions),
+      closures(sessions, submaps),
+      corrected(sessions),
       consistency(c, sessions, requests, verifier, book) {}
 
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
@@ -59,6 +61,8 @@ AttemptReport MergePipeline::set_aside(SessionId id) {
   s.submaps.forget(id);
   s.self.forget(id);
   s.judged.forget(id);
+  s.closures.forget(id);
+  s.corrected.forget(id);
   s.consistency.forget(id);
   s.update_atlas(report);
   s.book.next_revision(report);
@@ -135,8 +139,16 @@ void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t rev
   s.book.given_out({});
 }
 
+void MergePipeline::restore_closures(const PairClosures& known) {
+  State& s = *state_;
+  if (!s.sessions.contains(known.a) || !s.sessions.contains(known.b)) return;
+  s.closures.restore(known);
+  s.corrected.set(known);
+}
+
 std::string MergePipeline::why_cut(SessionId id) const { return state_->sessions.frames().why_cut(id); }
 
+const Corrections& MergePipeline::corrections() const { return state_->corrected.given_out(); }
 const Atlas& MergePipeline::atlas() const { return state_->book.atlas_given_out(); }
 const std::vector<Alignment>& MergePipeline::alignments() const { return state_->book.alignments_given_out(); }
 

@@ -4,8 +4,10 @@
 #include <set>
 
 #include "server/merge/consistency_check.hpp"
+#include "server/merge/corrected_poses.hpp"
 #include "server/merge/judged_pairs.hpp"
 #include "server/merge/localize.hpp"
+#include "server/merge/loop_closures.hpp"
 #include "server/merge/merge_pipeline.hpp"
 #include "server/merge/partner_ranking.hpp"
 
@@ -24,6 +26,8 @@ struct MergePipeline::State {
   CandidateVerifier verifier;
   JudgedPairs judged;
   AlignmentBook book;
+  LoopClosures closures;
+  CorrectedPoses corrected;
   ConsistencyCheck consistency;
   std::set<SessionId> to_prepare;  // there is news of them that attempts will need something made of
 
@@ -35,6 +39,7 @@ struct MergePipeline::State {
   bool ended_since_judged(const Alignment& known) const;
   void drop_ruled_out(const OrderedPair& pair, const Alignment& known, std::vector<Verdict>& verdicts) const;
   void update_atlas(AttemptReport& report);
+  void close_loops(SessionId id, const Attempt& attempt);
 };
 
 }  // namespace headframe

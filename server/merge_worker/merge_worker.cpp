@@ -253,6 +253,7 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
 void MergeWorker::update_view() {
   draft_.atlas = stored_ ? stored_->merge.atlas : pipeline_->atlas();
   draft_.alignments = stored_ ? stored_->merge.alignments : pipeline_->alignments();
+  draft_.corrections = stored_ ? Corrections() : pipeline_->corrections();
   std::set<SessionId> placed;
   for (const Component& component : draft_.atlas.components)
     for (const Placement& placement : component.placements) placed.insert(placement.session);

@@ -27,6 +27,7 @@ struct MergeView {
   Atlas atlas;  // every session is in it
   std::vector<Alignment> alignments;
   std::map<SessionId, Session> sessions;
+  Corrections corrections = {};  // where the pose graph puts keyframes
 };
 
 /// The one thread that owns the pipeline. It feeds durable keyframes from the store, tries sessions as the schedule

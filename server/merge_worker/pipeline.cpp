@@ -20,6 +20,7 @@ class RealPipeline : public Pipeline {
   void restore_self_likeness(const std::map<SessionId, SelfLikeness>& known) override {
     pipeline_.restore_self_likeness(known);
   }
+  void restore_closures(const PairClosures& known) override { pipeline_.restore_closures(known); }
   Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return pipeline_.decide(id, decision); }
   Result<AttemptReport> anchor(SessionId id) override { return pipeline_.anchor(id); }
   std::string why_cut(SessionId id) const override { return pipeline_.why_cut(id); }
@@ -29,6 +30,7 @@ class RealPipeline : public Pipeline {
   AttemptReport attempt(SessionId id, CloudSource& clouds) override { return pipeline_.attempt(id, clouds); }
   const Atlas& atlas() const override { return pipeline_.atlas(); }
   const std::vector<Alignment>& alignments() const override { return pipeline_.alignments(); }
+  Corrections corrections() const override { return pipeline_.corrections(); }
 
  private:
   MergePipeline pipeline_;

@@ -18,6 +18,7 @@ class Pipeline {
   virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
                        std::vector<SessionId> anchors) = 0;
   virtual void restore_self_likeness(const std::map<SessionId, SelfLikeness>& /*known*/) {}
+  virtual void restore_closures(const PairClosures& /*known*/) {}
   virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;
   virtual Result<AttemptReport> anchor(SessionId id) = 0;
   virtual std::string why_cut(SessionId /*id*/) const { return {}; }
@@ -27,6 +28,7 @@ class Pipeline {
   virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;
   virtual const Atlas& atlas() const = 0;
   virtual const std::vector<Alignment>& alignments() const = 0;
+  virtual Corrections corrections() const { return {}; }
 };
 
 std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config);

@@ -40,13 +40,15 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
   write.changed = report.changed;
   write.decided = report.decided;
   write.anchored = report.anchored;
+  write.closures = report.closures;
   write.self_likeness = report.self_likeness;
   if (report.atlas_changed) write.atlas = pipeline_->atlas();
   const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0 ||
-                    !write.self_likeness.empty();
+                    !write.self_likeness.empty() || !write.closures.empty();
   if ((news || write.atlas) && !write_durably(write)) return false;
   if (report.atlas_changed || report.provisional_changed) published(report, attempt);
-  if (report.atlas_changed || report.provisional_changed || !report.changed.empty()) update_view();
+  if (report.atlas_changed || report.provisional_changed || !report.closures.empty() || !report.changed.empty())
+    update_view();
   return true;
 }
 

@@ -40,6 +40,7 @@ void MergeWorker::bring_back() {
   }
   StoredMerge& merge = stored_->merge;
   pipeline_->restore_self_likeness(merge.self_likeness);
+  for (const PairClosures& known : merge.closures) pipeline_->restore_closures(known);
   pipeline_->restore(std::move(merge.alignments), merge.atlas.revision, std::move(merge.decisions),
                      std::move(merge.anchors));
   const std::size_t sessions = stored_->sessions.size();

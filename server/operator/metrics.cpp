@@ -42,11 +42,12 @@ std::string label(const char* key, std::string_view value) {
 void add_effort(Page& page, const MergeEffort& work) {
   page.one("merge_attempts_total", "counter", "Attempts to merge a session.", work.attempts);
   page.family("merge_seconds_total", "counter", "Time spent in attempts, by stage.");
-  const std::array<std::pair<const char*, double>, 5> stages{{{"hypotheses", work.stages.hypotheses_ms},
+  const std::array<std::pair<const char*, double>, 6> stages{{{"hypotheses", work.stages.hypotheses_ms},
                                                               {"sampling", work.stages.sampling_ms},
                                                               {"registration", work.stages.registration_ms},
                                                               {"verification", work.stages.verification_ms},
-                                                              {"atlas", work.stages.atlas_ms}}};
+                                                              {"atlas", work.stages.atlas_ms},
+                                                              {"loop_closures", work.stages.loop_closures_ms}}};
   for (const auto& [stage, ms] : stages) page.sample(ms / 1000, label("stage", stage));
   page.one("merges_withdrawn_total", "counter", "Published merges that later evidence contradicted.", work.withdrawn);
 }

@@ -68,14 +68,14 @@ Points thinned(Points points, std::size_t most) {
   return points;
 }
 
-struct Residuals {
+struct ResidualCounts {
   std::array<std::uint64_t, bins> counts{};
   std::uint64_t unmatched = 0;
 };
 
-Residuals residuals(const Points& a, const Points& b) {
+ResidualCounts residuals(const Points& a, const Points& b) {
   const Surfels surface = make_surfels(a);
-  Residuals out;
+  ResidualCounts out;
   for (const Eigen::Vector3f& p : b) {
     Neighbour nearest;
     if (!surface.tree.nearest(p, reach_m, nearest)) {
@@ -118,7 +118,7 @@ Result<std::optional<std::string>> OverlayJson::next() {
   if (a->empty() || b->empty())
     return failure(ErrorCode::not_found,
                    "no cloud around the overlap is stored yet; request-clouds asks the robot for them");
-  const Residuals off = residuals(*a, *b);
+  const ResidualCounts off = residuals(*a, *b);
   nlohmann::json runner_up;
   if (alignment_.T_a_b_runner_up)
     runner_up = {{"T_a_b", row_major(*alignment_.T_a_b_runner_up)}, {"probability", alignment_.evidence.runner_up}};

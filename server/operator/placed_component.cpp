@@ -1,5 +1,6 @@
 #include "server/operator/placed_component.hpp"
 
+#include <algorithm>
 #include <map>
 #include <sstream>
 
@@ -11,6 +12,25 @@ Eigen::Vector3d origin_near(const Eigen::Vector3d& p_m) {
   constexpr double near_m = 10e3;  // single precision holds a millimetre there
   if (p_m.cwiseAbs().maxCoeff() < near_m) return Eigen::Vector3d::Zero();
   return p_m.array().round();
+}
+
+/// The survey again, with its points where the pose graph puts the rock around them.
+std::optional<Pose> grid_of_bent(const Station& station, const Correction& correction, const Survey& survey) {
+  if (survey.points.empty()) return survey.T_grid_session * correction.keyframes.front().T_component_session.inverse();
+  const auto keyframes = station.trajectory(survey.session);
+  if (!keyframes || keyframes->empty()) return std::nullopt;
+  std::vector<ControlPoint> points = survey.points;
+  for (ControlPoint& point : points) {
+    const auto far = [&](const Keyframe& k) {
+      return (k.T_local_sensor.translation() - point.p_session_m).squaredNorm();
+    };
+    const auto nearest = std::min_element(keyframes->begin(), keyframes->end(),
+                                          [&](const Keyframe& k, const Keyframe& l) { return far(k) < far(l); });
+    point.p_session_m = correction.corrected(nearest->sequence, nearest->T_local_sensor) *
+                        (nearest->T_local_sensor.inverse() * point.p_session_m);
+  }
+  const auto T_grid_component = fit_survey(points);
+  return T_grid_component ? std::optional(*T_grid_component) : std::nullopt;
 }
 
 }  // namespace
@@ -34,14 +54,30 @@ Result<Component> find_component(const Atlas& atlas, SessionId id) {
 
 Result<Pose> frame_of(const Station& station, const Component& component, OutputFrame frame) {
   if (frame == OutputFrame::component) return Pose::Identity();
-  if (const auto T_grid_component = grid_of(component, station.surveys())) return *T_grid_component;
+  const std::vector<Survey> surveys = station.surveys();
+  const auto of_component = [&](const Survey& survey) { return placement_in(component, survey.session) != nullptr; };
+  const auto survey = std::find_if(surveys.rbegin(), surveys.rend(), of_component);  // the one set last
+  if (survey != surveys.rend()) {
+    const Corrections corrections = station.atlas().corrections;
+    const auto bent = corrections.find(survey->session);
+    if (bent != corrections.end())
+      if (const auto T_grid_component = grid_of_bent(station, *bent->second, *survey)) return *T_grid_component;
+  }
+  if (const auto T_grid_component = grid_of(component, surveys)) return *T_grid_component;
   return failure(ErrorCode::not_found, "no session of component " + std::to_string(component.id) +
                                            " was surveyed; set where one lies in the grid first, or ask for "
                                            "frame=component");
 }
 
+Pose in_component(const AtlasView& view, const Placement& placement, const Keyframe& keyframe) {
+  const auto found = view.corrections.find(placement.session);
+  return found == view.corrections.end() ? placement.T_component_session * keyframe.T_local_sensor
+                                         : found->second->corrected(keyframe.sequence, keyframe.T_local_sensor);
+}
+
 Result<PlacedComponent> placed_component(const Station& station, SessionId id, OutputFrame frame) {
-  const auto component = find_component(station.atlas().atlas, id);
+  const AtlasView view = station.atlas();
+  const auto component = find_component(view.atlas, id);
   if (!component) return tl::unexpected(component.error());
   const auto T_frame_component = frame_of(station, *component, frame);
   if (!T_frame_component) return tl::unexpected(T_frame_component.error());
@@ -51,10 +87,9 @@ Result<PlacedComponent> placed_component(const Station& station, SessionId id, O
   for (const Placement& placement : component->placements) {
     const auto keyframes = station.trajectory(placement.session);
     if (!keyframes) return tl::unexpected(keyframes.error());
-    const Pose T_frame_session = *T_frame_component * placement.T_component_session;
     for (const Keyframe& keyframe : *keyframes)
-      placed.keyframes.push_back(
-          {placed.sessions.size(), keyframe.sequence, T_frame_session * keyframe.T_local_sensor, keyframe.stamp_s});
+      placed.keyframes.push_back({placed.sessions.size(), keyframe.sequence,
+                                  *T_frame_component * in_component(view, placement, keyframe), keyframe.stamp_s});
     placed.sessions.push_back(rows[placement.session]);
   }
   if (frame == OutputFrame::grid)

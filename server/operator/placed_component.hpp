@@ -28,6 +28,9 @@ struct PlacedComponent {
 /// Reads the keyframes from disk. not_found: no such component, or no survey of it.
 Result<PlacedComponent> placed_component(const Station& station, SessionId component, OutputFrame frame);
 
+/// T_component_sensor of a keyframe, where the pose graph puts it.
+Pose in_component(const AtlasView& view, const Placement& placement, const Keyframe& keyframe);
+
 /// T_frame_component; not_found: none of its sessions was surveyed.
 Result<Pose> frame_of(const Station& station, const Component& component, OutputFrame frame);
 

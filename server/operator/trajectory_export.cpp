@@ -9,16 +9,18 @@ namespace {
 
 struct PlacedSession {
   SessionId component = 0;
-  Pose T_frame_session = Pose::Identity();
+  Pose T_frame_component = Pose::Identity();
+  Placement placement;
+  AtlasView view;
 };
 
 Result<PlacedSession> placed(const Station& station, SessionId session, OutputFrame frame) {
-  const Atlas atlas = station.atlas().atlas;
-  for (const Component& component : atlas.components)
+  AtlasView view = station.atlas();
+  for (const Component& component : view.atlas.components)
     for (const Placement& placement : component.placements) {
       if (placement.session != session) continue;
       return frame_of(station, component, frame).map([&](const Pose& T_frame_component) {
-        return PlacedSession{component.id, T_frame_component * placement.T_component_session};
+        return PlacedSession{component.id, T_frame_component, placement, view};
       });
     }
   return failure(ErrorCode::unavailable, "the session is not in the atlas yet; try again in a moment");
@@ -63,7 +65,8 @@ Result<std::string> TrajectoryExport::text() const {
                                              : "frame of component " + std::to_string(session->component)) +
                 "; stamp_s x_m y_m z_m qx qy qz qw\n";
   for (const Keyframe& keyframe : *keyframes)
-    out += line_of(keyframe.stamp_s, session->T_frame_session * keyframe.T_local_sensor, format_);
+    out += line_of(keyframe.stamp_s,
+                   session->T_frame_component * in_component(session->view, session->placement, keyframe), format_);
   return out;
 }
 

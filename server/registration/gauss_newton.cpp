@@ -62,6 +62,7 @@ Registration gauss_newton(const std::vector<Stage>& stages, const Pose& T_0, con
   r.T_target_source = orthonormalised(r.T_target_source);
   std::vector<float> distances_m;
   const NormalEquations sums = stages.back().linearise(r.T_target_source, r.T_target_source * mean, &distances_m);
+  r.centre = r.T_target_source * mean;
   report_fit(r, sums, stages.back().source_points, config.degenerate_below, std::move(distances_m));
   if (sums.inliers < enough(stages.back())) return r;
   r.status = !settled                    ? RegistrationStatus::not_converged

@@ -41,6 +41,7 @@ struct Registration {
   Residuals residuals;
   /// J^T W J of the last step about the source's centre, rotation first (1/rad^2, 1/m^2, mixed).
   Matrix6d information = Matrix6d::Zero();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // of the source, in the target frame
   /// Eigenvalues of the mean outer product of the partners' normals, ascending; they sum to 1. A long smooth tunnel has
   /// a first value near 0: nothing holds the translation along its axis.
   Eigen::Vector3d direction_hold = Eigen::Vector3d::Zero();

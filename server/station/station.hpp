@@ -11,6 +11,7 @@
 #include "common/result.hpp"
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
+#include "server/atlas/correction.hpp"
 #include "server/atlas/decisions.hpp"
 #include "server/atlas/survey.hpp"
 #include "server/merge/merge_config.hpp"
@@ -28,6 +29,7 @@ struct AlignmentRow {
 struct AtlasView {
   Atlas atlas;
   std::vector<AlignmentRow> alignments;  // ordered by id
+  Corrections corrections = {};          // of sessions that the pose graph bends
 };
 
 /// What the server has done and what waits for the disk, since it began.

@@ -52,7 +52,7 @@ std::vector<SessionRow> StationView::sessions() const {
 AtlasView StationView::atlas() const {
   const auto view = worker_.view();  // before the keys: every session in it has one
   const auto keys = hub_.keys();
-  AtlasView atlas{view->atlas, {}};
+  AtlasView atlas{view->atlas, {}, view->corrections};
   for (const Alignment& alignment : view->alignments)
     atlas.alignments.push_back({alignment, keys.at(alignment.a), keys.at(alignment.b)});
   return atlas;

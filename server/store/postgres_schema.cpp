@@ -64,6 +64,11 @@ CREATE TABLE writer (
   alone BOOLEAN PRIMARY KEY DEFAULT true CHECK (alone), owner BIGINT NOT NULL, commits BIGINT NOT NULL);
 INSERT INTO writer (owner, commits) VALUES (0, 0);
 )sql",
+    R"sql(
+CREATE TABLE loop_closures (
+  a BIGINT NOT NULL REFERENCES sessions(id), b BIGINT NOT NULL REFERENCES sessions(id), places BYTEA NOT NULL,
+  PRIMARY KEY (a, b));
+)sql",
 };
 
 std::string step(std::size_t from) {

@@ -79,6 +79,13 @@ CREATE TABLE placed (session INTEGER PRIMARY KEY, component INTEGER NOT NULL, T_
 INSERT INTO placed SELECT session, component, T_component_session FROM placements
   WHERE revision = (SELECT max(number) FROM revisions);
 )sql",
+    R"sql(
+CREATE TABLE loop_closures (
+  a INTEGER NOT NULL REFERENCES sessions(id),
+  b INTEGER NOT NULL REFERENCES sessions(id),
+  places BLOB NOT NULL,
+  PRIMARY KEY (a, b));
+)sql",
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/pose_constraint.hpp"
 #include "server/atlas/survey.hpp"
 #include "server/session/ids.hpp"
 #include "server/session/self_likeness.hpp"
@@ -73,6 +74,7 @@ struct PutMerge {
   SessionId anchored = 0;                                // chosen as its component's anchor; 0: none
   std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces what was known
   bool attempted_whole = false;
+  std::vector<PairClosures> closures = {};  // they replace those of the pairs
 };
 /// The operator's name for a session; empty: none.
 struct PutLabel {
@@ -127,6 +129,7 @@ struct StoredMerge {
   std::vector<DecisionRecord> decisions;  // ordered by id
   std::vector<SessionId> anchors;         // in the order they were chosen
   std::map<SessionId, SelfLikeness> self_likeness = {};
+  std::vector<PairClosures> closures = {};
 };
 
 struct StoredNotes {

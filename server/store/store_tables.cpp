@@ -101,6 +101,7 @@ const std::vector<StoreTable>& store_tables() {
       {"survey_points", "session# number# name$ x_session_m~ y_session_m~ z_session_m~ x_grid_m~ y_grid_m~ z_grid_m~"},
       {"troubles", "session# deaths# kills# why_aside$ deleted#"},
       {"self_likeness", "session# path_m~ clouds# aliases~ look_alikes~ wanted&"},
+      {"loop_closures", "a# b# places&"},
   };
   return tables;
 }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "server/store/columns.hpp"
+#include "server/store/constraint_blob.hpp"
 #include "server/store/keyframe_row.hpp"
 
 namespace headframe {
@@ -181,6 +182,14 @@ Result<void> put(Database& db, const PutMerge& write) {
   }
   for (const auto& [session, found] : write.self_likeness)
     if (done) done = put_self_likeness(db, session, found);
+  for (const PairClosures& pair : write.closures) {
+    if (!done) break;
+    const std::string places = constraints_blob(pair.places);
+    done = db.run(
+        "INSERT INTO loop_closures (a, b, places) VALUES (?,?,?) ON CONFLICT (a, b) DO UPDATE SET "
+        "places=excluded.places",
+        pair.a, pair.b, Blob{places});
+  }
   if (done && write.anchored != 0)
     done = db.run(
         "INSERT INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors WHERE true"
@@ -220,6 +229,7 @@ Result<void> delete_content(Database& db, SessionId session) {
   auto done = put(db, DropSurvey{session});
   for (const char* table : {"clouds", "keyframes", "anchors", "self_likeness"})
     if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
+  if (done) done = db.run("DELETE FROM loop_closures WHERE a=? OR b=?", session, session);
   return done;
 }
 

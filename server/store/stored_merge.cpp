@@ -1,6 +1,7 @@
 #include "server/store/stored_merge.hpp"
 
 #include "server/store/columns.hpp"
+#include "server/store/constraint_blob.hpp"
 
 namespace headframe {
 namespace {
@@ -69,6 +70,12 @@ Result<void> read_self_likeness(Database& db, std::map<SessionId, SelfLikeness>&
                  });
 }
 
+Result<void> read_closures(Database& db, std::vector<PairClosures>& closures) {
+  return db.each("SELECT a, b, places FROM loop_closures ORDER BY a, b", [&](const Row& row) {
+    closures.push_back({row.integer(0), row.integer(1), constraints_from_blob(row.blob(2))});
+  });
+}
+
 Result<void> read_decisions(Database& db, std::vector<DecisionRecord>& decisions) {
   return db.each(
       "SELECT id, alignment, decision, T_a_b, seen_points, undone FROM decisions ORDER BY id", [&](const Row& row) {
@@ -86,6 +93,7 @@ Result<StoredMerge> read_merge(Database& db) {
   if (read) read = read_atlas(db, merge.atlas);
   if (read) read = read_decisions(db, merge.decisions);
   if (read) read = read_self_likeness(db, merge.self_likeness);
+  if (read) read = read_closures(db, merge.closures);
   if (read)
     read = db.each("SELECT session FROM anchors ORDER BY choice",
                    [&](const Row& row) { merge.anchors.push_back(row.integer(0)); });

@@ -11,6 +11,7 @@ struct StageTimes {
   double registration_ms = 0;
   double verification_ms = 0;
   double atlas_ms = 0;
+  double loop_closures_ms = 0;  // of what is merged already
 
   StageTimes& operator+=(const StageTimes& other) {
     hypotheses_ms += other.hypotheses_ms;
@@ -18,6 +19,7 @@ struct StageTimes {
     registration_ms += other.registration_ms;
     verification_ms += other.verification_ms;
     atlas_ms += other.atlas_ms;
+    loop_closures_ms += other.loop_closures_ms;
     return *this;
   }
 };

@@ -51,6 +51,26 @@ class Robot {
 
 }  // namespace
 
+namespace {
+
+DrivenSession driven(const mine::Recording& recording, const std::string& world, const DescriptorFamily& family,
+                     Selection selection) {
+  DrivenSession session{.name = world + "/" + recording.robot.name, .world = world, .family = family.id()};
+  session.path = {recording.drive.T_local_sensor, recording.drive.T_world_sensor};
+  Robot eyes(selection, family);
+  for (std::size_t i = 0; i < recording.scans.size(); ++i)
+    eyes.add(session.path.T_local_sensor[i], recording.scans[i].points, session);
+  return session;
+}
+
+}  // namespace
+
+DrivenSession drive_robot(const mine::World& world, const mine::Robot& robot, std::uint64_t seed,
+                          const std::string& world_name) {
+  const auto family = make_family(default_family_name).value();
+  return driven(mine::record(world, robot, seed), world_name, *family, Selection::by_spaciousness);
+}
+
 DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   const auto scenario = mine::make_scenario(request);
   if (!scenario) throw std::runtime_error(scenario.error().message);
@@ -60,13 +80,8 @@ DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   std::vector<mine::SeenVoxels> seen;
   for (const mine::Robot& robot : scenario->robots) {
     const mine::Recording recording = mine::record(scenario->world, robot, request.seed);
-    DrivenSession session{.name = world + "/" + robot.name, .world = world, .family = family->id()};
-    session.path = {recording.drive.T_local_sensor, recording.drive.T_world_sensor};
-    Robot eyes(selection, *family);
-    for (std::size_t i = 0; i < recording.scans.size(); ++i)
-      eyes.add(session.path.T_local_sensor[i], recording.scans[i].points, session);
+    out.sessions.push_back(driven(recording, world, *family, selection));
     seen.push_back(mine::seen(recording, 0.5, 30));
-    out.sessions.push_back(std::move(session));
   }
   for (const auto& a : seen) {
     auto& row = out.overlap_pct.emplace_back();

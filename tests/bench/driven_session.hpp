@@ -30,6 +30,9 @@ struct DrivenMine {
 enum class Selection { by_spaciousness, every_scan };
 DrivenMine drive_mine(const mine::Request& request, Selection selection = Selection::by_spaciousness);
 
+DrivenSession drive_robot(const mine::World& world, const mine::Robot& robot, std::uint64_t seed,
+                          const std::string& world_name);
+
 /// A recorded session folder; with no truth its true path is empty. Throws when it cannot be read.
 DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot,
                                   const DescriptorFamily& family);

@@ -16,6 +16,7 @@
 #include "tests/bench/localize.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
+#include "tests/bench/pose_graph.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/bench/stages.hpp"
 #include "tests/bench/years/partners.hpp"
@@ -132,13 +133,19 @@ int run(const Options& options) {
     return years(bench);
   });
   part("partners", false, [&] { return partners(options.sets); });
+  part("pose-graph", false, [&] {
+    return pose_graph(
+        {options.sets, options.mines.value_or(PoseGraphBench{}.mines), 71000, options.out / "pose-graph"});
+  });
+  part("pose-graph-scale", false, [] { return pose_graph_scale(1000, 3000); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, localize, coverage, live, years, partners, descriptors, link",
+          "recordings, merge-times, stages, localize, coverage, live, years, partners, pose-graph, pose-graph-scale, "
+          "descriptors, link",
       2);
 }
 
@@ -173,6 +180,10 @@ int main(int argc, char** argv) {
   localize->add_option("--driven", options.localize.driven_m, "metres that each drives")->check(CLI::Range(1, 1000));
   localize->add_option("--step", options.localize.step_m, "metres between two questions")->check(CLI::Range(1, 1000));
   localize->callback([&options] { options.what = "localize"; });
+  auto* graph = app.add_subcommand("pose-graph", "keyframes against the truth, before and after the pose graph");
+  graph->add_option("DIR", options.sets, "data sets (as of stages), or folders of them, besides drawn mines");
+  graph->add_option("--mines", options.mines, "of each kind");
+  graph->callback([&options] { options.what = "pose-graph"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
   live->add_option("DIR", options.live.sets, "data sets (as of stages), or folders of them; none: recordings, mines");
   live->add_option("--only", options.live.only, "sets whose names contain this");

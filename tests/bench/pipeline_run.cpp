@@ -34,6 +34,7 @@ StageTimes PipelineRun::attempt(SessionId id) {
   for (bool more = true; more;) {
     const AttemptReport report = pipeline.attempt(id, *this);
     traces.insert(traces.end(), report.traces.begin(), report.traces.end());
+    for (const PairClosures& pair : report.closures) closures[{pair.a, pair.b}] = pair.places;
     more = report.unfinished || !report.wanted.empty();
     for (const KeyframeRef& cloud : report.wanted) {
       came_.insert(cloud);

@@ -31,6 +31,7 @@ class PipelineRun : private CloudSource {
 
   MergePipeline pipeline;
   std::vector<PairTrace> traces;  // of all attempts
+  std::map<std::pair<SessionId, SessionId>, PoseConstraints> closures;
   std::vector<const DrivenSession*> sessions;
   const DrivenSession& session(SessionId id) const { return *sessions.at(static_cast<std::size_t>(id - 1)); }
 

@@ -78,5 +78,25 @@ TEST_P(StoredAtlas, KeepsHowSessionsLookLikeThemselvesUntilTheyAreDeleted) {
   EXPECT_EQ(store->merge()->self_likeness, (std::map<SessionId, SelfLikeness>{{2, later}}));
 }
 
+TEST_P(StoredAtlas, KeepsLoopClosures) {
+  PoseConstraint one{{1, 7}, {2, 9}, pose_from_yaw(0.3, {1, 2, 3}), Matrix6d::Random()};
+  one.information = (one.information * one.information.transpose()).eval();
+  const PoseConstraint other{{1, 70}, {1, 3}, pose_from_yaw(-2, {0.1, 0.2, -3}), Matrix6d::Identity()};
+  {
+    const auto store = open(*home);
+    const auto found = [&](SessionId a, SessionId b, std::vector<PoseConstraint> places) {
+      PutMerge write;
+      write.closures = {{a, b, std::make_shared<const std::vector<PoseConstraint>>(std::move(places))}};
+      return write_and_wait(*store, write);
+    };
+    ASSERT_TRUE(found(1, 2, {one, one}) && found(1, 1, {other}) && found(2, 2, {one}) && found(1, 1, {other, one}));
+    ASSERT_TRUE(write_and_wait(*store, PutTrouble{{2, 0, 0, "asked", true}}));
+  }
+  const auto merge = open(*home)->merge();
+  ASSERT_EQ(merge->closures.size(), 1U) << "those of a session that was deleted are gone";
+  EXPECT_EQ(merge->closures[0].b, 1);
+  EXPECT_EQ(*merge->closures[0].places, (std::vector{other, one})) << "the latest";
+}
+
 }  // namespace
 }  // namespace headframe

@@ -1,0 +1,23 @@
+#pragma once
+// What an alignment says of keyframes: the loop closures between its sessions, and the placement as a whole.
+
+#include "server/atlas/alignment.hpp"
+#include "server/atlas/pose_constraint.hpp"
+#include "server/merge/session_map.hpp"
+
+namespace headframe {
+
+/// T_a_b that a loop closure alone tells. std::out_of_range: it is of keyframes that the sessions have not.
+Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b);
+
+/// Those of keyframes that the sessions have.
+std::vector<PoseConstraint> known_closures(const PoseConstraints& places, const Session& a, const Session& b);
+
+/// For the pose graph: the loop closures between the two sessions, unless all lie elsewhere than T_a_b says and so are
+/// of another placement of the pair; the middle of the overlap is another, weak one, which holds what slides at all
+/// places. Where no loop closure is known, the beginning and the end of the overlap are constraints too. Empty: the
+/// sessions have no keyframes.
+std::vector<PoseConstraint> edges_of(const Alignment& alignment, const PoseConstraints& places,
+                                     const SessionMap& sessions);
+
+}  // namespace headframe
