@@ -15,7 +15,7 @@ constexpr const char* to_schema_3 =
     "DROP TABLE anchors; DROP TABLE surveys; DROP TABLE survey_points; DROP TABLE troubles; ALTER TABLE robots DROP "
     "COLUMN rate_kib_s; ALTER TABLE keyframes DROP COLUMN checksum; DROP TABLE placed; DROP TABLE self_likeness; "
     "ALTER TABLE sessions DROP COLUMN attempted_whole;"
-    "ALTER TABLE alignments DROP COLUMN constraints; DROP TABLE session_loops;"
+    "DROP TABLE loop_closures;"
     "PRAGMA user_version=3;";
 
 TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
