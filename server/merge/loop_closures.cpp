@@ -129,11 +129,10 @@ std::vector<PairClosures> LoopClosures::find(SessionId id, std::span<const Align
     news.push_back({pair.first, pair.second, std::make_shared<const std::vector<PoseConstraint>>(std::move(all))});
   };
   look({id, id}, Pose::Identity());
-  for (const Alignment& k : alignments) {
-    if ((k.a != id && k.b != id) || !sessions_.contains(k.a) || !sessions_.contains(k.b)) continue;
-    if (k.state == AlignmentState::published) look({k.a, k.b}, k.T_a_b);
-    attempt.report.unfinished |= k.state == AlignmentState::verified;  // it is told first
-  }
+  for (const Alignment& k : alignments)
+    if (k.state == AlignmentState::published && (k.a == id || k.b == id) && sessions_.contains(k.a) &&
+        sessions_.contains(k.b))
+      look({k.a, k.b}, k.T_a_b);
   return news;
 }
 

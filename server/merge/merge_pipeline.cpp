@@ -24,7 +24,9 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
   s.close_loops(id, attempt);
-  s.update_atlas(report);  // 9: maps merge one after another, and bend where they meet again
+  s.update_atlas(report);                    // 9: maps merge one after another, and bend where they meet again
+  for (const Alignment& k : report.changed)  // it is told first; then its loops are closed
+    report.unfinished |= k.state == AlignmentState::published && (k.a == id || k.b == id);
   report.self_likeness = s.self.take_news();
   return s.book.given_out(std::move(report));
 }
