@@ -80,6 +80,7 @@ class PairStudy {
     run.take_as_tried();
     run.add(b_);
     row_.ms = wall_ms([&] { row_.times = run.attempt(2); });
+    row_.ms -= row_.times.loop_closures_ms;  // after the merge was told
     for (const PairTrace& trace : run.traces) {
       row_.proposals = std::max(row_.proposals, static_cast<int>(trace.proposed.size()));
       for (std::size_t i = 0; i < trace.proposed.size(); ++i)
