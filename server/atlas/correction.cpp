@@ -9,7 +9,7 @@ Pose Correction::corrected(std::uint64_t sequence, const Pose& T_local_sensor) c
                                       [](std::uint64_t s, const CorrectedKeyframe& k) { return s < k.sequence; });
   if (after == keyframes.begin()) return keyframes.front().T_component_session * T_local_sensor;
   const CorrectedKeyframe& before = *(after - 1);
-  const Pose T_before = before.T_component_session * T_local_sensor;
+  Pose T_before = before.T_component_session * T_local_sensor;
   if (after == keyframes.end() || before.sequence == sequence) return T_before;
   const Pose T_after = after->T_component_session * T_local_sensor;
   const double share =
