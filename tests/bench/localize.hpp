@@ -11,6 +11,7 @@ struct LocalizeBench {
   std::vector<std::filesystem::path> sets;  // data sets (with truth.json and truth/ROBOT.txt), or folders of them
   int starts = 4;                           // along each other drive, in each kind of rock
   double driven_m = 30, step_m = 5;         // of each start; asked after each step
+  bool rests = false;                       // it does not ask, but stops: what is merged then is judged
   std::filesystem::path out;
 };
 

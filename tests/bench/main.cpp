@@ -179,6 +179,7 @@ int main(int argc, char** argv) {
   localize->add_option("--starts", options.localize.starts, "along each drive")->check(CLI::Range(1, 1000));
   localize->add_option("--driven", options.localize.driven_m, "metres that each drives")->check(CLI::Range(1, 1000));
   localize->add_option("--step", options.localize.step_m, "metres between two questions")->check(CLI::Range(1, 1000));
+  localize->add_flag("--rests", options.localize.rests, "each robot stops, and what is merged then is judged");
   localize->callback([&options] { options.what = "localize"; });
   auto* graph = app.add_subcommand("pose-graph", "keyframes against the truth, before and after the pose graph");
   graph->add_option("DIR", options.sets, "data sets (as of stages), or folders of them, besides drawn mines");

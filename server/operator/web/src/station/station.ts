@@ -224,15 +224,17 @@ export class Station {
 
   private async readRoutes(): Promise<void> {
     const description = await askJson<{ paths: Record<string, Record<string, { parameters?: { name: string; schema?: { enum?: string[] } }[] }>> }>('/api/v1/openapi.json');
+    const routes = new Set<string>();
     for (const [path, methods] of Object.entries(description.paths))
       for (const [method, { parameters = [] }] of Object.entries(methods)) {
-        this.routes.add(`${method.toUpperCase()} ${path}`);
+        routes.add(`${method.toUpperCase()} ${path}`);
         for (const { name, schema } of parameters) {
-          this.routes.add(`${method.toUpperCase()} ${path}?${name}`);
-          for (const value of schema?.enum ?? []) this.routes.add(`${method.toUpperCase()} ${path}?${name}=${value}`);
+          routes.add(`${method.toUpperCase()} ${path}?${name}`);
+          for (const value of schema?.enum ?? []) routes.add(`${method.toUpperCase()} ${path}?${name}=${value}`);
         }
       }
-    if (this.routes.has('GET /api/v1/me')) this.me = await askJson<Me>('/api/v1/me');
+    if (routes.has('GET /api/v1/me')) this.me = await askJson<Me>('/api/v1/me');
+    this.routes = routes; // not before it is known who asks: nobody tries what is not theirs
     this.changed();
     void this.refreshSurveys().catch(() => {});
     void this.refreshNotes().catch(() => {});
