@@ -110,8 +110,12 @@ double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, co
   const Session &a = at(pair.a), &b = at(pair.b);
   const double reach_m = JudgeConfig{}.meet_m, asked_m = path_asked_m(evidence, config_.shown_m);
   double awaited_m = 0;
+  const double of_all_m = std::min(path_asked_m(evidence, short_m), config_.shown_m);
   const auto wait_for = [&](const Session& session, const Session& other, const Pose& T_other_session) {
-    if (session.complete) return;
+    if (session.complete) {
+      awaited_m = std::max(awaited_m, of_all_m - session.path_m());
+      return;
+    }
     const double since_m = path_since(session, other, T_other_session, reach_m).value_or(0);
     awaited_m = std::max(awaited_m, asked_m - evidence.overlap_m - since_m);
   };

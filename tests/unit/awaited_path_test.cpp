@@ -9,12 +9,12 @@
 namespace headframe {
 namespace {
 
-/// Sessions 1 and 2 have ended after 3 m and were looked at; others come as a test says.
+/// Sessions 1 and 2 have ended after 61 m and were looked at; others come as a test says.
 class AwaitedPath : public testing::Test {
  protected:
   void SetUp() override {
     for (const SessionId id : {1, 2}) {
-      grow(id, 3);
+      grow(id, 61);
       sessions_.complete(id);
       sessions_.set_looked_at(id, true);
     }
@@ -46,7 +46,7 @@ class AwaitedPath : public testing::Test {
 };
 
 TEST_F(AwaitedPath, IsLongerTheMorePlacesLookAlikeAndTheLessSureItIs) {
-  add_metre(2, 4);  // it drives on after all
+  add_metre(2, 62);  // it drives on after all
   const double alone_m = awaited_m(0);
   EXPECT_NEAR(alone_m, config_.shown_m - 3, 0.01);
   EXPECT_NEAR(awaited_m(1) - alone_m, config_.shown_more_m, 1e-9);
@@ -56,6 +56,26 @@ TEST_F(AwaitedPath, IsLongerTheMorePlacesLookAlikeAndTheLessSureItIs) {
   const double one_less = 1 / (1 + std::exp(1) * 0.02 / 0.98);  // by a unit of log-odds
   EXPECT_NEAR(awaited_m(0, one_less) - alone_m, config_.shown_doubt_m, 1e-6);
   EXPECT_NEAR(awaited_m(0, 0.5) - alone_m, 2 * config_.shown_doubt_m, 1e-6) << "a bound";
+}
+
+// A few metres of tile fit many places, and a robot that stops there may be anywhere.
+TEST_F(AwaitedPath, OfAShortSessionThatHasEndedIsMoreTheMoreLooksAlikeAndTheLessSureItIs) {
+  for (const int metres : {10, 19, 20, 21, 35, 59, 60}) {
+    const auto id = static_cast<SessionId>(100 + metres);
+    grow(id, metres);
+    sessions_.complete(id);
+    const auto awaited_m = [&](double look_alikes, double probability) {
+      Evidence evidence;
+      evidence.look_alikes = look_alikes;
+      evidence.probability = probability;
+      evidence.overlap_m = metres;
+      return sessions_.path_awaited_m({1, id}, Pose::Identity(), evidence);
+    };
+    const auto least = [&](double asked_m) { return std::max(0.0, asked_m - metres); };
+    EXPECT_NEAR(awaited_m(0, 0.99), least(SessionMap::short_m), 1e-6) << metres;
+    EXPECT_NEAR(awaited_m(1, 0.99), least(SessionMap::short_m + config_.shown_more_m), 1e-6) << metres;
+    EXPECT_NEAR(awaited_m(0, 0.5), least(config_.shown_m), 1e-6) << metres << " m, and a bound";
+  }
 }
 
 TEST_F(AwaitedPath, OfOthersCountsWherePlacesLookAlikeAlone) {
@@ -119,7 +139,7 @@ TEST_F(AwaitedPath, WhatWasRefusedOnceWaitsForTheOperatorToo) {
 }
 
 TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
-  add_metre(2, 4);
+  add_metre(2, 62);
   const auto state_with = [&](double look_alikes, double missing_m, double probability = 0.99) {
     AlignmentBook book(config_, sessions_);
     AttemptReport report;
