@@ -3,9 +3,11 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "common/geometry/se3.hpp"
 #include "server/session/ids.hpp"
+#include "server/verification/change.hpp"
 #include "server/verification/evidence.hpp"
 
 namespace headframe {
@@ -39,6 +41,7 @@ struct Alignment {
   Ruling ruling = Ruling::none;
   std::optional<Pose> T_a_b_runner_up = std::nullopt;  // what evidence.runner_up speaks of; none: there was none
   std::optional<Objection> objection = std::nullopt;   // what holds it back; not stored: found anew after a restart
+  std::vector<Change> changes = {};                    // of the mine between the two, in a's frame
 };
 
 /// False: nothing could be registered, T_a_b means nothing.

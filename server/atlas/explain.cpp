@@ -72,12 +72,13 @@ void add_lacks(const ExplainedSession& s, const VerdictThresholds& config, std::
 }
 
 /// The two terms that cost most.
-void add_costliest(const Evidence& e, std::vector<std::string>& missing) {
-  const std::vector<Finding> findings = findings_of(e);
+void add_costliest(const Evidence& e, const VerdictThresholds& config, std::vector<std::string>& missing) {
+  const std::vector<Finding> findings = findings_of(e, config);
   for (std::size_t i = 0; i < std::min<std::size_t>(2, findings.size()); ++i)
     if (findings[i].speaks == Speaks::against)
       missing.push_back(findings[i].text +
-                        formatted(": without this the probability would be %.3f", probability_without(findings[i], e)));
+                        formatted(": without this the probability would be %.3f", probability_without(findings[i], e)) +
+                        (findings[i].would_suffice.empty() ? "" : "; " + findings[i].would_suffice));
 }
 
 std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSession& b, const Alignment& k,
@@ -93,7 +94,7 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
     if (e.probability < config.accept_probability) {
       missing.push_back(
           formatted("the probability is %.3f and must be %.2f", e.probability, config.accept_probability));
-      add_costliest(e, missing);
+      add_costliest(e, config, missing);
     }
     if (runner_up_share(e) >= config.runner_up_share)
       missing.push_back(formatted(
@@ -139,7 +140,10 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
     return out;
   }
   out.outcome = outcome_of(both, *alignment, together, config);
-  if (has_placement(*alignment)) out.findings = findings_of(alignment->evidence);
+  if (has_placement(*alignment)) {
+    out.findings = findings_of(alignment->evidence, config);
+    out.gates = gates_of(*alignment, config);
+  }
   out.decision = decision_of(alignment->ruling);
   if (alignment->state == AlignmentState::published) return out;
   const auto missing = missing_of(a, b, *alignment, config, names);

@@ -25,6 +25,7 @@ struct ExplainedSession {
 struct Explanation {
   std::string outcome;               // one sentence
   std::vector<Finding> findings;     // of the best hypothesis; empty when nothing fitted
+  std::vector<Gate> gates;           // of it
   std::vector<std::string> missing;  // what keeps them apart, and what to do; empty when they are merged
   std::string decision;              // the operator's standing word; empty without one
 };

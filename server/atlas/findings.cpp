@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/atlas/formatted.hpp"
+#include "server/verification/gates.hpp"
 #include "server/verification/verdict.hpp"
 
 namespace headframe {
@@ -43,31 +44,101 @@ std::string copies(const Evidence& e) {
 
 std::string shared(const Evidence& e) { return formatted("%.0f m of path are shared", e.overlap_m); }
 
+/// What changes of the mine explain is left out: it does not weigh.
+std::string violation(const Evidence& e) {
+  std::string out =
+      formatted("%.2f %% of the points lie where the other's rays passed through", 100 * freespace_contradiction(e));
+  const double excused = excused_by_changes(e) * e.freespace_explained;
+  return excused > 0 ? out + formatted(", besides %.2f %% where the mine has changed", 100 * excused) : out;
+}
+
 /// What a contribution means, in the order of LogOdds::contributions.
 std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) {
   return {
-      {formatted("%.2f %% of the points lie where the other's rays passed through", 100 * e.freespace_violation),
-       formatted("%.2f %% do so at the place that contradicts most", 100 * e.worst_place_violation),
+      {violation(e), formatted("%.2f %% do so at the place that contradicts most", 100 * worst_place_contradiction(e)),
        formatted("the surfaces lie %.0f mm apart", 1000 * e.residual_m), places(e), hold(e), descriptors(e),
        descriptors(e), copies(e), shared(e), places(e),
        formatted("%.2f %% of the points do so up to 25 m away at one place: a copy would end there",
-                 100 * e.farther_violation),
+                 100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
        shared(e) + ": hardly any"}};
+}
+
+/// The figure that moves a contribution, and how it reads.
+struct Driver {
+  double Evidence::*member = nullptr;  // null: none that could be better
+  double best = 0;
+  const char* words = "";  // with the figure, scaled
+  double scale = 1;
+};
+
+/// In the order of LogOdds::contributions.
+std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
+  const Driver path{&Evidence::overlap_m, 200, "%.0f m of path in common would suffice"},
+      alike{&Evidence::descriptors_alike, 1, "%.0f %% alike would suffice", 100},
+      points{&Evidence::freespace_violation, 0, "%.3f %% at most would suffice", 100};
+  Driver place = points, farther = points;
+  place.member = &Evidence::worst_place_violation;
+  farther.member = &Evidence::farther_violation;
+  return {{points,
+           place,
+           {&Evidence::residual_m, 0, "%.0f mm at most would suffice", 1000},
+           {&Evidence::places_agreeing, e.places, "%.1f places that agree would suffice"},
+           {&Evidence::end_on_match, ends_meet, "%.1f %% that meet would suffice", 100},
+           alike,
+           alike,
+           path,
+           path,
+           {},
+           farther,
+           {&Evidence::inlier_fraction, 1, "%.0f %% would suffice", 100},
+           path}};
+}
+
+/// The figure that would do, all else as it is: the nearest to what was measured. Nothing where not even the best
+/// would.
+std::optional<double> sufficient(const Driver& driver, Evidence e, double accept_probability) {
+  if (!driver.member) return std::nullopt;
+  const double asked = std::log(accept_probability / (1 - accept_probability));
+  const auto believed = [&](double value) {
+    e.*driver.member = value;
+    return log_odds(e).sum() >= asked;
+  };
+  double little = e.*driver.member, enough = driver.best;
+  if (believed(little) || !believed(enough)) return std::nullopt;
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle = (little + enough) / 2;
+    (believed(middle) ? enough : little) = middle;
+  }
+  return enough;
+}
+
+/// The evidence with what is excused left out of it, so that a figure can be moved.
+Evidence as_weighed(Evidence e) {
+  e.freespace_violation = freespace_contradiction(e);
+  e.worst_place_violation = worst_place_contradiction(e);
+  e.farther_violation = farther_contradiction(e);
+  e.freespace_explained = e.worst_place_explained = e.farther_explained = 0;
+  return e;
 }
 
 }  // namespace
 
 std::string_view to_string(Speaks speaks) { return speaks == Speaks::against ? "against" : "for"; }
 
-std::vector<Finding> findings_of(const Evidence& evidence) {
+std::vector<Finding> findings_of(const Evidence& evidence, const VerdictThresholds& thresholds) {
   const LogOdds odds = log_odds(evidence);
   const auto words = words_of(evidence);
+  const auto drivers = drivers_of(evidence);
   std::vector<Finding> out;
   for (std::size_t i = 0; i < odds.contributions.size(); ++i) {
     const auto& [name, value] = odds.contributions[i];
     if (i >= always_said && value == 0) continue;
-    out.push_back({name, value, value < -next_to_nothing ? Speaks::against : Speaks::in_favour, words[i]});
+    Finding finding{name, value, value < -next_to_nothing ? Speaks::against : Speaks::in_favour, words[i]};
+    if (finding.speaks == Speaks::against)
+      finding.sufficient = sufficient(drivers[i], as_weighed(evidence), thresholds.accept_probability);
+    if (finding.sufficient) finding.would_suffice = formatted(drivers[i].words, drivers[i].scale * *finding.sufficient);
+    out.push_back(std::move(finding));
   }
   std::stable_sort(out.begin(), out.end(), [](const Finding& f, const Finding& g) {
     if (f.speaks != g.speaks) return f.speaks == Speaks::against;
@@ -78,6 +149,31 @@ std::vector<Finding> findings_of(const Evidence& evidence) {
 
 double probability_without(const Finding& finding, const Evidence& evidence) {
   return 1 / (1 + std::exp(finding.log_odds - log_odds(evidence).sum()));
+}
+
+std::vector<Gate> gates_of(const Alignment& alignment, const VerdictThresholds& thresholds) {
+  const Evidence& e = alignment.evidence;
+  const double weighed = 1 / (1 + std::exp(-log_odds(e).sum()));
+  const bool upright = !(e.tilt_deg > most_tilt_deg);
+  // A degenerate registration, or one that leans, leaves less than the terms say.
+  const bool held = !upright || !(e.probability < 0.99 * weighed);
+  return {
+      {"upright", upright, formatted("gravity agrees to within %.1f deg of %.0f", e.tilt_deg, most_tilt_deg)},
+      {"held", held,
+       held ? "the rock holds the placement in every direction"
+            : "it slides freely along the tunnel: of the probability 40 % are left"},
+      {"probable", e.probability >= thresholds.accept_probability,
+       formatted("the probability is %.3f of %.2f", e.probability, thresholds.accept_probability)},
+      {"told from its runner-up", runner_up_share(e) < thresholds.runner_up_share,
+       formatted("the runner-up's odds count as %.3f of this one's, below %.2f is asked for", runner_up_share(e),
+                 thresholds.runner_up_share)},
+      {"path of robots that still drive", !(e.awaited_m > 0), formatted("%.0f m more are waited for", e.awaited_m)},
+      {"other sessions", !alignment.objection,
+       alignment.objection
+           ? formatted("two that would lie on each other contradict each other with %.1f %% of the points",
+                       100 * alignment.objection->violation)
+           : "none is known to contradict it"},
+  };
 }
 
 }  // namespace headframe

@@ -107,6 +107,10 @@ Result<int> Commands::atlas(std::optional<double> wait_s) {
 
 Result<int> Commands::alignments() { return printed(fetched("/api/v1/alignments"), across_terminal(alignments_view)); }
 
+Result<int> Commands::changes(double since_s) {
+  return printed(fetched("/api/v1/changes?since=" + fixed(since_s, 0)), across_terminal(changes_view));
+}
+
 /// Whether there is nothing against confirming it. One that is not known is the server's to refuse.
 Result<void> Commands::check_confirm(const std::string& alignment) {
   constexpr double doubtful = 0.5;

@@ -36,6 +36,8 @@ class Commands {
   Result<int> atlas(std::optional<double> wait_s);
   /// Every alignment with its evidence.
   Result<int> alignments();
+  /// What changed in the mine since a date (seconds since 1970), as merged sessions tell.
+  Result<int> changes(double since_s);
   /// "confirm", "refuse", "retract" or "undo" of the alignment with this id. refused: to confirm one that other
   /// sessions contradict or that is improbable, unless all_the_same.
   Result<int> decide(const std::string& decision, const std::string& alignment, bool all_the_same);

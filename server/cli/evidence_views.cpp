@@ -1,8 +1,9 @@
-// Surveys and overlays for the terminal.
+// Surveys, overlays and changes for the terminal.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "server/cli/date.hpp"
 #include "server/cli/table.hpp"
 #include "server/cli/views.hpp"
 
@@ -62,6 +63,34 @@ std::string overlay_view(const Json& overlay) {
            metres(rival.at("probability"), 3) + "\n";
   }
   return out;
+}
+
+std::string changes_view(const Json& changes, std::size_t width) {
+  if (changes.at("changes").empty())
+    return "no change: sessions tell that are merged, more than an hour apart, with stamps that are dates\n";
+  Table table{{{"what"},
+               {"component", true, 3},
+               {"x m", true},
+               {"y m", true},
+               {"z m", true},
+               {"size m", true},
+               {"before"},
+               {"by", false, 2},
+               {"since"},
+               {"by", false, 1}},
+              {}};
+  for (const Json& c : changes.at("changes")) {
+    const Json &p = c.at("p"), &size = c.at("size_m");
+    const auto named = [](const Json& s) {
+      return printable(s.at("robot").get<std::string>() + "/" + s.at("session").get<std::string>());
+    };
+    table.rows.push_back({c.at("kind").get<std::string>(), c.at("component").is_null() ? "-" : c.at("component").dump(),
+                          metres(p.at(0), 1), metres(p.at(1), 1), metres(p.at(2), 1),
+                          metres(size.at(0), 1) + " x " + metres(size.at(1), 1) + " x " + metres(size.at(2), 1),
+                          date_of(c.at("older").at("stamp_s").get<double>()), named(c.at("older")),
+                          date_of(c.at("newer").at("stamp_s").get<double>()), named(c.at("newer"))});
+  }
+  return table.text(width);
 }
 
 }  // namespace headframe

@@ -6,6 +6,7 @@
 
 #include "server/cli/commands.hpp"
 #include "server/cli/completion.hpp"
+#include "server/cli/date.hpp"
 #include "server/cli/table.hpp"
 #include "server/cli/token.hpp"
 
@@ -25,6 +26,7 @@ struct Options {
   double days = 30;
   std::string session, file, frame, label, reason, robot, alignment, a, b, shell = "bash";
   std::int64_t kib_s = 0;
+  double since_s = 0;
   bool all_the_same = false;
   std::function<Result<int>(Commands&)> command;
 };
@@ -64,6 +66,15 @@ void add_commands(CLI::App& app, Options& options) {
       ->check(CLI::IsMember(
           std::vector<std::string>(headframe::completed_shells.begin(), headframe::completed_shells.end())));
   add("alignments", "Every alignment with its evidence", [](Commands& c) { return c.alignments(); });
+  add("changes", "What changed in the mine between sessions that are merged, the newest first",
+      [&](Commands& c) { return c.changes(options.since_s); })
+      ->add_option_function<std::string>(
+          "--since", [&](const std::string& date) { options.since_s = *headframe::seconds_of(date); },
+          "What may have come after this day (UTC)")
+      ->type_name("YYYY-MM-DD")
+      ->check([](const std::string& date) {
+        return headframe::seconds_of(date) ? std::string() : date + " is no date; write YYYY-MM-DD, as in 2026-11-23";
+      });
   const auto decision = [&](const char* name, const char* what) {
     CLI::App* sub = add(
         name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment, options.all_the_same); });

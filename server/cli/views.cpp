@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "server/cli/date.hpp"
 #include "server/cli/table.hpp"
 
 namespace headframe {
@@ -122,10 +123,25 @@ std::string explanation_view(const Json& explanation) {
   const auto line = [](const Json& words) { return printable(words.get<std::string>()) + "\n"; };
   std::string out = line(explanation.at("outcome"));
   if (!explanation.at("decision").get<std::string>().empty()) out += line(explanation.at("decision"));
-  if (!explanation.at("findings").empty()) out += "evidence\n";
+  if (!explanation.at("findings").empty()) out += "evidence, with what it adds to the log-odds\n";
   for (const Json& finding : explanation.at("findings")) {
     const auto speaks = finding.at("speaks").get<std::string>();
-    out += (speaks == "for" ? "  + " : speaks == "against" ? "  - " : "    ") + line(finding.at("text"));
+    const auto suffices = finding.value("would_suffice", std::string());
+    const double odds = finding.at("value").is_number() ? finding.at("value").get<double>() : 0;
+    out += (speaks == "for" ? "  + " : "  - ") + fixed(std::abs(odds), 1) + "  " +
+           printable(finding.at("text").get<std::string>()) + (suffices.empty() ? "" : " (" + suffices + ")") + "\n";
+  }
+  if (!explanation.at("gates").empty()) out += "gates\n";
+  for (const Json& gate : explanation.at("gates"))
+    out += (gate.at("passed").get<bool>() ? "  + " : "  - ") + printable(gate.at("gate").get<std::string>()) + ": " +
+           line(gate.at("text"));
+  if (!explanation.at("changes").empty()) out += "changes of the mine\n";
+  for (const Json& c : explanation.at("changes")) {
+    const Json &p = c.at("p"), &size = c.at("size_m");
+    out += "    " + c.at("kind").get<std::string>() + " at x " + number(p.at(0), 1) + ", y " + number(p.at(1), 1) +
+           ", z " + number(p.at(2), 1) + " m, " + number(size.at(0), 1) + " x " + number(size.at(1), 1) + " x " +
+           number(size.at(2), 1) + " m, between " + date_of(c.at("older").at("stamp_s").get<double>()) + " and " +
+           date_of(c.at("newer").at("stamp_s").get<double>()) + "\n";
   }
   if (!explanation.at("missing").empty()) out += "missing\n";
   for (const Json& what : explanation.at("missing")) out += "    " + line(what);

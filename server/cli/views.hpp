@@ -12,6 +12,7 @@ std::string sessions_view(const nlohmann::json& sessions, std::size_t width);
 std::string atlas_view(const nlohmann::json& atlas, std::size_t width);
 
 std::string alignments_view(const nlohmann::json& alignments, std::size_t width);
+std::string changes_view(const nlohmann::json& changes, std::size_t width);
 /// One line: what became of the alignment that was decided on.
 std::string decision_view(const nlohmann::json& decided);
 

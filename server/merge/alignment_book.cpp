@@ -83,6 +83,7 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
     const AlignmentId id = alignments_.empty() ? 1 : alignments_.back().id + 1;
     by_pair_[{a, b}] = alignments_.size();
     alignments_.push_back({id, a, b, now, best.T_a_b, best.evidence, now, Ruling::none, T_runner_up});
+    alignments_.back().changes = best.changes;
     report.changed.push_back(alignments_.back());
     if (waits) wait_for_clouds_.insert(id);
     return;
@@ -107,6 +108,7 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   known->T_a_b = best.T_a_b;
   known->T_a_b_runner_up = T_runner_up;
   known->evidence = best.evidence;
+  known->changes = best.changes;
   known->ruling = decisions_.ruling(*known);
   if (news) report.changed.push_back(*known);
 }

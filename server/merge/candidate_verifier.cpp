@@ -10,9 +10,12 @@ namespace {
 
 constexpr std::size_t judged_closely = 4;  // hopeful placements of a pair that are judged with all evidence
 
-/// Fills in what the descriptors say of the judged placement.
+/// Fills in what the descriptors say of the judged placement, where the mine has not changed.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
-  const Agreement found = agreement.at(judgement.T_a_b);
+  constexpr double look_m = 15;  // what a keyframe describes, mostly
+  std::vector<Unlike> changed;
+  for (const Change& change : judgement.changes) changed.push_back({change.p_a, look_m + change.length_m / 2});
+  const Agreement found = agreement.at(judgement.T_a_b, Heights::as_placed, changed);
   judgement.evidence.descriptors_compared = found.count;
   judgement.evidence.descriptors_alike = found.mean();
 }
@@ -40,7 +43,7 @@ bool is_copy(const Judgement& judged) { return judged.evidence.probability_if_un
 double promise(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
   const Registration& r = screened.place.registration;
   const double alike = agreement.at(r.T_target_source).cautious();
-  return std::max(0.0, r.inlier_fraction - 20 * screened.place.between().violation()) * alike * alike;
+  return std::max(0.0, r.inlier_fraction - 20 * screened.place.unexplained()) * alike * alike;
 }
 
 /// The hopeful ones, the most promising first.
@@ -133,6 +136,7 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
   }
   const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
   e.farther_violation = far.violation;
+  e.farther_explained = far.violation - far.unexplained;
   // Unless the mine repeats itself, it is worth looking at what is here, and not worth asking for more.
   if (e.repetition >= copies_known) verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
   weigh(verdict.judgement);
@@ -143,6 +147,19 @@ Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at
   Judgement out = headframe::judge_again(submaps_.scene(pair.a, at.a.stored, clouds),
                                          submaps_.scene(pair.b, at.b.stored, clouds), at.hypothesis.T_a_b, judge_);
   compare_descriptors(sessions_.descriptor_agreement(pair), out);
+  weigh(out);
+  return out;
+}
+
+Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds) {
+  Judgement out = judge_again(pair, at, clouds);
+  Evidence known = out.evidence;
+  known.repetition = self_.repetition();
+  known.aliases = self_.last(pair.a).aliases + self_.last(pair.b).aliases;
+  known.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes;
+  const double excused = excused_by_changes(known);
+  out.evidence.freespace_explained *= excused;
+  out.evidence.worst_place_explained *= excused;
   weigh(out);
   return out;
 }

@@ -36,6 +36,10 @@ class CandidateVerifier {
   /// the search of the whole pair tells are left at nothing.
   Judgement judge_again(const OrderedPair& pair, const Case& at, CloudSource& clouds);
 
+  /// The same where others say that the two lie there: look-alikes elsewhere cast no doubt on it, and changes of the
+  /// mine are no excuse where either session is known to repeat itself.
+  Judgement judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds);
+
   /// The same with what the sessions' likeness to themselves tells.
   Judgement judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds);
 

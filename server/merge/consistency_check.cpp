@@ -32,7 +32,7 @@ bool ConsistencyCheck::meet(const ImpliedPlacement& placement) const {
 /// Where it is most; of the first place alone when that was too bad to go on.
 double ConsistencyCheck::violation_of(const SeenContact& seen) {
   const Evidence& e = seen.judgement.evidence;
-  return std::max(e.worst_place_violation, e.freespace_violation);
+  return std::max(worst_place_contradiction(e), freespace_contradiction(e));
 }
 
 ConsistencyCheck::SeenContact* ConsistencyCheck::seen(const ImpliedPlacement& placement) {
@@ -65,8 +65,7 @@ ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& p
                                                        const Case& at, CloudSource& clouds) const {
   SeenContact out{placement.T_a_b, at.a.stored.size() + at.b.stored.size(), Contact::none, {}, false};
   if (at.a.stored.empty() || at.b.stored.empty()) return out;
-  out.judgement = by_ids(pair, verifier_.judge_again(pair, at, clouds));
-  // Where it lies is known from the others: look-alikes elsewhere, and a runner-up, cast no doubt on it.
+  out.judgement = by_ids(pair, verifier_.judge_contact(pair, at, clouds));
   const Judgement& judged = out.judgement;
   if (violation_of(out) >= contradiction)
     out.contact = Contact::contradicts;

@@ -70,7 +70,7 @@ LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgeme
     asked.push_back(submaps.at(pair.b, of_b));
   }
   const std::vector<SubmapPtr> near = submaps.near(asked, clouds), far = submaps.far(asked, clouds);
-  std::vector<double> violations(spots.size());
+  std::vector<SubmapCheck> looked(spots.size());
   for_blocks(spots.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Submap &of_a = *near[2 * i], &of_b = *near[2 * i + 1];
     SubmapCheck place = register_submaps(of_a, of_b, judged.T_a_b, judge.place);
@@ -80,9 +80,16 @@ LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgeme
     check_free_space(place, *far[2 * i], *far[2 * i + 1], drifted ? T : judged.T_a_b, SessionSubmaps::far_config());
     if (drifted)
       check_free_space_again(place, *far[2 * i], *far[2 * i + 1], judged.T_a_b, SessionSubmaps::far_config());
-    violations[i] = place.between().violation();
+    looked[i] = std::move(place);
   });
-  for (const double violation : violations) out.violation = std::max(out.violation, violation);
+  std::vector<ChangePatch> changes;
+  for (const SubmapCheck& place : looked) changes.insert(changes.end(), place.changes.begin(), place.changes.end());
+  const bool may_be = plausible(joined(std::move(changes)));
+  for (const SubmapCheck& place : looked) {
+    const double violation = place.between().violation();
+    out.violation = std::max(out.violation, violation);
+    out.unexplained = std::max(out.unexplained, may_be ? place.unexplained() : violation);
+  }
   return out;
 }
 

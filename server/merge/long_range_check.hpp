@@ -10,7 +10,8 @@ namespace headframe {
 
 /// What a look farther off found.
 struct LongRange {
-  double violation = 0;          // Evidence::farther_violation
+  double violation = 0;          // Evidence::farther_violation ...
+  double unexplained = 0;        // ... without what changes of the mine explain
   std::set<KeyframeRef> wanted;  // clouds that could tell more
 };
 

@@ -136,6 +136,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   e.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
   e.look_alikes = published.evidence.look_alikes;
   e.farther_violation = published.evidence.farther_violation;
+  e.farther_explained = published.evidence.farther_explained;
   e.support = published.evidence.support;
   e.path_m = published.evidence.path_m;
   e.runner_up = published.evidence.runner_up;
@@ -147,6 +148,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
     again = by_ids(pair, again);
     published.T_a_b = again.T_a_b;
     published.evidence = again.evidence;
+    published.changes = again.changes;
     attempt.report.changed.push_back(published);
   }
   return true;

@@ -24,9 +24,11 @@ Pose moved(const Eigen::Vector3d& to, Pose T, const Eigen::Vector3d& from) {
   return T;
 }
 
-Alignment with_poses(Alignment alignment, const auto& change) {
-  alignment.T_a_b = change(alignment.T_a_b);
-  if (alignment.T_a_b_runner_up) alignment.T_a_b_runner_up = change(*alignment.T_a_b_runner_up);
+/// origin_m: of a's frame as it becomes.
+Alignment with_poses(Alignment alignment, const Eigen::Vector3d& origin_m, const auto& move) {
+  alignment.T_a_b = move(alignment.T_a_b);
+  if (alignment.T_a_b_runner_up) alignment.T_a_b_runner_up = move(*alignment.T_a_b_runner_up);
+  for (Change& change : alignment.changes) change.p_a += origin_m;
   return alignment;
 }
 
@@ -82,11 +84,13 @@ Pose SessionFrames::given_out(SessionId a, SessionId b, const Pose& T_a_b) const
 }
 
 Alignment SessionFrames::local(Alignment alignment) const {
-  return with_poses(alignment, [&](const Pose& T) { return local(alignment.a, alignment.b, T); });
+  return with_poses(alignment, -origin_m(alignment.a),
+                    [&](const Pose& T) { return local(alignment.a, alignment.b, T); });
 }
 
 Alignment SessionFrames::given_out(Alignment alignment) const {
-  return with_poses(alignment, [&](const Pose& T) { return given_out(alignment.a, alignment.b, T); });
+  return with_poses(alignment, origin_m(alignment.a),
+                    [&](const Pose& T) { return given_out(alignment.a, alignment.b, T); });
 }
 
 Atlas SessionFrames::given_out(Atlas atlas) const {

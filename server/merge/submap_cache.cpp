@@ -57,7 +57,7 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
     Build build{r.keyframes[key.keyframe].T_local_sensor.translation(), window.size(), {}, nullptr};
     for (const Keyframe* k : window)
       if (auto cloud = prepared_.get({r.session, k->sequence}, source))
-        build.clouds.push_back({k->sequence, k->T_local_sensor, std::move(cloud)});
+        build.clouds.push_back({k->sequence, k->T_local_sensor, std::move(cloud), k->stamp_s});
     missing.emplace(key, std::move(build));
   }
   std::vector<Build*> builds;

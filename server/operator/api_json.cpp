@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "server/operator/changes_json.hpp"
 #include "server/operator/json_text.hpp"
 #include "server/operator/session_totals.hpp"
 
@@ -176,20 +177,26 @@ std::string alignment_json(const AtlasView& view, AlignmentId id) {
   return error_json({ErrorCode::not_found, "there is no alignment " + std::to_string(id)});
 }
 
-std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
-                             const Explanation& explanation) {
+std::string explanation_json(const SessionRow& a, const SessionRow& b, const AlignmentRow* alignment,
+                             const Explanation& explanation, const Atlas& atlas) {
   Json findings = Json::array();
   for (const Finding& finding : explanation.findings)
     findings.push_back({{"evidence", finding.evidence},
                         {"value", number(finding.log_odds)},
                         {"speaks", to_string(finding.speaks)},
-                        {"text", finding.text}});
-  return text({{"a", session(a)},
-               {"b", session(b)},
+                        {"text", finding.text},
+                        {"would_suffice", finding.would_suffice}});
+  Json gates = Json::array();
+  for (const Gate& gate : explanation.gates)
+    gates.push_back({{"gate", gate.name}, {"passed", gate.passed}, {"text", gate.text}});
+  return text({{"a", session(a.key)},
+               {"b", session(b.key)},
                {"outcome", explanation.outcome},
                {"decision", explanation.decision},
                {"findings", std::move(findings)},
+               {"gates", std::move(gates)},
                {"missing", explanation.missing},
+               {"changes", alignment ? changes_array(changes_of(alignment->alignment, atlas), {a, b}) : Json::array()},
                {"alignment", alignment ? alignment_object(*alignment) : Json(nullptr)}});
 }
 

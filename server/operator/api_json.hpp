@@ -35,8 +35,8 @@ std::string alignments_json(const AtlasView& view, std::optional<AlignmentState>
 std::string alignment_json(const AtlasView& view, AlignmentId id);
 
 /// alignment may be null: nothing has been tried.
-std::string explanation_json(const SessionKey& a, const SessionKey& b, const AlignmentRow* alignment,
-                             const Explanation& explanation);
+std::string explanation_json(const SessionRow& a, const SessionRow& b, const AlignmentRow* alignment,
+                             const Explanation& explanation, const Atlas& atlas);
 
 /// One session, as sessions_json has it.
 std::string session_json(const SessionRow& row, const Atlas& atlas);

@@ -58,7 +58,7 @@ Result<std::string> explain_request(const Station& station, const std::string& a
   };
   const Explanation explanation = explain(explained(*first), explained(*second), known ? &known->alignment : nullptr,
                                           together(view.atlas, first->id, second->id), station.merge_config(), name);
-  return explanation_json(first->key, second->key, known, explanation);
+  return explanation_json(*first, *second, known, explanation, view.atlas);
 }
 
 }  // namespace headframe

@@ -29,6 +29,7 @@ constexpr std::array all_routes =
                           {"GET", "/api/v1/sessions", {}, sessions},
                           {"GET", "/api/v1/atlas", {"wait"}, atlas},
                           {"GET", "/api/v1/alignments", {"state"}, alignments},
+                          {"GET", "/api/v1/changes", {"since"}, changes},
                           {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                           {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
                           {"GET", "/api/v1/events", {}, events},

@@ -52,6 +52,7 @@ Result<Reply> status(const Query&, const Context&);
 Result<Reply> sessions(const Query&, const Context&);
 Result<Reply> atlas(const Query&, const Context&);
 Result<Reply> alignments(const Query&, const Context&);
+Result<Reply> changes(const Query&, const Context&);
 Result<Reply> explain_pair(const Query&, const Context&);
 Result<Reply> overview(const Query&, const Context&);
 Result<Reply> points(const Query&, const Context&);

@@ -1,6 +1,7 @@
 #include "server/operator/routes.hpp"
 
 #include "server/operator/api_json.hpp"
+#include "server/operator/changes_json.hpp"
 #include "server/operator/explain_request.hpp"
 #include "server/operator/overlay.hpp"
 #include "server/operator/overview.hpp"
@@ -47,6 +48,18 @@ Result<Reply> alignments(const Query& query, const Context& context) {
                                                       "retracted, rejected");
   }
   return json(alignments_json(context.station.atlas(), state));
+}
+
+Result<Reply> changes(const Query& query, const Context& context) {
+  constexpr double latest_s = 1e11;
+  double since_s = 0;
+  if (const auto since = query.find("since"); since != query.end()) {
+    const auto given = parse_number("since", since->second, 0, latest_s);
+    if (!given) return tl::unexpected(given.error());
+    since_s = *given;
+  }
+  const AtlasView view = context.station.atlas();  // before the names, which only grow
+  return json(changes_json(view, context.station.sessions(), since_s));
 }
 
 Result<Reply> explain_pair(const Query& query, const Context& context) {

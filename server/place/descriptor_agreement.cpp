@@ -89,13 +89,14 @@ const DescriptorAgreement::Spot* DescriptorAgreement::nearest(const Eigen::Vecto
   return found;
 }
 
-Agreement DescriptorAgreement::at(const Pose& T_a_b, Heights heights) const {
+Agreement DescriptorAgreement::at(const Pose& T_a_b, Heights heights, std::span<const Unlike> without) const {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   Agreement out;
   if (!(usual_ > 0)) return out;  // all the same: they tell nothing
   for (const Spot& b : b_) {
     const Spot* a = nearest(T * b.place, heights);
-    if (!a) continue;
+    const auto unlike = [&](const Unlike& u) { return (a->place - u.p_a.cast<float>()).norm() < u.reach_m; };
+    if (!a || std::any_of(without.begin(), without.end(), unlike)) continue;
     out.sum += std::max(0.0F, 1 - squared_distance(*a->q, *b.q) / usual_);
     out.count += 1;
   }

@@ -21,6 +21,12 @@ struct Agreement {
   double support() const { return sum - 0.5 * count; }
 };
 
+/// A spot in a's frame about which keyframes say nothing: the mine looks different there since.
+struct Unlike {
+  Eigen::Vector3d p_a = Eigen::Vector3d::Zero();
+  double reach_m = 0;
+};
+
 enum class Heights { as_placed, any };  // any: keyframes meet whatever lies between their heights
 
 /// Compares the descriptors of two sessions under placements. One neighbour among thousands is easily a look-alike; a
@@ -29,7 +35,7 @@ class DescriptorAgreement {
  public:
   DescriptorAgreement(std::span<const Keyframe> a, std::span<const Keyframe> b);
 
-  Agreement at(const Pose& T_a_b, Heights heights = Heights::as_placed) const;
+  Agreement at(const Pose& T_a_b, Heights heights = Heights::as_placed, std::span<const Unlike> without = {}) const;
 
  private:
   struct Spot {

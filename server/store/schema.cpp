@@ -86,6 +86,13 @@ CREATE TABLE loop_closures (
   places BLOB NOT NULL,
   PRIMARY KEY (a, b));
 )sql",
+    R"sql(
+CREATE TABLE changes (
+  a INTEGER NOT NULL, b INTEGER NOT NULL, number INTEGER NOT NULL, kind TEXT NOT NULL, x_a_m REAL NOT NULL,
+  y_a_m REAL NOT NULL, z_a_m REAL NOT NULL, length_m REAL NOT NULL, width_m REAL NOT NULL, height_m REAL NOT NULL,
+  a_is_newer INTEGER NOT NULL, older_s REAL NOT NULL, newer_s REAL NOT NULL, PRIMARY KEY (a, b, number))
+  WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

@@ -91,6 +91,17 @@ Result<void> put(Database& db, const CompleteSession& write) {
   return db.run("UPDATE sessions SET complete=1 WHERE id=?", write.session);
 }
 
+Result<void> put_changes(Database& db, const Alignment& alignment) {
+  auto done = db.run("DELETE FROM changes WHERE a=? AND b=?", alignment.a, alignment.b);
+  for (std::size_t i = 0; done && i < alignment.changes.size(); ++i) {
+    const Change& c = alignment.changes[i];
+    done = db.run("INSERT INTO changes VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?)", alignment.a, alignment.b, i,
+                  to_string(c.kind), c.p_a.x(), c.p_a.y(), c.p_a.z(), c.length_m, c.width_m, c.height_m,
+                  int{c.a_is_newer}, c.older_s, c.newer_s);
+  }
+  return done;
+}
+
 Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64_t revision) {
   const std::string T = pose_blob(alignment.T_a_b);
   const std::string T_runner_up = alignment.T_a_b_runner_up ? pose_blob(*alignment.T_a_b_runner_up) : std::string();
@@ -107,6 +118,7 @@ Result<void> put_alignment(Database& db, const Alignment& alignment, std::uint64
         " value=excluded.value",
         alignment.a, alignment.b, field.name, alignment.evidence.*field.member);
   }
+  if (done) done = put_changes(db, alignment);
   if (!done) return done;
   return db.run("INSERT INTO merge_order (revision, a, b, state) VALUES (?,?,?,?)", revision, alignment.a, alignment.b,
                 state);

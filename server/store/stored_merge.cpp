@@ -29,6 +29,18 @@ Result<void> read_surveys(Database& db, std::vector<Survey>& surveys) {
   return read;
 }
 
+Change change_of(const Row& row) {
+  const bool filled = row.text(2) == to_string(ChangeKind::filled);
+  return {filled ? ChangeKind::filled : ChangeKind::excavated,
+          {row.real(3), row.real(4), row.real(5)},
+          row.real(6),
+          row.real(7),
+          row.real(8),
+          row.integer(9) != 0,
+          row.real(10),
+          row.real(11)};
+}
+
 Result<void> read_alignments(Database& db, std::vector<Alignment>& alignments) {
   std::map<std::pair<SessionId, SessionId>, std::size_t> index;
   auto read = db.each(
@@ -41,10 +53,18 @@ Result<void> read_alignments(Database& db, std::vector<Alignment>& alignments) {
         alignments.push_back(alignment);
       });
   if (!read) return read;
-  return db.each("SELECT a, b, name, value FROM evidence", [&](const Row& row) {
+  read = db.each("SELECT a, b, name, value FROM evidence", [&](const Row& row) {
     const auto at = index.find({row.integer(0), row.integer(1)});
     if (at != index.end()) set_evidence(alignments[at->second].evidence, row.text(2), row.real(3));
   });
+  if (!read) return read;
+  return db.each(
+      "SELECT a, b, kind, x_a_m, y_a_m, z_a_m, length_m, width_m, height_m, a_is_newer, older_s, newer_s"
+      " FROM changes ORDER BY a, b, number",
+      [&](const Row& row) {
+        const auto at = index.find({row.integer(0), row.integer(1)});
+        if (at != index.end()) alignments[at->second].changes.push_back(change_of(row));
+      });
 }
 
 Result<void> read_atlas(Database& db, Atlas& atlas) {

@@ -6,7 +6,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 31> fields{{
+constexpr std::array<EvidenceField, 34> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -28,6 +28,9 @@ constexpr std::array<EvidenceField, 31> fields{{
     {"freespace_violation", &Evidence::freespace_violation},
     {"worst_place_violation", &Evidence::worst_place_violation},
     {"farther_violation", &Evidence::farther_violation},
+    {"freespace_explained", &Evidence::freespace_explained},
+    {"worst_place_explained", &Evidence::worst_place_explained},
+    {"farther_explained", &Evidence::farther_explained},
     {"own_violation", &Evidence::own_violation},
     {"weakest_hold", &Evidence::weakest_hold},
     {"slide_ratio", &Evidence::slide_ratio},
@@ -41,6 +44,26 @@ constexpr std::array<EvidenceField, 31> fields{{
 }};
 
 }  // namespace
+
+double excused_by_changes(const Evidence& e) {
+  const auto none_of = [](double value, double some, double many) {
+    return std::clamp((many - value) / (many - some), 0.0, 1.0);
+  };
+  return none_of(e.aliases, 0, 1) * none_of(e.repetition, copies_known / 2, copies_known) *
+         none_of(e.look_alikes, 0.5, 1);
+}
+
+double freespace_contradiction(const Evidence& e) {
+  return e.freespace_violation - excused_by_changes(e) * e.freespace_explained;
+}
+
+double worst_place_contradiction(const Evidence& e) {
+  return e.worst_place_violation - excused_by_changes(e) * e.worst_place_explained;
+}
+
+double farther_contradiction(const Evidence& e) {
+  return e.farther_violation - excused_by_changes(e) * e.farther_explained;
+}
 
 double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, std::max(e.aliases, e.look_alikes)); }
 
@@ -67,7 +90,7 @@ double runner_up_share(const Evidence& e) {
   constexpr double certain = 1 - 1e-9;
   const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
   // Right placements with violations had no rival above 0.01 in drawn mines; look-alikes with a crossing less had.
-  const double doubt = e.worst_place_violation > 1e-3 ? 100 : 1;
+  const double doubt = worst_place_contradiction(e) > 1e-3 ? 100 : 1;
   return e.probability > 0 ? doubt * odds(e.runner_up) / odds(e.probability) : 1;
 }
 

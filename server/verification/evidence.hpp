@@ -40,6 +40,9 @@ struct Evidence {
   double freespace_violation = 0;    // points of one map that the other's rays pass through / points that say anything
   double worst_place_violation = 0;  // the same at the place that contradicts most
   double farther_violation = 0;      // the same up to 25 m from a place instead of 15; 0 unless the mine repeats itself
+  double freespace_explained = 0;  // of these, what changes of the mine explain: points that form patches with an edge,
+  double worst_place_explained = 0;  // where the sessions were recorded more than an hour apart
+  double farther_explained = 0;
   double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
@@ -59,6 +62,15 @@ inline constexpr double held_well = 0.03, ends_meet = 0.12;
 
 /// Repetition from which on the database is known to hold copies: over all recordings at once it is 0.05.
 inline constexpr double copies_known = 0.15;
+
+/// How far changes of the mine excuse what contradicts, 0 to 1: not where the mine repeats itself, for a copy ends like
+/// a drift that was driven on.
+double excused_by_changes(const Evidence& evidence);
+
+/// The violations that speak against the placement: all but what changes explain and excuse.
+double freespace_contradiction(const Evidence& evidence);
+double worst_place_contradiction(const Evidence& evidence);
+double farther_contradiction(const Evidence& evidence);
 
 /// How alike the descriptors have to be: .72; .85 where the mine repeats itself, or places look alike. At right
 /// placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of copies

@@ -14,13 +14,17 @@ constexpr int least_hits = 2;         // by its own session: what one sweep met 
 constexpr float least_cosine = 0.3F;  // of a ray that may go through a surface, to its normal
 
 /// Whose violations have companions within reach is a patch.
-void count_violations(const Points& violated, float reach_m, Visibility& total) {
+void tell_lone_ones(const SurfelCloud& rock, float reach_m, std::vector<PointSight>& sights) {
+  Points violated;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (sights[i] == PointSight::violated) violated.push_back(rock.points[i]);
   const KdTree tree(violated);
   std::vector<Neighbour> around;
-  for (const auto& p : violated) {
-    tree.nearest_k(p, companions + 1, around);  // itself among them
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    if (sights[i] != PointSight::violated) continue;
+    tree.nearest_k(rock.points[i], companions + 1, around);  // itself among them
     const bool patch = around.size() > companions && around.back().squared_m < reach_m * reach_m;
-    (patch ? total.violated : total.lone) += 1;
+    if (!patch) sights[i] = PointSight::lone;
   }
 }
 
@@ -102,22 +106,24 @@ SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const Place
   return kept;
 }
 
-Visibility look_from(std::span<const PlacedView> a, const SurfelCloud& b, const Pose& T_a_b, float reach_m,
-                     float leaf_m) {
+std::vector<PointSight> sights_from(std::span<const PlacedView> a, const SurfelCloud& b, const Pose& T_a_b,
+                                    float reach_m, float leaf_m) {
   const std::vector<View> views = seen_from(a, T_a_b);
-  Visibility total;
-  Points violated;
+  std::vector<PointSight> sights;
+  sights.reserve(b.points.size());
   for (std::size_t i = 0; i < b.points.size(); ++i) {
     const Answer answer = ask(views, b.points[i], b.normals[i], reach_m);
-    if (answer.hits + answer.through == 0)
-      total.unknown += 1;
-    else if (answer.through > answer.hits)
-      violated.push_back(b.points[i]);
-    else
-      total.seen += 1;
+    sights.push_back(answer.hits + answer.through == 0 ? PointSight::unknown
+                     : answer.through > answer.hits    ? PointSight::violated
+                                                       : PointSight::seen);
   }
-  count_violations(violated, companion_leaves * leaf_m, total);
-  return total;
+  tell_lone_ones(b, companion_leaves * leaf_m, sights);
+  return sights;
+}
+
+Visibility summed_up(std::span<const PointSight> sights) {
+  const auto count = [&](PointSight of) { return static_cast<double>(std::count(sights.begin(), sights.end(), of)); };
+  return {count(PointSight::seen), count(PointSight::violated), count(PointSight::lone), count(PointSight::unknown)};
 }
 
 }  // namespace headframe

@@ -35,6 +35,7 @@ struct PlacedCloud {
   std::uint64_t sequence = 0;
   Pose T_local_sensor = Pose::Identity();
   std::shared_ptr<const PreparedCloud> cloud;
+  double stamp_s = 0;  // by the robot's clock
 };
 
 /// Surfels of one session in its local frame.

@@ -32,7 +32,7 @@ ScreeningResult screen_submaps(const SubmapPtr& a, const SubmapPtr& b, const Pos
       (moved * out.place.p_b - out.place.p_b).norm() > most_moved_m)
     return out;
   check_free_space(out.place, *a, *b, r.T_target_source, config.place);
-  out.hopeful = out.place.between().violation() < config.hopeless_violation;
+  out.hopeful = out.place.unexplained() < config.hopeless_violation;
   return out;
 }
 
@@ -58,6 +58,7 @@ double best_probability(const ScreeningResult& result, const Evidence& known) {
   e.descriptors_compared = known.descriptors_compared;
   e.descriptors_alike = known.descriptors_alike;
   e.worst_place_violation = result.place.between().violation();
+  e.worst_place_explained = e.worst_place_violation - result.place.unexplained();
   e.places = e.places_agreeing = e.inlier_fraction = e.weakest_hold = e.end_on_match = 1;
   e.pairs = e.overlap_m = std::numeric_limits<double>::max();
   return probability(RegistrationStatus::converged, e);

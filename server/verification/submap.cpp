@@ -1,5 +1,6 @@
 #include "server/verification/submap.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace headframe {
@@ -26,6 +27,14 @@ SurfelCloud thinned(const SurfelCloud& all, std::size_t most) {
   return out;
 }
 
+Recorded recorded_of(std::span<const PlacedCloud> clouds) {
+  if (clouds.empty() || !std::all_of(clouds.begin(), clouds.end(), [](const auto& c) { return is_date(c.stamp_s); }))
+    return {};
+  const auto [first, last] = std::minmax_element(clouds.begin(), clouds.end(),
+                                                 [](const auto& c, const auto& d) { return c.stamp_s < d.stamp_s; });
+  return {first->stamp_s, last->stamp_s};
+}
+
 }  // namespace
 
 std::size_t bytes_of(const Submap& submap) {
@@ -39,6 +48,7 @@ Submap make_submap(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p
   const auto reach_m = static_cast<float>(config.view_reach_m);
   Submap out;
   out.p = p;
+  out.recorded = recorded_of(clouds);
   const SurfelCloud all = sphere(clouds, p, config.radius_m + config.slack_m, config.leaf_m);
   out.target = make_voxel_maps(all.points, all.normals);
   out.source = thinned(within(all, p, config.radius_m), config.source_points);

@@ -9,6 +9,7 @@
 #include "server/registration/registration_engine.hpp"
 #include "server/registration/vgicp.hpp"
 #include "server/verification/free_space.hpp"
+#include "server/verification/recorded.hpp"
 
 namespace headframe {
 
@@ -33,6 +34,7 @@ struct Submap {
   SurfelCloud rock;  // without what its own sweeps see through
   std::vector<PlacedView> views;
   Visibility own;  // of the rock by every other cloud
+  Recorded recorded;
 };
 using SubmapPtr = std::shared_ptr<const Submap>;
 

@@ -1,6 +1,7 @@
 #pragma once
 // One place of the overlap of two sessions: registered by itself, and asked whether both saw the same rock there.
 
+#include "server/verification/change_patches.hpp"
 #include "server/verification/submap.hpp"
 
 namespace headframe {
@@ -20,10 +21,12 @@ struct SubmapCheck {
   double residual_m = 1;   // median distance of b's surface from a's, in cubes of half a metre, along the normals
   Matched matched;         // where it was registered
   double slide_ratio = 1;  // best share of points on a surface after a slide along the weakest direction / share here
-  Visibility a_by_b, b_by_a;  // the rock of each from the sweeps of the other
-  Visibility own;             // of each by itself, every other cloud
+  Visibility a_by_b, b_by_a;         // the rock of each from the sweeps of the other
+  Visibility own;                    // of each by itself, every other cloud
+  std::vector<ChangePatch> changes;  // violations that time may explain, in a's frame
 
   Visibility between() const;  // both ways together
+  double unexplained() const;  // share of violations that are no part of a change
 };
 
 /// At T_a_b.
@@ -32,7 +35,7 @@ Matched matched(const Submap& a, const Submap& b, const Pose& T_a_b);
 /// Registers b's submap on a's from T_a_b, by config.engine. Pure.
 SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config);
 
-/// Fills what it looks like, at T_a_b.
+/// Fills what it looks like, at T_a_b, and what may have changed where the two were not recorded in the same hour.
 void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
                       const SubmapConfig& config);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/verification/gates.hpp"
 #include "server/verification/verdict_weights.hpp"
 
 namespace headframe {
@@ -46,7 +47,7 @@ double long_overlap(const Evidence& e) {
 /// all else convinces, so no fit knows it. In drawn mines all 42 right placements had less than 0.0025, and of 56 wrong
 /// ones in mines of copies that nothing near contradicted 39 had more than 0.003.
 double ends_farther_off(const Evidence& e) {
-  return -20 * std::log10((std::max(e.farther_violation, 2e-3) + 1e-3) / 3e-3);
+  return -20 * std::log10((std::max(farther_contradiction(e), 2e-3) + 1e-3) / 3e-3);
 }
 
 /// Right placements of all worlds looked at had 28 % and more of the points meet, where paths run side by side with
@@ -62,8 +63,8 @@ std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& e) {
   const double n = e.descriptors_compared, few = std::min(10.0, n);  // ten say it all, one next to nothing
   const double least_alike = asked_alike(e);
   return {{
-      {"free space contradicts", -std::log10((e.freespace_violation + 1e-3) / 1e-3)},
-      {"one place contradicts", -std::log10((e.worst_place_violation + 2e-3) / 2e-3)},
+      {"free space contradicts", -std::log10((freespace_contradiction(e) + 1e-3) / 1e-3)},
+      {"one place contradicts", -std::log10((worst_place_contradiction(e) + 2e-3) / 2e-3)},
       {"surfaces lie apart", -std::max(0.0, std::log10((e.residual_m + 0.01) / 0.075))},
       {"places disagree", -(1 - e.places_agreeing / std::max(1.0, e.places))},
       {"nothing holds it along the tunnel", hardly_held(e) ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0},
@@ -100,7 +101,7 @@ double LogOdds::sum() const {
 
 double probability(RegistrationStatus status, const Evidence& e) {
   if (status == RegistrationStatus::too_little_overlap) return 0;
-  if (e.tilt_deg > 3) return 0;
+  if (e.tilt_deg > most_tilt_deg) return 0;
   const double z = log_odds(e).sum();
   const double p = 1 / (1 + std::exp(-z));
   // What slides freely along the tunnel can look right at many places: at most a candidate.

@@ -13,8 +13,9 @@ namespace headframe {
 
 struct Judgement {
   RegistrationStatus status = RegistrationStatus::too_little_overlap;
-  Pose T_a_b = Pose::Identity();  // means nothing unless status is converged or degenerate
-  Evidence evidence;              // probability is set by the verdict; support and runner_up by the caller
+  Pose T_a_b = Pose::Identity();     // means nothing unless status is converged or degenerate
+  Evidence evidence;                 // probability is set by the verdict; support and runner_up by the caller
+  std::vector<Change> changes = {};  // of the mine, that explain what contradicts; in a's frame
 };
 
 /// A session as the judge sees it.

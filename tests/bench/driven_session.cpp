@@ -17,7 +17,7 @@ namespace {
 class Robot {
  public:
   Robot(Selection selection, const DescriptorFamily& family) : selection_(selection), family_(family) {}
-  void add(const Pose& T_local_sensor, const Points& scan, DrivenSession& out) {
+  void add(double stamp_s, const Pose& T_local_sensor, const Points& scan, DrivenSession& out) {
     const Points points = finite_points(scan, 0.3F);
     const auto decision = selector_.add(T_local_sensor, mean_range_m(points));
     if (!decision.keyframe && selection_ == Selection::by_spaciousness) {
@@ -29,6 +29,7 @@ class Robot {
     if (!descriptor) return;
     Keyframe keyframe;
     keyframe.sequence = out.keyframes.size() + 1;
+    keyframe.stamp_s = stamp_s;
     keyframe.T_local_sensor = T_local_sensor;
     keyframe.spaciousness_m = decision.spaciousness_m;
     keyframe.descriptor = std::move(*descriptor);
@@ -49,38 +50,38 @@ class Robot {
   const DescriptorFamily& family_;
 };
 
-}  // namespace
-
-namespace {
-
-DrivenSession driven(const mine::Recording& recording, const std::string& world, const DescriptorFamily& family,
-                     Selection selection) {
-  DrivenSession session{.name = world + "/" + recording.robot.name, .world = world, .family = family.id()};
+DrivenSession keyframes_of(const mine::Recording& recording, Selection selection, double first_stamp_s) {
+  const auto family = make_family(default_family_name).value();
+  DrivenSession session{.name = recording.robot.name, .world = {}, .family = family->id()};
   session.path = {recording.drive.T_local_sensor, recording.drive.T_world_sensor};
-  Robot eyes(selection, family);
+  Robot eyes(selection, *family);
   for (std::size_t i = 0; i < recording.scans.size(); ++i)
-    eyes.add(session.path.T_local_sensor[i], recording.scans[i].points, session);
+    eyes.add(first_stamp_s + recording.robot.style.scan_spacing_m * static_cast<double>(i),
+             session.path.T_local_sensor[i], recording.scans[i].points, session);
   return session;
 }
 
 }  // namespace
 
 DrivenSession drive_robot(const mine::World& world, const mine::Robot& robot, std::uint64_t seed,
-                          const std::string& world_name) {
-  const auto family = make_family(default_family_name).value();
-  return driven(mine::record(world, robot, seed), world_name, *family, Selection::by_spaciousness);
+                          const std::string& world_name, double first_stamp_s) {
+  DrivenSession session = keyframes_of(mine::record(world, robot, seed), Selection::by_spaciousness, first_stamp_s);
+  session.name = world_name + "/" + robot.name;
+  session.world = world_name;
+  return session;
 }
 
 DrivenMine drive_mine(const mine::Request& request, Selection selection) {
   const auto scenario = mine::make_scenario(request);
   if (!scenario) throw std::runtime_error(scenario.error().message);
   const std::string world = std::string(to_string(request.kind)) + "-" + std::to_string(request.seed);
-  const auto family = make_family(default_family_name).value();
   DrivenMine out;
   std::vector<mine::SeenVoxels> seen;
   for (const mine::Robot& robot : scenario->robots) {
     const mine::Recording recording = mine::record(scenario->world, robot, request.seed);
-    out.sessions.push_back(driven(recording, world, *family, selection));
+    DrivenSession session = keyframes_of(recording, selection, 0);
+    session.name = world + "/" + robot.name;
+    session.world = world;
     seen.push_back(mine::seen(recording, 0.5, 30));
   }
   for (const auto& a : seen) {
@@ -101,7 +102,7 @@ DrivenSession read_driven_session(const std::filesystem::path& recording, const 
   for (std::size_t i = 0; i < folder->size(); ++i) {
     const auto scan = folder->load(i);
     if (!scan) throw std::runtime_error(scan.error().message);
-    eyes.add(folder->T_local_sensor(i), scan->points, session);
+    eyes.add(folder->stamp_s(i), folder->T_local_sensor(i), scan->points, session);
   }
   return session;
 }

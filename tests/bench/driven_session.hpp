@@ -31,7 +31,7 @@ enum class Selection { by_spaciousness, every_scan };
 DrivenMine drive_mine(const mine::Request& request, Selection selection = Selection::by_spaciousness);
 
 DrivenSession drive_robot(const mine::World& world, const mine::Robot& robot, std::uint64_t seed,
-                          const std::string& world_name);
+                          const std::string& world_name, double first_stamp_s = 0);
 
 /// A recorded session folder; with no truth its true path is empty. Throws when it cannot be read.
 DrivenSession read_driven_session(const std::filesystem::path& recording, const std::string& robot,

@@ -44,12 +44,19 @@ nlohmann::json truth_of(const std::filesystem::path& set) {
 }
 
 std::map<std::string, DrivenSession> sessions_of(const std::filesystem::path& set,
-                                                 const std::vector<std::string>& families) {
+                                                 const std::vector<std::string>& families, double days_apart) {
+  constexpr double some_day_s = 1.7e9, day_s = 86400;
   std::map<std::string, DrivenSession> sessions;
   const auto truth = truth_of(set);
   for (const auto& [robot, unused] : truth.at("robots").items())
     sessions.emplace(robot,
                      read_driven_session(set, robot, *family_named(families[sessions.size() % families.size()])));
+  double first_s = some_day_s;
+  for (auto& [robot, session] : sessions) {
+    if (days_apart == 0) break;
+    for (Keyframe& keyframe : session.keyframes) keyframe.stamp_s += first_s;
+    first_s += days_apart * day_s;
+  }
   return sessions;
 }
 

@@ -54,6 +54,7 @@ struct Options {
   std::optional<int> mines;
   std::vector<std::filesystem::path> sets;                                  // of stages
   bool crossed = false;                                                     // sessions of different sets
+  double days_apart = 0;                                                    // sessions of stages
   std::vector<std::string> set_families{std::string(default_family_name)};  // the robots take them in turn
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
   std::uint64_t first_seed = Campaign{}.first_seed;
@@ -118,8 +119,10 @@ int run(const Options& options) {
   part("merges-on-request", false, [&] { return drawn_mines(options, Clouds::on_request, "merges-on-request"); });
   part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
-  part("stages", false,
-       [&] { return (options.crossed ? stages_crossed : stages)(options.sets, options.set_families, options.out); });
+  part("stages", false, [&] {
+    return (options.crossed ? stages_crossed : stages)(options.sets, options.set_families, options.days_apart,
+                                                       options.out);
+  });
   part("localize", false, [&] {
     LocalizeBench bench = options.localize;
     bench.out = options.out;
@@ -173,6 +176,7 @@ int main(int argc, char** argv) {
   stages->add_option("--family", options.set_families, "of descriptors: the robots of a set take these in turn")
       ->delimiter(',')
       ->allow_extra_args(false);
+  stages->add_option("--days-apart", options.days_apart, "so many days lie between the drives, by their stamps");
   stages->callback([&options] { options.what = "stages"; });
   auto* localize = app.add_subcommand("localize", "robots wake up in a mapped mine and ask where they are");
   localize->add_option("DIR", options.localize.sets, "data sets (as of stages), or folders of them")->required();

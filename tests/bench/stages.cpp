@@ -240,13 +240,13 @@ nlohmann::json summed_up(const std::vector<PairRow>& rows) {
 }  // namespace
 
 nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::vector<std::string>& families,
-                      const std::filesystem::path& out) {
+                      double days_apart, const std::filesystem::path& out) {
   const auto sets = sets_below(folders);
   std::vector<PairRow> rows;
   VerdictRows evidence(out / "verdict_sets.csv");
   for (const auto& set : sets) {
     const auto truth = truth_of(set);
-    const auto sessions = sessions_of(set, families);
+    const auto sessions = sessions_of(set, families, days_apart);
     for (const auto& pair : truth.at("pairs")) {
       const InCommon common{pair.at("overlap_pct"), pair.at("nearest_poses_m")};
       rows.push_back(PairStudy(sessions.at(pair.at("a")), sessions.at(pair.at("b")), common).run(evidence));
@@ -260,10 +260,18 @@ nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const s
 }
 
 nlohmann::json stages_crossed(const std::vector<std::filesystem::path>& folders,
-                              const std::vector<std::string>& families, const std::filesystem::path& out) {
+                              const std::vector<std::string>& families, double days_apart,
+                              const std::filesystem::path& out) {
   std::map<std::string, std::vector<DrivenSession>> by_kind;
-  for (const auto& set : sets_below(folders))
-    for (auto& [robot, session] : sessions_of(set, families)) by_kind[kind_of(session.world)].push_back(session);
+  double later_s = 0;  // sets follow each other as robots do
+  for (const auto& set : sets_below(folders)) {
+    const auto of_set = sessions_of(set, families, days_apart);
+    for (const auto& [robot, session] : of_set) {
+      by_kind[kind_of(session.world)].push_back(session);
+      for (Keyframe& keyframe : by_kind[kind_of(session.world)].back().keyframes) keyframe.stamp_s += later_s;
+    }
+    later_s += days_apart * 86400 * static_cast<double>(of_set.size());
+  }
   std::vector<PairRow> rows;
   VerdictRows evidence(out / "verdict_crossed.csv");
   for (auto& [kind, sessions] : by_kind) {

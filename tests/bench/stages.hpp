@@ -13,12 +13,13 @@ namespace headframe::bench {
 /// both saw. A table on stdout, a picture and a line for each pair (stages.csv) in `out`. Throws when a data set cannot
 /// be read.
 nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::vector<std::string>& families,
-                      const std::filesystem::path& out);
+                      double days_apart, const std::filesystem::path& out);
 
 /// The same for every two sessions of different data sets whose worlds have one name (up to the first hyphen): many
 /// pairs that share nothing, among copies, from few drives. In place of the share of rock stands the share of the path
 /// that lies within 8 m of the other's. Lines in stages_crossed.csv.
 nlohmann::json stages_crossed(const std::vector<std::filesystem::path>& folders,
-                              const std::vector<std::string>& families, const std::filesystem::path& out);
+                              const std::vector<std::string>& families, double days_apart,
+                              const std::filesystem::path& out);
 
 }  // namespace headframe::bench

@@ -34,11 +34,11 @@ class FakeStation : public Station {
     }
     Pose T_1_2 = pose_from_yaw(M_PI / 2, {10, 20, 30});
     view.atlas = {7, {{1, {{1, Pose::Identity()}, {2, T_1_2}}}, {3, {{3, Pose::Identity()}}}}};
-    AlignmentRow published{{1, 1, 2, AlignmentState::published, T_1_2, {}}, rows[0].key, rows[1].key};
+    AlignmentRow published = row_of(1, 2, AlignmentState::published, T_1_2);
     published.alignment.evidence.probability = 0.97;
     published.alignment.evidence.tilt_deg = std::numeric_limits<double>::quiet_NaN();
-    AlignmentRow rejected{{2, 1, 3, AlignmentState::rejected, Pose::Identity(), {}}, rows[0].key, rows[2].key};
-    view.alignments = {published, rejected};
+    view.alignments.push_back(published);
+    view.alignments.push_back(row_of(2, 3, AlignmentState::rejected, Pose::Identity()));
   }
   ~FakeStation() override {
     timer_stop_.request_stop();
@@ -206,6 +206,18 @@ class FakeStation : public Station {
   mutable std::mutex cloud_gate;  // held by a test: cloud() waits
 
  private:
+  /// Of the first session and this one.
+  AlignmentRow row_of(AlignmentId id, SessionId other, AlignmentState state, const Pose& T_a_b) const {
+    AlignmentRow row;
+    row.alignment.id = id;
+    row.alignment.a = 1;
+    row.alignment.b = other;
+    row.alignment.state = state;
+    row.alignment.T_a_b = T_a_b;
+    row.a = rows[0].key;
+    row.b = rows[static_cast<std::size_t>(other - 1)].key;
+    return row;
+  }
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   Pending pending_;

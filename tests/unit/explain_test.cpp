@@ -81,6 +81,83 @@ TEST(Explain, FindingsAreTheVerdictItself) {
   EXPECT_NEAR(probability_without(findings.front(), k.evidence), 1 / (1 + std::exp(-log_odds(without).sum())), 1e-9);
 }
 
+TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {
+  struct Case {
+    double Evidence::*member;
+    double bad, worse;  // worse: by how much of itself
+    std::string_view term;
+  };
+  for (const Case& c : {Case{&Evidence::worst_place_violation, 0.05, 1.02, "one place contradicts"},
+                        Case{&Evidence::residual_m, 0.12, 1.02, "surfaces lie apart"},
+                        Case{&Evidence::descriptors_alike, 0.3, 0.98, "descriptors differ"},
+                        Case{&Evidence::inlier_fraction, 0.1, 0.98, "few points meet"}}) {
+    Alignment k = good();
+    k.state = AlignmentState::candidate;
+    k.evidence.*c.member = c.bad;
+    k.evidence.probability = probability(RegistrationStatus::converged, k.evidence);
+    ASSERT_LT(k.evidence.probability, VerdictThresholds{}.accept_probability) << c.term;
+    const Explanation e = explained(k);
+    const auto f =
+        std::find_if(e.findings.begin(), e.findings.end(), [&](const auto& g) { return g.evidence == c.term; });
+    ASSERT_TRUE(f != e.findings.end() && f->sufficient) << c.term;
+    EXPECT_FALSE(f->would_suffice.empty());
+    k.evidence.*c.member = *f->sufficient;
+    EXPECT_GE(probability(RegistrationStatus::converged, k.evidence), VerdictThresholds{}.accept_probability - 1e-6);
+    k.evidence.*c.member *= c.worse;
+    EXPECT_LT(probability(RegistrationStatus::converged, k.evidence), VerdictThresholds{}.accept_probability) << c.term;
+  }
+}
+
+TEST(Explain, WhereNothingAloneWouldSufficeNothingIsSaidToDoSo) {
+  Alignment k = good();
+  k.evidence.worst_place_violation = 0.2;
+  k.evidence.residual_m = 0.2;
+  for (const Finding& f : explained(k).findings) EXPECT_TRUE(f.would_suffice.empty()) << f.text;
+  for (const Finding& f : explained(good()).findings) EXPECT_FALSE(f.sufficient) << "it is believed already";
+}
+
+TEST(Explain, WhatChangesExcuseDoesNotWeighAndIsNamed) {
+  Alignment k = good();
+  k.evidence.freespace_violation = k.evidence.freespace_explained = 0.012;
+  k.evidence.worst_place_violation = k.evidence.worst_place_explained = 0.03;
+  const Explanation e = explained(k);
+  EXPECT_NE(side(e, "one place contradicts"), Speaks::against);
+  const auto free = std::find_if(e.findings.begin(), e.findings.end(),
+                                 [](const auto& f) { return f.evidence == "free space contradicts"; });
+  ASSERT_TRUE(free != e.findings.end());
+  EXPECT_NE(free->text.find("0.00 % of the points"), std::string::npos) << free->text;
+  EXPECT_NE(free->text.find("besides 1.20 % where the mine has changed"), std::string::npos) << free->text;
+}
+
+TEST(Explain, GatesAreShownAsGates) {
+  const auto failed = [](const Alignment& k) {
+    std::vector<std::string> names;
+    for (const Gate& gate : explained(k).gates)
+      if (!gate.passed) names.emplace_back(gate.name);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  Alignment k = good();
+  k.evidence.probability = probability(RegistrationStatus::converged, k.evidence);
+  EXPECT_EQ(failed(k), Names{});
+  Alignment slides = k;
+  slides.evidence.probability = probability(RegistrationStatus::degenerate, k.evidence);
+  EXPECT_EQ(failed(slides), (Names{"held", "probable"}));
+  Alignment leans = k;
+  leans.evidence.tilt_deg = 3.1;
+  leans.evidence.probability = 0;
+  EXPECT_EQ(failed(leans), (Names{"upright", "probable", "told from its runner-up"}));
+  Alignment rivalled = k;
+  rivalled.evidence.runner_up = k.evidence.probability;
+  EXPECT_EQ(failed(rivalled), Names{"told from its runner-up"});
+  Alignment waits = k;
+  waits.evidence.awaited_m = 30;
+  EXPECT_EQ(failed(waits), Names{"path of robots that still drive"});
+  Alignment contradicted = k;
+  contradicted.objection = Objection{2, 7, 0.09};
+  EXPECT_EQ(failed(contradicted), Names{"other sessions"});
+}
+
 TEST(Explain, AMergeSaysWhereAndHowSureAndMissesNothing) {
   const Explanation e = explained(good(), true);
   EXPECT_EQ(e.outcome,

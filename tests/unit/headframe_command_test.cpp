@@ -126,10 +126,29 @@ TEST_F(HeadframeCommand, ExplainsInWords) {
   const Outcome why = run("explain alpha beta");
   EXPECT_EQ(why.code, 0) << why.err;
   EXPECT_EQ(why.out.rfind("alpha/run/1 and beta/run/1 are merged: at x 10.0", 0), 0U) << why.out;
-  EXPECT_NE(why.out.find("  + 0.00 % of the points lie"), std::string::npos) << why.out;
+  EXPECT_NE(why.out.find("  + 0.0  0.00 % of the points lie"), std::string::npos) << why.out;
+  EXPECT_NE(why.out.find("gates\n  + upright: "), std::string::npos) << why.out;
   EXPECT_NE(run("explain alpha 'gamma \"3\"'").out.find("missing\n    they do not meet"), std::string::npos);
   expect_fault(run("explain alpha delta"), 1, "no session \"delta\"");
   expect_fault(run("explain alpha"), 2, "B is required");
+}
+
+TEST_F(HeadframeCommand, ListsWhatChangedInTheMine) {
+  EXPECT_EQ(run("changes").out.rfind("no change", 0), 0U);
+  server.station.view.alignments[0].alignment.changes = {
+      {ChangeKind::excavated, {1, 2, 3}, 4, 2, 3, false, 1.7e9, 1.71e9}};
+  const Outcome all = run("changes --since 2024-03-09");
+  EXPECT_EQ(all.code, 0) << all.err;
+  EXPECT_NE(all.out.find("excavated"), std::string::npos) << all.out;
+  EXPECT_NE(all.out.find("2023-11-14 22:13"), std::string::npos) << "1.7e9 s: " << all.out;
+  EXPECT_NE(all.out.find("2024-03-09 16:00"), std::string::npos) << all.out;
+  EXPECT_EQ(run("changes --since 2024-03-10").out.rfind("no change", 0), 0U);
+  EXPECT_EQ(Json::parse(run("changes --json").out)["changes"][0]["older"]["robot"], "alpha");
+  server.station.view.alignments[0].alignment.evidence.inlier_fraction = 0.9;
+  EXPECT_NE(run("explain alpha beta").out.find("excavated at x 1.0, y 2.0, z 3.0 m, 4.0 x 2.0 x 3.0 m"),
+            std::string::npos);
+  for (const char* wrong : {"2026-02-29", "2026-1-1", "yesterday", "2026-11-231"})
+    expect_fault(run(std::string("changes --since ") + wrong), 2, "write YYYY-MM-DD");
 }
 
 TEST_F(HeadframeCommand, ASessionIsSetAsideReleasedAndDeleted) {

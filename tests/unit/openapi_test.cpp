@@ -86,6 +86,8 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
   server.station.view.alignments[0].alignment.T_a_b = Pose::Identity();
   server.station.view.alignments[1].alignment.objection = Objection{1, 3, 0.1};
   server.station.view.alignments[0].alignment.T_a_b_runner_up = Pose::Identity();
+  server.station.view.alignments[0].alignment.changes.push_back(
+      {ChangeKind::excavated, {1, 2, 3}, 4, 3, 2, false, 1.7e9, 1.71e9});
   const std::string survey =
       R"({"points":[{"p_session":[0,0,0],"p_grid":[0,0,0]},{"p_session":[9,0,0],"p_grid":[9,0,0]},
                                            {"p_session":[0,9,0],"p_grid":[0,9,0]}]})";
@@ -99,6 +101,7 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
       {"get", "/api/v1/atlas", "/api/v1/atlas", ""},
       {"get", "/api/v1/atlas", "/api/v1/atlas?wait=0", ""},
       {"get", "/api/v1/alignments", "/api/v1/alignments", ""},
+      {"get", "/api/v1/changes", "/api/v1/changes?since=1.7e9", ""},
       {"get", "/api/v1/log", "/api/v1/log?most=9", ""},
       {"post", "/api/v1/alignments/{id}/{decision}", "/api/v1/alignments/1/confirm", ""},
       {"get", "/api/v1/alignments/{id}/overlay", "/api/v1/alignments/1/overlay?most=20", ""},

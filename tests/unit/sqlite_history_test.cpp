@@ -16,6 +16,7 @@ constexpr const char* to_schema_3 =
     "COLUMN rate_kib_s; ALTER TABLE keyframes DROP COLUMN checksum; DROP TABLE placed; DROP TABLE self_likeness; "
     "ALTER TABLE sessions DROP COLUMN attempted_whole;"
     "DROP TABLE loop_closures;"
+    "DROP TABLE changes;"
     "PRAGMA user_version=3;";
 
 TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {

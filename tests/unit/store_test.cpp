@@ -84,6 +84,8 @@ TEST_P(StoreContract, KeepsTheAtlasWithItsEvidence) {
   Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
   alignment.evidence.probability = 0.97;
   alignment.evidence.slide_ratio = std::numeric_limits<double>::quiet_NaN();
+  alignment.changes = {{ChangeKind::filled, {1, 2, 3}, 4, 5, 6, true, 1.7e9, 1.8e9},
+                       {ChangeKind::excavated, {7, 8, 9}, 1, 1, 1, false, 1.71e9, 1.72e9}};
   const Atlas atlas{4, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
   {
     const auto store = open(dir);
@@ -91,6 +93,7 @@ TEST_P(StoreContract, KeepsTheAtlasWithItsEvidence) {
       ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
     ASSERT_TRUE(write_and_wait(*store, PutMerge{2, 17, {alignment}, atlas, {}}));
     alignment.state = AlignmentState::retracted;
+    alignment.changes.pop_back();
     ASSERT_TRUE(write_and_wait(*store, PutMerge{1, 9, {alignment}, std::nullopt, {}}));
   }
   const auto store = open(dir);
@@ -98,6 +101,13 @@ TEST_P(StoreContract, KeepsTheAtlasWithItsEvidence) {
   ASSERT_TRUE(merge);
   ASSERT_EQ(merge->alignments.size(), 1U);
   EXPECT_EQ(merge->alignments[0].state, AlignmentState::retracted);
+  ASSERT_EQ(merge->alignments[0].changes.size(), 1U) << "those it had before are gone";
+  const Change& change = merge->alignments[0].changes[0];
+  EXPECT_EQ(change.kind, ChangeKind::filled);
+  EXPECT_EQ(change.p_a, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(Eigen::Vector3d(change.length_m, change.width_m, change.height_m), Eigen::Vector3d(4, 5, 6));
+  EXPECT_TRUE(change.a_is_newer);
+  EXPECT_EQ(std::pair(change.older_s, change.newer_s), std::pair(1.7e9, 1.8e9));
   EXPECT_EQ(merge->alignments[0].T_a_b.matrix(), alignment.T_a_b.matrix());
   EXPECT_EQ(merge->alignments[0].evidence.probability, 0.97);
   EXPECT_TRUE(std::isnan(merge->alignments[0].evidence.slide_ratio));
