@@ -69,6 +69,13 @@ CREATE TABLE loop_closures (
   a BIGINT NOT NULL REFERENCES sessions(id), b BIGINT NOT NULL REFERENCES sessions(id), places BYTEA NOT NULL,
   PRIMARY KEY (a, b));
 )sql",
+    R"sql(
+CREATE TABLE changes (
+  a BIGINT NOT NULL, b BIGINT NOT NULL, number BIGINT NOT NULL, kind TEXT NOT NULL, x_a_m DOUBLE PRECISION NOT NULL,
+  y_a_m DOUBLE PRECISION NOT NULL, z_a_m DOUBLE PRECISION NOT NULL, length_m DOUBLE PRECISION NOT NULL,
+  width_m DOUBLE PRECISION NOT NULL, height_m DOUBLE PRECISION NOT NULL, a_is_newer BIGINT NOT NULL,
+  older_s DOUBLE PRECISION NOT NULL, newer_s DOUBLE PRECISION NOT NULL, PRIMARY KEY (a, b, number));
+)sql",
 };
 
 std::string step(std::size_t from) {
