@@ -193,7 +193,8 @@ TEST_F(Connections, AFullDiskHoldsTheRobotAndItGoesOnByItself) {
     for (std::uint64_t i = 1; i <= all; ++i) robot.send(slow_keyframe(i));
     const auto held = robot.read_until([](const auto& m) { return m.has_error() || !m.link_policy().hold().empty(); });
     ASSERT_TRUE(held && held->has_link_policy()) << "the link stays";
-    EXPECT_NE(held->link_policy().hold().find("waits until it can write"), std::string::npos) << held->link_policy().hold();
+    EXPECT_NE(held->link_policy().hold().find("waits until it can write"), std::string::npos)
+        << held->link_policy().hold();
     v1::RobotMessage ping;
     ping.mutable_ping()->set_nonce(5);
     robot.send(frame(ping));
