@@ -110,7 +110,7 @@ double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, co
   const Session &a = at(pair.a), &b = at(pair.b);
   const double reach_m = JudgeConfig{}.meet_m, asked_m = path_asked_m(evidence, config_.shown_m);
   double awaited_m = 0;
-  const double of_all_m = std::min(path_asked_m(evidence, short_m), config_.shown_m);
+  const double of_all_m = std::min({path_asked_m(evidence, short_m), most_of_short_m, config_.shown_m});
   const auto wait_for = [&](const Session& session, const Session& other, const Pose& T_other_session) {
     if (session.complete) {
       awaited_m = std::max(awaited_m, of_all_m - session.path_m());

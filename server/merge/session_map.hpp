@@ -72,11 +72,11 @@ class SessionMap {
   /// MergeConfig::shown_m. Where places look alike it is more, and other sessions are waited for too, which may come to
   /// contradict it: for a metre more if one has ended and was not looked at since. A session that rests or has ended
   /// has shown all it can, unless it is short: of the whole of its path short_m is asked, more for look-alikes and
-  /// doubt, and MergeConfig::shown_m at most. 0: none.
+  /// doubt, and most_of_short_m or MergeConfig::shown_m at most. 0: none.
   double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
   static constexpr double localize_m = 20;  // set by hand, as this:
-  static constexpr double short_m = 20;
+  static constexpr double short_m = 20, most_of_short_m = 50;
   /// The same before its robot, which asks where it is, is told of the placement: after localize_m in place of
   /// MergeConfig::shown_m, also when it rests or has ended.
   double path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,

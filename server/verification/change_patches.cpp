@@ -36,7 +36,7 @@ std::vector<Points> groups(const Points& points, float reach_m) {
     taken[first] = true;
     open.push_back(first);
     while (!open.empty()) {
-      const Eigen::Vector3f p = points[open.back()];
+      const Eigen::Vector3f& p = points[open.back()];
       open.pop_back();
       found.push_back(p);
       for (std::size_t i = first + 1; i < points.size(); ++i)

@@ -67,6 +67,7 @@ std::vector<Change> gather_changes(Evidence& e, const std::vector<SubmapCheck>& 
   e.freespace_explained = share_explained;
   e.worst_place_explained = e.worst_place_violation - worst;
   std::vector<Change> changes;
+  changes.reserve(patches.size());
   for (const ChangePatch& patch : patches) changes.push_back(change_of(patch));
   return changes;
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include "server/verification/change.hpp"
 #include "server/verification/meeting.hpp"
 #include "server/verification/screening_result.hpp"
 #include "server/verification/verdict.hpp"
