@@ -82,6 +82,7 @@ DrivenMine drive_mine(const mine::Request& request, Selection selection) {
     DrivenSession session = keyframes_of(recording, selection, 0);
     session.name = world + "/" + robot.name;
     session.world = world;
+    out.sessions.push_back(std::move(session));
     seen.push_back(mine::seen(recording, 0.5, 30));
   }
   for (const auto& a : seen) {

@@ -61,7 +61,7 @@ TEST_F(AwaitedPath, IsLongerTheMorePlacesLookAlikeAndTheLessSureItIs) {
 // A few metres of tile fit many places, and a robot that stops there may be anywhere.
 TEST_F(AwaitedPath, OfAShortSessionThatHasEndedIsMoreTheMoreLooksAlikeAndTheLessSureItIs) {
   for (const int metres : {10, 19, 20, 21, 35, 49, 50}) {
-    const auto id = static_cast<SessionId>(100 + metres);
+    const SessionId id = 100 + SessionId{metres};
     grow(id, metres);
     sessions_.complete(id);
     const auto awaited_m = [&](double look_alikes, double probability) {

@@ -33,10 +33,13 @@ class PostgresMigration : public testing::Test {
     }
     Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
     alignment.evidence.slide_ratio = std::numeric_limits<double>::quiet_NaN();
+    alignment.changes = {{ChangeKind::filled, {1, 2, 3}, 4, 5, 6, true, 1.7e9, 1.8e9}};
     const Atlas atlas{1, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
     const DecisionRecord decision{1, 1, Decision::confirm, Pose::Identity(), 10, false};
     PutMerge merge{2, 17, {alignment}, atlas, {decision}, 1};
     merge.self_likeness = {{1, {120.5, 40, 2, 3.5, {{1, 7}}}}};
+    const PoseConstraint place{{1, 7}, {2, 9}, pose_from_yaw(0.3, {1, 2, 3}), Matrix6d::Identity()};
+    merge.closures = {{1, 2, std::make_shared<const std::vector<PoseConstraint>>(1, place)}};
     ASSERT_TRUE(write_and_wait(store, merge));
     ASSERT_TRUE(write_and_wait(store, PutLabel{1, "north drift"}));
     ASSERT_TRUE(write_and_wait(store, PutSurvey{{1, Pose::Identity(), {{"P 1", {1, 2, 3}, {4, 5, 6}}}}}));
