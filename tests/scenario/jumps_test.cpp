@@ -106,7 +106,7 @@ TEST(Jumps, WhoDrivesBackOverItsPathIsNotCut) {
   };
   ASSERT_GT(farthest_m(), 50) << "where it drives on there is no keyframe near the last one";
   MergeConfig config = test::waits_for_no_others();
-  config.shown_more_m = 0;  // the second drive is short, and this mine is all alike
+  config.shown_more_m = config.shown_doubt_m = 0;  // the second drive is short, and this mine is all alike
   Base base({back, test::drive(other_mine(), {{20, -33}, {20, 0}}, 0.7, 7)}, config);
   settle(base);
   EXPECT_EQ(base.pipeline.why_cut(1), "");
