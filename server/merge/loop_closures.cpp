@@ -106,8 +106,9 @@ std::vector<PairClosures> LoopClosures::find(SessionId id, std::span<const Align
   std::vector<PairClosures> news;
   std::size_t left = rules_.at_once;
   const auto look = [&](const Pair& pair, const Pose& T_a_b) {
+    if (sessions_.at(pair.first).keyframes.empty() || sessions_.at(pair.second).keyframes.empty()) return;
     Known& known = known_[pair];
-    const Eigen::Vector3d& p = sessions_.at(pair.second).middle();
+    const Eigen::Vector3d p = sessions_.at(pair.second).middle();
     if (!same_placement(known.T_a_b, T_a_b, p, same_as_rival)) known = {};
     known.T_a_b = T_a_b;
     const Search search(*this, pair, known, attempt.clouds);

@@ -127,5 +127,11 @@ TEST(LoopClosures, ASessionThatComesBackToItsPathMeetsItself) {
   EXPECT_TRUE(base.pipeline.corrections().empty());
 }
 
+TEST(LoopClosures, ASessionWithoutKeyframesHasNone) {
+  Base base({});
+  base.pipeline.add_session(1, ScanContext().id());
+  EXPECT_TRUE(base.pipeline.attempt(1, base.shelf).closures.empty());
+}
+
 }  // namespace
 }  // namespace headframe
