@@ -103,9 +103,8 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
           runner_up_share(e), config.runner_up_share));
     if (e.awaited_m > 0)
       missing.push_back(
-          formatted("a robot still drives, of this pair or, where places look alike, another: what lies ahead of it "
-                    "may contradict "
-                    "a look-alike; %.0f m farther, or its end, tells",
+          formatted("more path may contradict a look-alike: %.0f m are awaited, of a robot that still drives (of this "
+                    "pair or, where places look alike, another; its end tells, too) or of a drive that was short",
                     e.awaited_m));
     if (e.weakest_hold < held_well)
       missing.push_back("the position along the tunnel is held by nothing: drive on to a junction or a bend");

@@ -167,7 +167,7 @@ std::vector<Gate> gates_of(const Alignment& alignment, const VerdictThresholds& 
       {"told from its runner-up", runner_up_share(e) < thresholds.runner_up_share,
        formatted("the runner-up's odds count as %.3f of this one's, below %.2f is asked for", runner_up_share(e),
                  thresholds.runner_up_share)},
-      {"path of robots that still drive", !(e.awaited_m > 0), formatted("%.0f m more are waited for", e.awaited_m)},
+      {"path that is awaited", !(e.awaited_m > 0), formatted("%.0f m more are waited for", e.awaited_m)},
       {"other sessions", !alignment.objection,
        alignment.objection
            ? formatted("two that would lie on each other contradict each other with %.1f %% of the points",

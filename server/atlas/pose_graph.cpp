@@ -223,6 +223,13 @@ PoseGraphResult as_it_came(const PoseGraph& graph) {
 
 }  // namespace
 
+Matrix6d information_of(double sigma_rad, double sigma_m) {
+  Vector6d d;
+  d.head<3>().setConstant(1 / (sigma_rad * sigma_rad));
+  d.tail<3>().setConstant(1 / (sigma_m * sigma_m));
+  return d.asDiagonal();
+}
+
 PoseGraphResult optimise(const PoseGraph& graph, const PoseGraphConfig& config) {
   if (!finite(graph)) return as_it_came(graph);
   return LeastSquares(graph, config).solve();

@@ -25,6 +25,9 @@ struct PoseEdge {
   bool may_be_wrong = false;  // it loses its weight where the others contradict it
 };
 
+/// Of a pose that is known so well in every direction.
+Matrix6d information_of(double sigma_rad, double sigma_m);
+
 /// One point as two nodes know it: a survey's mark, of a keyframe and of the mine's grid.
 struct PointEdge {
   std::size_t a = 0, b = 0;

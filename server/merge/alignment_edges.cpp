@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/atlas/pose_graph.hpp"
 #include "server/session/same_placement.hpp"
 
 namespace headframe {
@@ -11,13 +12,6 @@ namespace {
 
 constexpr double meet_within_m = 10;
 constexpr double degree = std::numbers::pi / 180;
-
-Matrix6d known_to(double sigma_rad, double sigma_m) {
-  Vector6d d;
-  d.head<3>().setConstant(1 / (sigma_rad * sigma_rad));
-  d.tail<3>().setConstant(1 / (sigma_m * sigma_m));
-  return d.asDiagonal();
-}
 
 struct KeyframePair {
   std::size_t a = 0, b = 0;
@@ -78,8 +72,8 @@ std::vector<PoseConstraint> edges_of(const Alignment& alignment, const PoseConst
   const std::vector<KeyframePair> meet = meetings(a, b, alignment.T_a_b);
   if (meet.empty()) return edges;
   if (edges.empty())
-    for (const KeyframePair& end : {meet.front(), meet.back()}) add(end, known_to(1 * degree, 0.3));
-  add(meet[meet.size() / 2], known_to(2 * degree, 0.5));
+    for (const KeyframePair& end : {meet.front(), meet.back()}) add(end, information_of(1 * degree, 0.3));
+  add(meet[meet.size() / 2], information_of(2 * degree, 0.5));
   return edges;
 }
 

@@ -23,7 +23,7 @@ class LoopClosures::Search {
         a_(of.sessions_.at(pair.first)),
         b_(of.sessions_.at(pair.second)) {
     for (std::size_t k = 0; k < b_.keyframes.size(); ++k)
-      if (const auto place = place_of(k)) meet_.push_back(k);
+      if (place_of(k)) meet_.push_back(k);
   }
 
   std::optional<Place> next() const {

@@ -11,7 +11,8 @@
 
 namespace headframe {
 
-/// What is asked of a loop closure before the pose graph hears of it; set by hand.
+/// What is asked of a loop closure before the pose graph hears of it. Set by hand; one that is left out leaves odometry
+/// as it is.
 struct LoopClosureRules {
   double apart_m = 95;          // of path between two times of one session: their submaps share no cloud
   double near_m = 5;            // between two keyframes of a session, as odometry has them ...
@@ -22,7 +23,7 @@ struct LoopClosureRules {
   double least_inliers = 0.4;   // of the points
   double least_matched = 0.75;  // of the points that the other time can speak of
   double most_violation = 0.02;
-  double most_moved_m = 2;     // by the registration, between two sessions: less than apart_from a rival
+  double most_moved_m = 2;     // by the registration, between two sessions: farther off lies another placement
   double most_turn_rad = 0.1;  // the same
 };
 

@@ -34,11 +34,7 @@ PoseEdge odometry_edge(const Session& session, std::size_t keyframe_from, std::s
   const double rad =
       std::max(noise.least_radians, std::hypot(noise.radians * std::sqrt(path_m),
                                                noise.of_turning * turned_rad(session, keyframe_from, keyframe_to)));
-  Vector6d information;
-  information.head<3>().setConstant(1 / (rad * rad));
-  information.tail<3>().setConstant(1 / (m * m));
-  return {from, to, pose_of(session, keyframe_from).inverse() * pose_of(session, keyframe_to),
-          information.asDiagonal()};
+  return {from, to, pose_of(session, keyframe_from).inverse() * pose_of(session, keyframe_to), information_of(rad, m)};
 }
 
 }  // namespace headframe

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/descriptor/family.hpp"
+#include "server/merge/loop_closures.hpp"
 #include "server/picture/top_view.hpp"
 #include "tests/bench/made_sets.hpp"
 #include "tests/bench/measure.hpp"
@@ -102,6 +103,23 @@ picture::Panel panel(const std::string& title, const PipelineRun& run, const Pla
   return out;
 }
 
+/// Within reach of loop closures, in truth.
+std::size_t keyframes_that_come_back(const DrivenSession& session) {
+  const LoopClosureRules rules;
+  const std::vector<Pose> truth = true_keyframes(session);
+  std::vector<double> path_to_m(truth.size(), 0);
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    path_to_m[i] = path_to_m[i - 1] + (truth[i].translation() - truth[i - 1].translation()).norm();
+    for (std::size_t k = 0; path_to_m[i] - path_to_m[k] >= rules.apart_m; ++k) {
+      if ((truth[i].translation() - truth[k].translation()).norm() > rules.near_m) continue;
+      ++count;
+      break;
+    }
+  }
+  return count;
+}
+
 class Report {
  public:
   explicit Report(std::filesystem::path out) : out_(std::move(out)) {}
@@ -116,7 +134,9 @@ class Report {
     for (const Component& component : run.pipeline.atlas().components) {
       const bool bent = run.pipeline.corrections().contains(component.id);
       if (!bent && component.placements.size() < 2) {
-        if (loop) std::printf("  %-44s no loop was found\n", name.c_str());
+        if (loop)
+          std::printf("  %-44s no loop was found; %zu keyframes come back near the path\n", name.c_str(),
+                      keyframes_that_come_back(run.session(component.id)));
         continue;
       }
       const Placed all = placed(run, component);

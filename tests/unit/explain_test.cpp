@@ -152,7 +152,7 @@ TEST(Explain, GatesAreShownAsGates) {
   EXPECT_EQ(failed(rivalled), Names{"told from its runner-up"});
   Alignment waits = k;
   waits.evidence.awaited_m = 30;
-  EXPECT_EQ(failed(waits), Names{"path of robots that still drive"});
+  EXPECT_EQ(failed(waits), Names{"path that is awaited"});
   Alignment contradicted = k;
   contradicted.objection = Objection{2, 7, 0.09};
   EXPECT_EQ(failed(contradicted), Names{"other sessions"});

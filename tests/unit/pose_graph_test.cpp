@@ -13,13 +13,6 @@ namespace {
 
 constexpr double deg = std::numbers::pi / 180;
 
-Matrix6d information_of(double sigma_rad, double sigma_m) {
-  Vector6d d;
-  d.head<3>().setConstant(1 / (sigma_rad * sigma_rad));
-  d.tail<3>().setConstant(1 / (sigma_m * sigma_m));
-  return d.asDiagonal();
-}
-
 // The graph of these tests: a robot drives once round a square of 40 m, a node every 4 m, and closes the loop.
 //
 //     10 - 9 - 8 ...

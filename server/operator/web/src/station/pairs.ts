@@ -7,7 +7,7 @@ type Pair = Pick<Alignment, 'state' | 'decision'> & { evidence: Record<string, n
 
 const convincing = 0.9;
 
-/** Whole metres of path that a convincing pair waits for, since robots that still drive may show that it is a look-alike; 0: it
+/** Whole metres of path that a convincing pair waits for, since more path may show that it is a look-alike; 0: it
  * waits for nothing. */
 export function awaitedOf({ state, decision, evidence }: Pair): number {
   const waits = decision === 'none' && ['candidate', 'provisional'].includes(state) && (evidence.probability ?? 0) >= convincing;
@@ -32,6 +32,6 @@ export function doubtOf({ state, evidence }: Pair): string {
   const probability = evidence.probability ?? 0;
   const awaited = evidence.awaited_m ?? 0;
   if (state !== 'published' && probability >= doubtful && awaited > 0)
-    return `It fits, and robots that still drive may yet show that it is a look-alike: ${Math.ceil(awaited)} m of path are awaited. A wrong merge sends robots wrong transforms.`;
+    return `It fits, and more path may yet show that it is a look-alike: ${Math.ceil(awaited)} m of path are awaited. A wrong merge sends robots wrong transforms.`;
   return state !== 'published' && probability < doubtful ? `The evidence gives it a probability of ${percent(probability)} only. A wrong merge sends robots wrong transforms.` : '';
 }
