@@ -163,9 +163,10 @@ int main(int argc, char** argv) {
   app.add_option("--fingerprint", o.fingerprint, "of the server's certificate, if not the one of the enrolment");
   app.add_flag("--insecure", o.insecure, "in the clear and unknown, to a server that runs with --insecure");
   auto* fast = app.add_flag("--fast", o.fast, "as fast as the disk and the processor allow");
+  constexpr double most = 1e9;
   app.add_option("--rate", o.rate, "times real time")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-3, most))
       ->excludes(fast);
   app.add_option("--clouds", o.clouds, "which clouds to send")
       ->capture_default_str()
@@ -178,15 +179,15 @@ int main(int argc, char** argv) {
   app.add_flag("--localize", o.localize, "ask where the robot is in the map of others, and print the answers");
   app.add_flag("--around", o.around, "print the paths of others, and what was seen of the mine, as they come");
   app.add_option("--map", o.map_radius_m, "ask for the map of all robots, so many metres around the last scan")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0, 200));
   app.add_option("--linger", o.linger_s, "stay so many seconds after the last answer (30 with on_request, else 0)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, most));
   app.add_option("--patience", o.patience_s, "give up after so many seconds without progress")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, most));
   app.add_option("--bytes-per-s", o.bytes_per_s, "budget of the link; 0: no limit")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(0.0, most));
   app.add_option("SESSION_DIR", o.folder, "scans/, poses.txt and sensor.json")->required();
   try {
     app.parse(argc, argv);
