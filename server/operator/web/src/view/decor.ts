@@ -86,9 +86,9 @@ export class Decor {
       context.lineTo(q.x, q.y);
       context.stroke();
       const text = value.toFixed(step < 1 ? 1 : 0);
-      // Lines of equal easting are named at their lower end, those of equal northing at their left one.
+      // Lines of equal easting are named below their lower end, those of equal northing above their left one.
       const end = axis === 0 ? (p.y > q.y ? p : q) : p.x < q.x ? p : q;
-      context.fillText(text, Math.min(Math.max(end.x + 3, 3), width - context.measureText(text).width - 3), Math.max(end.y - 3, 12));
+      context.fillText(text, Math.min(Math.max(end.x + 3, 3), width - context.measureText(text).width - 3), axis === 0 ? Math.min(end.y + 14, this.stage.size.y - 3) : Math.max(end.y - 3, 12));
     }
   }
 
