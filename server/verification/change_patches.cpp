@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <set>
 
 #include "server/registration/kd_tree.hpp"
@@ -11,6 +10,7 @@
 namespace headframe {
 namespace {
 
+// All set by hand, on the scenes of tests/scenario/changes_test and the placements of one set of made worlds.
 constexpr float joined_m = 1.5F;                     // apart, seen from two places
 constexpr float link_leaves = 2, fringe_leaves = 4;  // points of one patch lie nearer to each other
 constexpr float least_m2 = 2.5F;                     // of a patch
@@ -25,8 +25,6 @@ constexpr std::size_t most_changes = 3;  // between two sessions: a wrong placem
 
 /// Groups of points, each within reach of another of its group, those with the lowest index first.
 std::vector<Points> groups(const Points& points, float reach_m) {
-  std::vector<std::size_t> group(points.size());
-  std::iota(group.begin(), group.end(), 0U);
   std::vector<std::size_t> open;
   std::vector<bool> taken(points.size(), false);
   std::vector<Points> out;
