@@ -7,7 +7,7 @@
 
 namespace headframe::test {
 
-void write_session(const std::filesystem::path& folder, const Drive& drive) {
+void write_session(const std::filesystem::path& folder, const Drive& drive, std::int64_t begun_s) {
   std::filesystem::create_directories(folder / "scans");
   std::ofstream(folder / "sensor.json")
       << R"({"model": "drawn-32", "beams": 32, "fov_up_deg": 22.5, "fov_down_deg": 22.5, "max_range_m": 60})";
@@ -16,7 +16,8 @@ void write_session(const std::filesystem::path& folder, const Drive& drive) {
   for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
     const Pose& T = drive.keyframes[i].T_local_sensor;
     const Eigen::Quaterniond q(T.linear());
-    poses << i << ' ' << T.translation().transpose() << ' ' << q.coeffs().transpose() << '\n';
+    poses << begun_s + static_cast<std::int64_t>(i) << ' ' << T.translation().transpose() << ' '
+          << q.coeffs().transpose() << '\n';
     char name[32];
     std::snprintf(name, sizeof name, "%06zu.bin", i);
     if (const auto written = write_kitti(folder / "scans" / name, drive.clouds[i].sweeps.front().points); !written)
@@ -34,6 +35,12 @@ Drive drive_a_to_c(double spacing_m) { return drive(branches_mine(), {{2, 0}, {3
 Drive drive_b_to_a(double spacing_m) { return drive(branches_mine(), {{88, 0}, {4, 0}}, 2.3, 2, spacing_m); }
 Drive drive_d_to_b(double spacing_m) {
   return drive(branches_mine(), {{60, -23}, {60, 0}, {88, 0}}, -1.1, 3, spacing_m);
+}
+
+Drive drive_b_to_c_driven_on(double spacing_m) {
+  static const BoxMine later(
+      {BoxMine::drift(0, 0, 90, 0), BoxMine::drift(30, 0, 30, 52), BoxMine::drift(60, -25, 60, 0, 6)});
+  return drive(later, {{88, 0}, {30, 0}, {30, 50}}, 0.8, 4, spacing_m);
 }
 
 }  // namespace headframe::test

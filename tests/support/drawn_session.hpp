@@ -1,13 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "tests/support/box_mine.hpp"
 
 namespace headframe::test {
 
-/// Writes a drawn drive (one scan a keyframe of it) as a session folder that headframe-replay plays; stamps 1 s apart.
-void write_session(const std::filesystem::path& folder, const Drive& drive);
+/// Writes a drawn drive (one scan a keyframe of it) as a session folder that headframe-replay plays; stamps 1 s apart,
+/// the first at begun_s.
+void write_session(const std::filesystem::path& folder, const Drive& drive, std::int64_t begun_s = 0);
 
 /*  y
  *  40        C
@@ -19,5 +21,7 @@ const BoxMine& branches_mine();
 Drive drive_a_to_c(double spacing_m = 2);
 Drive drive_b_to_a(double spacing_m = 2);
 Drive drive_d_to_b(double spacing_m = 2);
+/// From B to C in the same mine when C has been driven on by 12 m.
+Drive drive_b_to_c_driven_on(double spacing_m = 2);
 
 }  // namespace headframe::test

@@ -7,11 +7,16 @@
 namespace headframe::test {
 namespace {
 
-/// DIR/a, b and c meet at the crossings of one mine; DIR/short_0 to short_49 are a few metres each.
+constexpr std::int64_t first_day_s = 1'700'000'000, month_s = 30 * 86'400;
+
+/// DIR/a, b and c meet at the crossings of one mine; DIR/short_0 to short_49 are a few metres each. DIR/before and
+/// DIR/after are a month apart, and a face was driven on between them.
 void write_all(const std::filesystem::path& dir) {
   write_session(dir / "a", drive_a_to_c(1));
   write_session(dir / "b", drive_b_to_a(1));
   write_session(dir / "c", drive_d_to_b(1));
+  write_session(dir / "before", drive_a_to_c(1), first_day_s);
+  write_session(dir / "after", drive_b_to_c_driven_on(1), first_day_s + month_s);
   for (unsigned i = 0; i < 50; ++i) {
     const double x_m = 1 + i;
     write_session(dir / ("short_" + std::to_string(i)),

@@ -3,6 +3,7 @@
 import type { Desk } from './context';
 import { wantsLook } from './station/pairs';
 import { Alarm } from './panels/alarm';
+import { ChangesPanel } from './panels/changes';
 import { Header } from './panels/header';
 import { LogPanel } from './panels/log';
 import { MergesPanel } from './panels/merges';
@@ -13,7 +14,7 @@ import { SurveyPanel } from './panels/survey';
 import { ViewPane } from './panels/view_pane';
 import type { Choices, Tab } from './ui';
 
-const tabs: Record<Tab, string> = { merges: 'Merges', sessions: 'Sessions', log: 'Events', notes: 'Notes' };
+const tabs: Record<Tab, string> = { merges: 'Merges', sessions: 'Sessions', log: 'Events', changes: 'Changes', notes: 'Notes' };
 const order = Object.keys(tabs) as Tab[];
 
 function Tabs({ desk }: { desk: Desk }) {
@@ -55,6 +56,7 @@ function Tabs({ desk }: { desk: Desk }) {
         {ui.now.tab === 'merges' && <MergesPanel desk={desk} />}
         {ui.now.tab === 'sessions' && <SessionsPanel desk={desk} />}
         {ui.now.tab === 'log' && <LogPanel desk={desk} />}
+        {ui.now.tab === 'changes' && <ChangesPanel desk={desk} />}
         {ui.now.tab === 'notes' && <NotesPanel desk={desk} />}
       </div>
     </section>

@@ -5,7 +5,7 @@ import type { ColourBy } from './view/cloud_material';
 import type { MeasureOf } from './view/measure';
 import type { Way } from './view/stage';
 
-export type Tab = 'merges' | 'sessions' | 'log' | 'notes';
+export type Tab = 'merges' | 'sessions' | 'log' | 'changes' | 'notes';
 /** What lies over the map where there is room for one thing only. */
 export type Sheet = 'robots' | 'side' | 'tools';
 export type Theme = 'auto' | 'dark' | 'light';
@@ -32,6 +32,10 @@ export interface Choices {
   /** Outside of it nothing is shown. */
   clip: Clip | null;
   grid: boolean;
+  /** Whether changes of the mine are drawn, those alone that may have come after this day (YYYY-MM-DD; empty: all), and the one that is selected. */
+  changes: boolean;
+  changesFrom: string;
+  change: string | null;
   /** The session whose survey is worked on. */
   survey: number | null;
   sheet: Sheet | null;
@@ -56,6 +60,9 @@ export class Ui {
     sectionWidth_m: 2,
     clip: null,
     grid: true,
+    changes: true,
+    changesFrom: '',
+    change: null,
     survey: null,
     sheet: null,
     showRejected: false,

@@ -13,7 +13,8 @@ const keys: [string, string][] = [
   ['G', 'lines of coordinates'],
   ['M', 'measure; Enter takes the point under the cross, Backspace the last one back'],
   ['P', 'play, or pause'],
-  ['1 2 3 4', 'merges, sessions, events, notes'],
+  ['D', 'changes of the mine'],
+  ['1 2 3 4 5', 'merges, sessions, events, changes, notes'],
   ['Esc', 'let go of what is selected'],
   ['?', 'this list'],
 ];
@@ -85,6 +86,9 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
     case 'g':
       ui.set({ grid: !ui.now.grid });
       return true;
+    case 'd':
+      ui.set({ changes: !ui.now.changes });
+      return true;
     case 'Backspace':
       if (!ui.now.measuring) return false;
       view?.measure.back();
@@ -100,10 +104,11 @@ function act(desk: Desk, key: string, at: HTMLElement): boolean {
     case '2':
     case '3':
     case '4':
-      ui.set({ tab: (['merges', 'sessions', 'log', 'notes'] as const)[Number(key) - 1] });
+    case '5':
+      ui.set({ tab: (['merges', 'sessions', 'log', 'changes', 'notes'] as const)[Number(key) - 1] });
       return true;
     case 'Escape':
-      ui.set(ui.now.measuring ? { measuring: false } : ui.now.follow !== null ? { follow: null } : { session: null, alignment: null, survey: null, sheet: null });
+      ui.set(ui.now.measuring ? { measuring: false } : ui.now.follow !== null ? { follow: null } : { session: null, alignment: null, survey: null, sheet: null, change: null });
       return true;
     case '?':
       void showKeys();

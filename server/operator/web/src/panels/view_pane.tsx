@@ -178,6 +178,11 @@ export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanv
           <button class="button button-small" aria-pressed={ui.now.grid} title="Lines of coordinates" onClick={() => ui.set({ grid: !ui.now.grid })}>
             <Icon name="top" /> Grid
           </button>
+          {station.changes.length > 0 && (
+            <button class="button button-small" aria-pressed={ui.now.changes} title="What was excavated or filled between sessions" onClick={() => ui.set({ changes: !ui.now.changes })}>
+              <Icon name="change" /> Changes
+            </button>
+          )}
           {ui.now.clip && (
             <button class="button button-small" aria-pressed="true" title="Show all of the map again" onClick={() => ui.set({ clip: null })}>
               <Icon name="close" /> Only {clipText(ui.now.clip)}

@@ -31,6 +31,8 @@ export const wallClock_s = 1e9; // stamps beyond are seconds since 1970, below t
 
 export const dayAndTime = (stamp_s: number) => new Date(stamp_s * 1000).toLocaleString('en-GB', { day: '2-digit', month: 'short', hour: '2-digit', minute: '2-digit' });
 
+export const dayAndYear = (stamp_s: number) => new Date(stamp_s * 1000).toLocaleString('en-GB', { day: '2-digit', month: 'short', year: 'numeric' });
+
 export const momentText = (stamp_s: number) =>
   new Date(stamp_s * 1000).toLocaleString('en-GB', { day: '2-digit', month: 'short', year: 'numeric', hour: '2-digit', minute: '2-digit', second: '2-digit' });
 

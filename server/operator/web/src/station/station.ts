@@ -5,7 +5,7 @@ import { Feed, type LinkState } from './feed';
 import { dayAndTime, wallClock_s } from '../parts/format';
 import { Log, type ServerEntry } from './log';
 import { readOverview } from './overview';
-import type { Alignment, Atlas, Component, Keyframe, Me, Note, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
+import type { Alignment, Atlas, Change, Component, Keyframe, Me, Note, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
 
 const lookAround_ms = 2000;
 const together_ms = 300; // changes of the atlas within it are one request
@@ -44,6 +44,8 @@ export class Station {
   draft: ControlPoint[] = [];
   /** What operators wrote on the map, the newest at the end. */
   notes: Note[] = [];
+  /** Of the mine, between sessions; the newest first. */
+  changes: Change[] = [];
   me: Me | null = null;
   routes = new Set<string>();
   /** The server wants a token, and robots enrol. */
@@ -173,6 +175,14 @@ export class Station {
     this.changed();
   }
 
+  async refreshChanges(): Promise<void> {
+    if (!this.can('GET /api/v1/changes')) return;
+    const { changes } = await askJson<{ changes: Change[] }>('/api/v1/changes');
+    if (JSON.stringify(changes) === JSON.stringify(this.changes)) return;
+    this.changes = changes;
+    this.changed();
+  }
+
   private async readLog(): Promise<void> {
     this.log.take((await askJson<{ entries: ServerEntry[] }>('/api/v1/log?most=1000')).entries);
     this.changed();
@@ -238,6 +248,7 @@ export class Station {
     this.changed();
     void this.refreshSurveys().catch(() => {});
     void this.refreshNotes().catch(() => {});
+    void this.refreshChanges().catch(() => {});
   }
 
   private onLink(state: LinkState): void {
@@ -306,6 +317,7 @@ export class Station {
         if (id !== undefined) placed.set(id, { component: component.id, T_component_session: placement.T_component_session });
       }
     if (this.can('GET /api/v1/survey')) void this.refreshSurveys().catch(() => {}); // where components lie in the grid
+    void this.refreshChanges().catch(() => {}); // with the next atlas, then
     this.revision = atlas.revision;
     this.components = atlas.components;
     this.placed = placed;

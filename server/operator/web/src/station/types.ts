@@ -120,6 +120,24 @@ export interface Survey {
   suspect?: { name: string; text: string } | null;
 }
 
+export interface SeenBy extends SessionName {
+  id: number;
+  stamp_s: number;
+}
+
+/** What is gone or new in the mine, and between whose visits. */
+export interface Change {
+  kind: 'excavated' | 'filled';
+  alignment: number;
+  component: number | null;
+  /** Its middle, in the component's frame. */
+  p: [number, number, number];
+  /** Length, width, height. */
+  size_m: [number, number, number];
+  older: SeenBy;
+  newer: SeenBy;
+}
+
 export interface NotePlace {
   session_id: number;
   p_session: [number, number, number];

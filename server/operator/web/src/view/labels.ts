@@ -8,7 +8,7 @@ export interface Label {
   key: string;
   place: Vector3;
   text: string;
-  kind: 'robot' | 'away' | 'frame' | 'verdict' | 'measure' | 'control' | 'note';
+  kind: 'robot' | 'away' | 'frame' | 'verdict' | 'measure' | 'control' | 'note' | 'change';
   colour?: string;
   rank: number; // smaller ones are drawn first
   describe?: string;
@@ -17,7 +17,7 @@ export interface Label {
 }
 
 /** Pixels between a place and the text over it. */
-const over: Record<Label['kind'], number> = { robot: 18, away: 18, frame: 1, verdict: 0, measure: 0, control: 9, note: 0 };
+const over: Record<Label['kind'], number> = { robot: 18, away: 18, frame: 1, verdict: 0, measure: 0, control: 9, note: 0, change: 22 };
 const inset_px = { x: 6, above: 84, below: 56 }; // tools lie over the picture's edges
 
 const arrows = ['→', '↗', '↑', '↖', '←', '↙', '↓', '↘'];

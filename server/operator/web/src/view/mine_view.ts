@@ -3,12 +3,13 @@
 import { Box3, BufferGeometry, Float32BufferAttribute, LineBasicMaterial, LineSegments, Vector3 } from 'three';
 import { awaitedOf } from '../station/pairs';
 import type { Station } from '../station/station';
-import type { Note, Session } from '../station/types';
+import type { Change, Note, Session } from '../station/types';
 import type { Desk } from '../context';
 import { type Ages, agesOf, sharesOf } from '../time/ages';
 import { countUntil } from '../time/axis';
 import type { Player } from '../time/player';
 import type { Ui } from '../ui';
+import { ChangeMarks } from './change_marks';
 import { Chunk } from './chunk';
 import { cloudMaterial, colourBy, shared, vector } from './cloud_material';
 import { type Budget, Clouds } from './clouds';
@@ -68,6 +69,7 @@ export class MineView {
   private readonly edges: Edges;
   private readonly labels: Labels;
   private readonly notes: NoteMarks;
+  private readonly changes: ChangeMarks;
   private readonly decor: Decor;
   private readonly cursor: Cursor;
   /** Takes the next points that are clicked, in place of everything else. */
@@ -107,6 +109,7 @@ export class MineView {
     this.labels = new Labels(layer, this.stage);
     this.measure = new Measure(this.stage, this.frames, (id) => this.componentOf(id));
     this.notes = new NoteMarks(this.stage, this.frames, (id) => this.componentOf(id));
+    this.changes = new ChangeMarks(this.stage, this.frames, station);
     this.decor = new Decor(layer, this.stage);
     this.cursor = new Cursor(layer);
     this.outlines.frustumCulled = false;
@@ -178,6 +181,11 @@ export class MineView {
 
   lookAtNote(note: Note): void {
     const [place] = this.notes.placesOf(note);
+    if (place) this.goTo(place);
+  }
+
+  lookAtChange(change: Change): void {
+    const place = this.changes.placeOf(change);
     if (place) this.goTo(place);
   }
 
@@ -312,6 +320,7 @@ export class MineView {
       this.edges.beforeFrame((id) => this.lastShown(id));
       this.measure.beforeFrame(this.ui.now.measureOf);
       this.notes.beforeFrame();
+      this.changes.beforeFrame(this.ui.now, ({ id, stamp_s }) => this.player.until(id) >= stamp_s);
       this.decor.draw(this.framed(), this.ui.now.grid);
       this.labels.set(this.allLabels());
       this.labels.place();
@@ -355,7 +364,7 @@ export class MineView {
     const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
     const pairs = [...alignments.values()].map((pair) => [pair.id, pair.state, pair.decision, pair.T_a_b, awaitedOf(pair)]);
-    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.components.length]);
+    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.changes, this.station.components.length]);
   }
 
   /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
@@ -405,6 +414,7 @@ export class MineView {
     this.edges.sync(isDark, now.alignment);
     this.measure.paint(theme.ink);
     this.notes.sync(this.station.notes, theme.written);
+    this.changes.sync(isDark, now.change);
     this.decor.paint(theme.written, theme.grid);
     this.outlines.material.color.setStyle(theme.outline, 'srgb-linear');
   }
@@ -449,7 +459,11 @@ export class MineView {
   }
 
   private allLabels(): Label[] {
-    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.controlLabels(), ...this.notes.labels(() => this.ui.set({ tab: 'notes', survey: null, sheet: 'side' })), ...this.measure.labels(this.ui.now.measureOf)];
+    return [...this.robotLabels(), ...this.verdictLabels(), ...this.frameLabels(), ...this.controlLabels(), ...this.notes.labels(() => this.ui.set({ tab: 'notes', survey: null, sheet: 'side' })), ...this.changeLabels(), ...this.measure.labels(this.ui.now.measureOf)];
+  }
+
+  private changeLabels(): Label[] {
+    return this.changes.labels(this.ui.now.change, (change) => this.ui.set({ change, tab: 'changes', survey: null, sheet: 'side' }));
   }
 
   private robotLabels(): Label[] {
