@@ -63,10 +63,10 @@ int serve(ServerOptions options) {
   auto server = MapMergeServer::start(options);
   if (!server) return fail(server.error().message, 1);
   if (!options.insecure) std::cout << "headframe-server fingerprint: " << to_hex((*server)->fingerprint()) << '\n';
-  if (!options.insecure && !is_loopback(options.http))
+  if (!options.insecure && !(*server)->https() && !is_loopback(options.http))
     spdlog::warn("the operator API on {} is not encrypted: who listens on the way learns the operator's token",
                  to_string((*server)->http()));
-  const std::string page = "http://" + to_string((*server)->http()) + "/";
+  const std::string page = ((*server)->https() ? "https://" : "http://") + to_string((*server)->http()) + "/";
   std::cout << "operators: " << page
             << (options.insecure ? std::string(", without a token")
                                  : ", with the token in " + (options.data / "operator.token").string())
@@ -129,7 +129,7 @@ int run(int argc, char** argv) {
   app.add_option("--restore", backup, "make --data from this file, which headframe backup has written, and end");
   app.add_option("--migrate", from_to, "take all from sqlite:DIR to a postgresql:// URL, or back, and end")
       ->expected(2);
-  app.add_option("--config", config, "TOML file: [server], [store], [limits], [merge]");
+  app.add_option("--config", config, "TOML file: [server], [store], [operator], [limits], [merge]");
   app.set_version_flag("--version", "headframe-server " HEADFRAME_VERSION);
   try {
     app.parse(argc, argv);

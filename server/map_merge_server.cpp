@@ -45,6 +45,7 @@ struct MapMergeServer::Parts {
   Parts& operator=(const Parts&) = delete;
 
   Result<void> start();
+  Result<void> choose_operator_tls();
   void stop();
 
   const ServerOptions options;
@@ -59,7 +60,9 @@ struct MapMergeServer::Parts {
   RobotListener listener;
   StationView view;
   std::optional<RobotDesk> desk;
-  std::unique_ptr<OperatorRegistry> people;  // null: --insecure
+  std::unique_ptr<OperatorRegistry> people;            // null: --insecure
+  std::optional<boost::asio::ssl::context> given_tls;  // for operators; none: the robots' serves them too
+  bool https = false;
   std::optional<OperatorApi> api;
   Endpoint robots, http;
   std::string fingerprint;  // 32 bytes; empty: --insecure
@@ -87,13 +90,30 @@ Result<void> MapMergeServer::Parts::start() {
   const std::filesystem::path log = options.data / "events.jsonl";
   if (!std::ofstream(log, std::ios::app))
     spdlog::warn("{} can not be written: what happens and what operators do is kept in memory alone", log.string());
+  if (done = choose_operator_tls(); !done) return done;
   api.emplace(io, view, OperatorLimits{},
-              OperatorAccess{*token, desk ? &*desk : nullptr, log, options.data / "notes.jsonl", people.get()});
+              OperatorAccess{*token, desk ? &*desk : nullptr, log, options.data / "notes.jsonl", people.get(),
+                             https ? &*(given_tls ? given_tls : tls) : nullptr});
   done = api->listen(options.http.host, options.http.port);
   if (!done) return done;
   http = {options.http.host, api->port()};
   worker.start(hub);
   for (int i = 0; i < options.config.io_threads; ++i) threads.emplace_back([this] { io.run(); });
+  return {};
+}
+
+/// Plain HTTP is for the loopback, and for who asks for it.
+Result<void> MapMergeServer::Parts::choose_operator_tls() {
+  const OperatorConfig& wanted = options.config.operators;
+  https = wanted.tls == OperatorTls::always || !wanted.certificate.empty() ||
+          (wanted.tls == OperatorTls::beyond_loopback && !is_loopback(options.http) && !options.insecure);
+  if (https && options.insecure)
+    return failure(ErrorCode::invalid_argument,
+                   "--insecure serves operators without TLS, and [operator] asks for it: leave one of them away");
+  if (wanted.certificate.empty()) return {};
+  auto given = given_identity(wanted.certificate, wanted.key);
+  if (!given) return failure(given.error().code, "[operator]: " + given.error().message);
+  given_tls = std::move(given->tls);
   return {};
 }
 
@@ -156,5 +176,6 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
 const Endpoint& MapMergeServer::robots() const { return parts_->robots; }
 const std::string& MapMergeServer::fingerprint() const { return parts_->fingerprint; }
 const Endpoint& MapMergeServer::http() const { return parts_->http; }
+bool MapMergeServer::https() const { return parts_->https; }
 
 }  // namespace headframe

@@ -33,6 +33,7 @@ class MapMergeServer {
 
   const Endpoint& robots() const;  // with the real port
   const Endpoint& http() const;
+  bool https() const;                      // where operators come
   const std::string& fingerprint() const;  // of the certificate, 32 bytes; empty: insecure
 
  private:

@@ -29,13 +29,6 @@ using Bio = std::unique_ptr<BIO, Free<BIO_free_all>>;
 using Certificate = std::unique_ptr<X509, Free<X509_free>>;
 using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
 
-std::string digest_of(const X509* certificate) {
-  std::string digest(32, '\0');
-  unsigned int size = 0;
-  X509_digest(certificate, EVP_sha256(), reinterpret_cast<unsigned char*>(digest.data()), &size);
-  return digest;
-}
-
 Certificate certify(EVP_PKEY* key) {
   constexpr long a_day_s = 24L * 3600;
   Certificate certificate(X509_new());
@@ -61,6 +54,13 @@ void only_1_3(ssl::context& context) {
 
 }  // namespace
 
+std::string fingerprint_of(const X509* certificate) {
+  std::string digest(32, '\0');
+  unsigned int size = 0;
+  X509_digest(certificate, EVP_sha256(), reinterpret_cast<unsigned char*>(digest.data()), &size);
+  return digest;
+}
+
 Result<std::string> make_identity() {
   const Key key(EVP_EC_gen("P-256"));
   const Certificate certificate = key ? certify(key.get()) : nullptr;
@@ -78,7 +78,7 @@ Result<std::string> fingerprint_of(const std::string& pem) {
   const Bio in(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
   const Certificate certificate(PEM_read_bio_X509(in.get(), nullptr, nullptr, nullptr));
   if (!certificate) return failure(ErrorCode::bad_input, "there is no certificate in it");
-  return digest_of(certificate.get());
+  return fingerprint_of(certificate.get());
 }
 
 Result<ssl::context> server_tls(const std::string& pem) {
@@ -87,7 +87,7 @@ Result<ssl::context> server_tls(const std::string& pem) {
   SSL_CTX_set_num_tickets(context.native_handle(), 0);
   SSL_CTX_set_session_cache_mode(context.native_handle(), SSL_SESS_CACHE_OFF);
   boost::system::error_code fault;
-  context.use_certificate(boost::asio::buffer(pem), ssl::context::pem, fault);
+  context.use_certificate_chain(boost::asio::buffer(pem), fault);
   if (!fault) context.use_private_key(boost::asio::buffer(pem), ssl::context::pem, fault);
   if (fault || SSL_CTX_check_private_key(context.native_handle()) != 1)
     return failure(ErrorCode::bad_input, "no private key with its certificate is in it");
@@ -121,7 +121,7 @@ PinnedTls::PinnedTls(std::string fingerprint) : context_(ssl::context::tls_clien
 }
 
 bool PinnedTls::accept(void* certificate) {
-  const std::string met = digest_of(static_cast<X509*>(certificate));
+  const std::string met = fingerprint_of(static_cast<const X509*>(certificate));
   other_ = met == pinned_ ? "" : met;
   return other_.empty();
 }

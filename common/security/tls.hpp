@@ -15,8 +15,12 @@ Result<std::string> make_identity();
 /// SHA-256 of the DER of the certificate in `pem`: 32 bytes. bad_input: there is none.
 Result<std::string> fingerprint_of(const std::string& pem);
 
-/// For servers. No session tickets: a robot reconnects seldom, and they cost bytes. bad_input: no key or certificate in
-/// `pem`, or they do not fit each other.
+/// The same of a certificate that OpenSSL holds.
+std::string fingerprint_of(const X509* certificate);
+
+/// For servers. `pem` has a private key and its certificate, with those of its issuers after it if there are any. No
+/// session tickets: a robot reconnects seldom, and they cost bytes. bad_input: no key or certificate in `pem`, or they
+/// do not fit each other.
 Result<boost::asio::ssl::context> server_tls(const std::string& pem);
 
 /// For clients: lets a handshake succeed with the server of this fingerprint only. Dates, names and issuers are not

@@ -4,13 +4,16 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <chrono>
 #include <limits>
+
+#include "common/security/secret.hpp"
+#include "common/security/tls.hpp"
+#include "common/security/web_stream.hpp"
 
 namespace headframe {
 namespace {
@@ -30,6 +33,7 @@ class Exchange {
   }
 
   Result<void> connect(double timeout_s);
+  Result<void> secure(double timeout_s);
   Result<void> send(std::string_view method, std::string_view target, std::string_view body, double timeout_s);
   Result<HttpResponse> receive(const HttpSink& sink, double timeout_s);
 
@@ -37,7 +41,7 @@ class Exchange {
   template <class Start>
   error_code finish(double timeout_s, Start&& start) {
     error_code result;
-    stream_.expires_after(std::chrono::milliseconds(static_cast<std::int64_t>(timeout_s * 1000)));
+    stream_.next_layer().expires_after(std::chrono::milliseconds(static_cast<std::int64_t>(timeout_s * 1000)));
     start([&result](error_code code, auto&&...) { result = code; });
     io_.restart();
     const auto began = std::chrono::steady_clock::now();
@@ -47,11 +51,13 @@ class Exchange {
     return result;
   }
   tl::unexpected<Error> broken(error_code code) const;
+  tl::unexpected<Error> untrusted(error_code code) const;
 
   const HttpEndpoint& endpoint_;
   const HttpWatch& watch_;
   net::io_context io_;
-  beast::tcp_stream stream_{io_};
+  std::unique_ptr<WebTls> tls_;  // outlives the stream
+  WebStream stream_{io_};
   beast::flat_buffer buffer_;
   http::response_parser<http::buffer_body> parser_;
 };
@@ -70,10 +76,39 @@ Result<void> Exchange::connect(double timeout_s) {
   const auto found = net::ip::tcp::resolver(io_).resolve(endpoint_.host, std::to_string(endpoint_.port), code);
   if (code)
     return failure(ErrorCode::unavailable, "the host \"" + endpoint_.host + "\" is not known (" + code.message() + ")");
-  code = finish(timeout_s, [&](auto done) { stream_.async_connect(found, std::move(done)); });
+  code = finish(timeout_s, [&](auto done) { stream_.next_layer().async_connect(found, std::move(done)); });
   if (!code) return {};
   return failure(ErrorCode::unavailable, "no headframe-server answers at " + to_string(endpoint_) + " (" +
                                              code.message() + "); start it, or say where it is with --http HOST:PORT");
+}
+
+Result<void> Exchange::secure(double timeout_s) {
+  if (!endpoint_.tls) return {};
+  auto tls = WebTls::make(endpoint_.trust);
+  if (!tls) return tl::unexpected(tls.error());
+  tls_ = std::move(*tls);
+  WebTls::ask_for(stream_.begin_tls(tls_->context()), endpoint_.host);
+  const error_code code = finish(timeout_s, [&](auto done) {
+    stream_.async_handshake(net::ssl::stream_base::client, net::const_buffer(), std::move(done));
+  });
+  if (code) return untrusted(code);
+  return {};
+}
+
+tl::unexpected<Error> Exchange::untrusted(error_code code) const {
+  const std::string who = "the server at " + to_string(endpoint_);
+  if (tls_->refused().empty())
+    return failure(ErrorCode::unavailable, who + " does not speak HTTPS (" + tls_trouble(code) +
+                                               "); where nobody listens on the way, --http http://" +
+                                               to_string(endpoint_) + " asks without");
+  const std::string met = to_hex(tls_->refused());
+  if (!endpoint_.trust.fingerprint.empty() && endpoint_.trust.fingerprint_only)
+    return failure(ErrorCode::refused, who + " has another certificate than the one with the fingerprint that was " +
+                                           "given: is it another server? Its fingerprint is " + met);
+  return failure(ErrorCode::refused, who +
+                                         " has a certificate that nobody known here vouches for. Its fingerprint is " +
+                                         met + ": if that is what headframe-server printed at its start, give " +
+                                         "--fingerprint " + met + "; or --ca FILE, the certificate of who vouches");
 }
 
 Result<void> Exchange::send(std::string_view method, std::string_view target, std::string_view body, double timeout_s) {
@@ -121,7 +156,14 @@ Result<HttpResponse> Exchange::receive(const HttpSink& sink, double timeout_s) {
 }  // namespace
 
 Result<HttpEndpoint> parse_http_endpoint(std::string_view text) {
-  return parse_peer(text).map([](Endpoint endpoint) { return HttpEndpoint{std::move(endpoint)}; });
+  constexpr std::string_view plain = "http://", secure = "https://";
+  const bool is_plain = text.starts_with(plain), is_secure = text.starts_with(secure);
+  if (is_plain || is_secure) text.remove_prefix(is_plain ? plain.size() : secure.size());
+  if ((is_plain || is_secure) && text.ends_with('/')) text.remove_suffix(1);
+  return parse_peer(text).map([&](Endpoint endpoint) {
+    const bool tls = is_secure || (!is_plain && !is_loopback(endpoint));
+    return HttpEndpoint{std::move(endpoint), {}, tls, {}};
+  });
 }
 
 std::string percent_encoded(std::string_view text) {
@@ -146,6 +188,7 @@ Result<HttpResponse> HttpClient::ask(const Question& question, const HttpSink& s
   try {
     Exchange exchange(endpoint_, watch);
     if (auto connected = exchange.connect(timeouts_.connect_s); !connected) return tl::unexpected(connected.error());
+    if (auto secured = exchange.secure(timeouts_.connect_s); !secured) return tl::unexpected(secured.error());
     if (auto sent = exchange.send(question.method, question.target, question.body, timeouts_.silence_s); !sent)
       return tl::unexpected(sent.error());
     return exchange.receive(sink, timeouts_.silence_s);

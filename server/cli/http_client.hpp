@@ -6,14 +6,18 @@
 #include <string_view>
 
 #include "common/endpoint.hpp"
+#include "common/security/web_tls.hpp"
 
 namespace headframe {
 
 struct HttpEndpoint : Endpoint {
   std::string token = {};  // sent with every request; empty: none
+  bool tls = false;        // HTTPS
+  WebTrust trust = {};     // whom it takes for the server then
 };
 
-/// As parse_peer, without a token.
+/// "http://HOST:PORT", "https://HOST:PORT", or "HOST:PORT": without TLS on the loopback, with it anywhere else, where
+/// others may listen. Without a token. Errors are those of parse_peer.
 Result<HttpEndpoint> parse_http_endpoint(std::string_view text);
 
 /// For a value in a query: "a b/c" -> "a%20b%2Fc".
@@ -39,7 +43,8 @@ struct HttpWatch {
 };
 
 /// HTTP/1.1, one connection for each request, blocking. An answer of any status is a result; unavailable: no server, no
-/// answer in time, or an answer that broke off. Bodies without a sink may have 64 MiB. Not thread safe.
+/// answer in time, or an answer that broke off; refused: a server that is not the one it should be. Bodies without a
+/// sink may have 64 MiB. Not thread safe.
 class HttpClient {
  public:
   explicit HttpClient(HttpEndpoint endpoint, HttpTimeouts timeouts = {})

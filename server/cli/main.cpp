@@ -9,6 +9,7 @@
 #include "server/cli/date.hpp"
 #include "server/cli/table.hpp"
 #include "server/cli/token.hpp"
+#include "server/cli/trust.hpp"
 
 namespace {
 
@@ -16,7 +17,7 @@ using headframe::Commands;
 using headframe::Result;
 
 struct Options {
-  std::string http = "127.0.0.1:7448", token_file;
+  std::string http = "127.0.0.1:7448", token_file, fingerprint, authorities;
   bool json = false;
   std::optional<double> wait_s;
   double every_s = 1;
@@ -235,9 +236,18 @@ headframe::Error nothing_said(const CLI::App& app) {
 int run(int argc, char** argv) {
   Options options;
   CLI::App app("The operator's command of headframe: what the base station knows, and the merged map.", "headframe");
-  app.add_option("--http", options.http, "Where headframe-server answers HTTP")
+  app.add_option("--http", options.http,
+                 "Where headframe-server answers operators. Without https:// or http://: HTTPS, but on the loopback")
       ->capture_default_str()
-      ->type_name("HOST:PORT");
+      ->type_name("[https://]HOST:PORT");
+  app.add_option("--fingerprint", options.fingerprint,
+                 "Of the server's certificate, as headframe-server prints it: HTTPS with that server alone")
+      ->envname("HEADFRAME_FINGERPRINT")
+      ->type_name("HEX");
+  app.add_option("--ca", options.authorities,
+                 "PEM file of who vouches for the server's certificate; default: whom this machine trusts")
+      ->envname("HEADFRAME_CA")
+      ->type_name("FILE");
   app.add_option("--token-file", options.token_file,
                  "The server's DATA/operator.token. Without it: $HEADFRAME_TOKEN, or headframe-data/operator.token")
       ->envname("HEADFRAME_TOKEN_FILE")
@@ -264,6 +274,9 @@ int run(int argc, char** argv) {
   auto token = headframe::find_token(options.token_file);
   if (!token) return fault(token.error());
   endpoint->token = *token;
+  auto trust = headframe::find_trust(options.fingerprint, options.authorities, options.token_file);
+  if (!trust) return fault(trust.error());
+  endpoint->trust = *trust;
   Commands commands(*endpoint, options.json);
   const auto code = options.command(commands);
   return code ? *code : fault(code.error());

@@ -13,7 +13,7 @@ namespace {
 /// A key of the file and the member that it sets, between low and high.
 struct Key {
   std::string_view section, name;
-  std::variant<int*, double*, RegistrationEngine*, std::string*> value;
+  std::variant<int*, double*, RegistrationEngine*, OperatorTls*, std::string*> value;
   double low = 0, high = 0;
 };
 
@@ -21,6 +21,9 @@ std::vector<Key> keys_of(ServerConfig& c) {
   return {
       {"server", "io_threads", &c.io_threads, 1, 64},
       {"store", "url", &c.store_url},
+      {"operator", "tls", &c.operators.tls},
+      {"operator", "certificate", &c.operators.certificate},
+      {"operator", "key", &c.operators.key},
       {"limits", "database_mib", &c.database_mib, 0, 1e8},
       {"limits", "write_queue_mib", &c.write_queue_mib, 32, 65536},
       {"limits", "robots", &c.limits.robots, 1, 4096},
@@ -84,6 +87,20 @@ Result<void> set_engine(RegistrationEngine& engine, const toml::node& node, cons
   return {};
 }
 
+Result<void> set_tls(OperatorTls& tls, const toml::node& node, const std::string& where) {
+  const auto name = node.value<std::string>().value_or("");
+  if (name != "beyond_loopback" && name != "always" && name != "never")
+    return failure(ErrorCode::bad_input, where + ": tls must be \"beyond_loopback\", \"always\" or \"never\"");
+  tls = name == "never" ? OperatorTls::never : name == "always" ? OperatorTls::always : OperatorTls::beyond_loopback;
+  return {};
+}
+
+Result<void> set_file(std::string& file, std::string_view name, const toml::node& node, const std::string& where) {
+  file = node.value<std::string>().value_or("");
+  if (!file.empty()) return {};
+  return failure(ErrorCode::bad_input, where + ": " + std::string(name) + " must be the name of a PEM file");
+}
+
 Result<void> set_url(std::string& url, const toml::node& node, const std::string& where) {
   url = node.value<std::string>().value_or("");
   if (url.starts_with("postgresql://") || url.starts_with("postgres://")) return {};
@@ -94,7 +111,9 @@ Result<void> set_url(std::string& url, const toml::node& node, const std::string
 
 Result<void> set(const Key& key, const toml::node& node, const std::string& where) {
   if (auto* const* engine = std::get_if<RegistrationEngine*>(&key.value)) return set_engine(**engine, node, where);
-  if (auto* const* url = std::get_if<std::string*>(&key.value)) return set_url(**url, node, where);
+  if (auto* const* tls = std::get_if<OperatorTls*>(&key.value)) return set_tls(**tls, node, where);
+  if (auto* const* text = std::get_if<std::string*>(&key.value))
+    return key.name == "url" ? set_url(**text, node, where) : set_file(**text, key.name, node, where);
   const bool whole = std::holds_alternative<int*>(key.value);
   const auto value = node.value<double>();
   if (!value || (whole && !node.is_integer()) || !(*value >= key.low && *value <= key.high)) {
@@ -136,7 +155,7 @@ Result<ServerConfig> parse_config(std::string_view text, const std::string& name
       const std::string section(entry.str());
       if (!node.is_table() || known_names(keys, section).empty())
         return failure(ErrorCode::bad_input, place(name, node.source()) + ": unknown section or key '" + section +
-                                                 "'; there are: [server], [store], [limits], [merge]");
+                                                 "'; there are: [server], [store], [operator], [limits], [merge]");
       if (auto done = read_section(keys, section, *node.as_table(), name); !done) return tl::unexpected(done.error());
     }
   } catch (const toml::parse_error& error) {
@@ -146,6 +165,12 @@ Result<ServerConfig> parse_config(std::string_view text, const std::string& name
     return failure(ErrorCode::bad_input, name +
                                              ": database_mib in [limits] is of SQLite's file, and [store] url says "
                                              "that there is none: leave one of them away");
+  const OperatorConfig& operators = config.operators;
+  if (operators.certificate.empty() && !operators.key.empty())
+    return failure(ErrorCode::bad_input, name + ": [operator] has a key and no certificate: give both, or neither");
+  if (operators.tls == OperatorTls::never && !operators.certificate.empty())
+    return failure(ErrorCode::bad_input,
+                   name + ": [operator] has a certificate, and tls says that it is never used: leave one of them away");
   return config;
 }
 

@@ -11,12 +11,25 @@
 
 namespace headframe {
 
+/// How the operator's API and page are served. beyond_loopback: HTTPS, and plain HTTP on the loopback, unless a
+/// certificate is given; always: HTTPS; never: plain HTTP, also where others can listen.
+enum class OperatorTls { beyond_loopback, always, never };
+
+/// [operator]
+struct OperatorConfig {
+  OperatorTls tls = OperatorTls::beyond_loopback;
+  std::string
+      certificate;  // PEM file, with those of its issuers after it; empty: the one that robots know the server by
+  std::string key;  // PEM file of its private key; empty: it is in `certificate`
+};
+
 /// Everything a configuration file may set, with the defaults of a server without one.
 struct ServerConfig {
   int io_threads = 2;         // [server]
   std::string store_url;      // [store] url: postgresql://...; empty: SQLite in the data directory
   int database_mib = 0;       // [limits]: of SQLite's file, reached like a full disk; 0: none
   int write_queue_mib = 256;  // [limits]: of all robots together
+  OperatorConfig operators;
   RobotLimits limits;
   ScheduleConfig schedule;
   MergeConfig merge;

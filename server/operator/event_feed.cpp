@@ -17,8 +17,7 @@ using Code = beast::error_code;
 /// One client. Everything but tell() and close() runs on the strand of its socket.
 class EventSocket : public std::enable_shared_from_this<EventSocket> {
  public:
-  EventSocket(beast::tcp_stream stream, std::shared_ptr<EventFeed> feed, std::size_t queued_bytes,
-              OperatorIdentity listener)
+  EventSocket(WebStream stream, std::shared_ptr<EventFeed> feed, std::size_t queued_bytes, OperatorIdentity listener)
       : who(std::move(listener)), socket_(std::move(stream)), feed_(std::move(feed)), queue_(queued_bytes) {}
   ~EventSocket() { feed_->give_place(); }
   EventSocket(const EventSocket&) = delete;
@@ -78,7 +77,7 @@ class EventSocket : public std::enable_shared_from_this<EventSocket> {
     feed_->leave(shared_from_this());
   }
 
-  websocket::stream<beast::tcp_stream> socket_;
+  websocket::stream<WebStream> socket_;
   const std::shared_ptr<EventFeed> feed_;
   beast::flat_buffer buffer_;
   EventQueue queue_;
@@ -93,8 +92,8 @@ bool EventFeed::take_place() {
 
 void EventFeed::give_place() { --places_; }
 
-void EventFeed::serve(beast::tcp_stream stream, Request request, const OperatorIdentity& who) {
-  stream.expires_never();
+void EventFeed::serve(WebStream stream, Request request, const OperatorIdentity& who) {
+  stream.next_layer().expires_never();
   std::make_shared<EventSocket>(std::move(stream), shared_from_this(), limits_.queued_bytes, who)
       ->accept(std::move(request));
 }

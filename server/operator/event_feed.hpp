@@ -5,7 +5,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <memory>
@@ -13,6 +12,7 @@
 #include <set>
 #include <string>
 
+#include "common/security/web_stream.hpp"
 #include "server/operator/event_diff.hpp"
 #include "server/operator/event_log.hpp"
 #include "server/operator/operator_limits.hpp"
@@ -44,7 +44,7 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   bool take_place();
   void give_place();
   /// Takes over a connection whose request asks for an upgrade, and that has a place; until the operator's token ends.
-  void serve(boost::beast::tcp_stream stream, Request request, const OperatorIdentity& who);
+  void serve(WebStream stream, Request request, const OperatorIdentity& who);
   /// Ends what this operator listens to, unless the token still stands.
   void end(const std::string& name);
   /// Ends all clients, after a last look for the log.

@@ -64,10 +64,11 @@ bool own_host(std::string_view host, std::string_view served_under) {
   return name.find('.') == std::string_view::npos || is_address(std::string(name)) || same_word(name, served_under);
 }
 
-bool same_origin(std::string_view origin, std::string_view host) {
+bool same_origin(std::string_view origin, std::string_view host, bool tls) {
   if (origin.empty()) return true;
   const std::size_t scheme = origin.find("://");
-  return scheme != std::string_view::npos && origin.substr(scheme + 3) == host;
+  if (scheme == std::string_view::npos || (tls && origin.substr(0, scheme) != "https")) return false;
+  return origin.substr(scheme + 3) == host;
 }
 
 }  // namespace headframe

@@ -16,7 +16,8 @@ std::optional<std::string> header_fault(std::string_view header);
 /// address under a stranger's name. An address, a name without dots, or the name that the server is served under.
 bool own_host(std::string_view host, std::string_view served_under);
 
-/// Whether a page of this origin is the server's own; an empty one: no browser sent it.
-bool same_origin(std::string_view origin, std::string_view host);
+/// Whether a page of this origin is the server's own; an empty one: no browser sent it. tls: it was asked over TLS,
+/// where a page that came in the clear is a stranger's.
+bool same_origin(std::string_view origin, std::string_view host, bool tls = false);
 
 }  // namespace headframe

@@ -2,6 +2,7 @@
 
 #include <boost/asio/bind_executor.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/beast/core/detect_ssl.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
@@ -27,19 +28,36 @@ std::string credentials_of(const Request& request) {
 
 HttpSession::HttpSession(net::ip::tcp::socket socket, std::shared_ptr<HttpShared> shared, bool turn_away)
     : stream_(std::move(socket)),
+      look_(stream_.get_executor()),
       shared_(std::move(shared)),
       turn_away_(turn_away),
       buffer_(shared_->limits.header_bytes + 8192) {
   Code gone;
-  from_ = stream_.socket().remote_endpoint(gone).address();
+  from_ = tcp().socket().remote_endpoint(gone).address();
 }
 
 void HttpSession::start() {
-  net::post(stream_.get_executor(), [self = shared_from_this()] { self->read(); });
+  net::post(stream_.get_executor(),
+            [self = shared_from_this()] { self->shared_->tls == nullptr ? self->read() : self->detect_tls(); });
 }
 
 void HttpSession::close() {
   net::post(stream_.get_executor(), [self = shared_from_this()] { self->finish(); });
+}
+
+/// A client that begins with a TLS handshake gets one; what others ask for in the clear, in_the_clear() answers.
+void HttpSession::detect_tls() {
+  allow(turn_away_ ? linger_s : shared_->limits.handshake_s);
+  beast::async_detect_ssl(stream_, buffer_, [self = shared_from_this()](Code code, bool tls) {
+    if (code) return self->finish();
+    if (!tls) return self->read();
+    self->stream_.begin_tls(*self->shared_->tls);
+    self->stream_.async_handshake(net::ssl::stream_base::server, self->buffer_.data(),
+                                  [self](Code fault, std::size_t used_bytes) {
+                                    self->buffer_.consume(used_bytes);
+                                    fault ? self->finish() : self->read();
+                                  });
+  });
 }
 
 void HttpSession::read() {
@@ -77,7 +95,7 @@ void HttpSession::read_header() {
 
 void HttpSession::read_body() {
   if (const auto fault = header_fault(header_)) {
-    stream_.expires_never();
+    tcp().expires_never();
     keep_alive_ = false;
     return send(error_reply({ErrorCode::bad_input, "this is not a request as HTTP/1.1 asks for: " + *fault}));
   }
@@ -86,7 +104,7 @@ void HttpSession::read_body() {
 }
 
 void HttpSession::on_read(Code code) {
-  stream_.expires_never();
+  tcp().expires_never();
   if (code) return refuse(code);
   const auto& request = parser_->get();
   keep_alive_ = request.keep_alive();
@@ -118,6 +136,22 @@ std::optional<Ready> HttpSession::too_many(AttemptLimiter& requests, AttemptLimi
   return error_reply(429, {ErrorCode::refused, message.str()});
 }
 
+/// Where TLS is asked for, the answer to who speaks without: the page is there under another address, and probes, which
+/// tell and ask for nothing, need none.
+std::optional<Ready> HttpSession::in_the_clear() const {
+  if (shared_->tls == nullptr || stream_.is_tls()) return std::nullopt;
+  const auto& request = parser_->get();
+  const std::string_view target = text(request.target()), host = text(request[http::field::host]);
+  if (target == "/healthz" || target == "/readyz") return std::nullopt;
+  const std::string there = "https://" + std::string(host);
+  Ready answer = error_reply(
+      {ErrorCode::refused, "this server speaks HTTPS: " + there + "; what was sent just now, others may have read"});
+  if (host.empty() || !is_public(target)) return answer;
+  answer.status = 307;  // not for good: TLS may be switched off again
+  answer.location = there + std::string(target);
+  return answer;
+}
+
 /// Where no token is asked for, the answer to what a stranger's page may have made a browser here send.
 std::optional<Ready> HttpSession::foreign() const {
   if (shared_->asks_token) return std::nullopt;
@@ -125,7 +159,7 @@ std::optional<Ready> HttpSession::foreign() const {
   const std::string_view host = text(request[http::field::host]);
   if (!own_host(host, shared_->served_under()))
     return error_reply({ErrorCode::refused, "this server goes by its address, not by the name in Host"});
-  if (!same_origin(text(request[http::field::origin]), host))
+  if (!same_origin(text(request[http::field::origin]), host, stream_.is_tls()))
     return error_reply({ErrorCode::refused, "a page of another origin may not ask"});
   return std::nullopt;
 }
@@ -135,6 +169,10 @@ std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
   const auto& request = parser_->get();
   const auto now = std::chrono::steady_clock::now();
+  if (auto refusal = in_the_clear()) {
+    keep_alive_ = false;
+    return refusal;
+  }
   if (is_public(text(request.target()))) return too_many(shared_->strangers, now);
   if (auto refusal = foreign()) return refusal;
   const std::chrono::duration<double> unix_time = std::chrono::system_clock::now().time_since_epoch();
@@ -188,11 +226,12 @@ void HttpSession::upgrade() {
   const auto& request = parser_->get();
   if (!beast::websocket::is_upgrade(request))
     return send(error_reply(426, {ErrorCode::invalid_argument, "events are told over WebSocket; ask for an upgrade"}));
-  if (!same_origin(text(request[http::field::origin]), text(request[http::field::host])))
+  if (!same_origin(text(request[http::field::origin]), text(request[http::field::host]), stream_.is_tls()))
     return send(error_reply({ErrorCode::refused, "a page of another origin may not listen"}));
   if (!shared_->events->take_place())
     return send(error_reply({ErrorCode::unavailable, "too many listen already; close some pages"}));
-  shared_->events->serve(beast::tcp_stream(stream_.release_socket()), parser_->release(), who_);
+  handed_over_ = true;
+  shared_->events->serve(std::move(stream_), parser_->release(), who_);
   shared_->forget(shared_from_this());
 }
 

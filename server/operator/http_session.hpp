@@ -3,9 +3,9 @@
 // room only.
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <chrono>
@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 
+#include "common/security/web_stream.hpp"
 #include "server/operator/event_feed.hpp"
 #include "server/operator/http_rules.hpp"
 #include "server/operator/operator_access.hpp"
@@ -36,6 +37,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
         limits(the_limits),
         guard(access.token, {}, access.people),
         asks_token(!access.token.empty()),
+        tls(access.tls),
         strangers(the_limits.requests),
         operators(the_limits.requests),
         robots(access.robots),
@@ -49,8 +51,9 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   const OperatorLimits limits;
   OperatorGuard guard;
   const bool asks_token;
-  AttemptLimiter strangers, operators;  // requests, by address
-  RobotAdmin* const robots;             // may be null
+  boost::asio::ssl::context* const tls;  // null: plain HTTP
+  AttemptLimiter strangers, operators;   // requests, by address
+  RobotAdmin* const robots;              // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PointTiles tiles;
   const std::shared_ptr<EventLog> log;
@@ -94,14 +97,17 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
  private:
   static constexpr double linger_s = 2;
+  static constexpr auto look_every = std::chrono::seconds(1);
   using Code = boost::beast::error_code;
   using Piece = Result<std::optional<std::string>>;
 
+  void detect_tls();
   void read();
   void read_header();
   void read_body();
   void on_read(Code code);
   void refuse(Code code);
+  std::optional<Ready> in_the_clear() const;
   std::optional<Ready> foreign() const;
   std::optional<Ready> turned_down();
   std::optional<Ready> too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const;
@@ -113,20 +119,23 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_piece(Piece piece);
   void write_piece(std::optional<std::string> piece);
   void on_written();
-  void allow(double seconds) { stream_.expires_after(std::chrono::milliseconds(std::llround(seconds * 1000))); }
+  void allow(double seconds) { tcp().expires_after(std::chrono::milliseconds(std::llround(seconds * 1000))); }
+  boost::beast::tcp_stream& tcp() { return stream_.next_layer(); }
   void linger();
   void drain(std::size_t drained_bytes);
   void finish();
+  void watch_client();
   bool client_gone();
 
-  boost::beast::tcp_stream stream_;
+  WebStream stream_;
+  boost::asio::steady_timer look_;  // whether the client is still there
   boost::asio::ip::address from_;
   const std::shared_ptr<HttpShared> shared_;
   const bool turn_away_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   std::string header_;  // as it came
-  bool has_token_ = false, keep_alive_ = false;
+  bool has_token_ = false, keep_alive_ = false, handed_over_ = false;
   OperatorIdentity who_;               // of the request
   bool head_sent_ = false;             // of the Stream under way
   std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks

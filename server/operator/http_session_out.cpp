@@ -1,6 +1,6 @@
 // What a session of the operator's HTTP sends, whole or piece by piece, and how its connection ends.
 
-#include <sys/socket.h>
+#include <poll.h>
 
 #include <array>
 #include <boost/asio/post.hpp>
@@ -46,6 +46,7 @@ void HttpSession::send(Ready ready) {
   set_common(*response, ready.content_type, keep_alive_);
   if (ready.gzip) response->set(http::field::content_encoding, "gzip");
   if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
+  if (!ready.location.empty()) response->set(http::field::location, ready.location);
   if (ready.bearer) response->set(http::field::www_authenticate, "Bearer");
   response->body() = std::move(ready.body);
   response->prepare_payload();
@@ -59,16 +60,13 @@ void HttpSession::send(Ready ready) {
 
 /// Answers when the answer comes; ends when the client goes before that.
 void HttpSession::answer_later(const Later& later) {
-  stream_.socket().async_wait(net::ip::tcp::socket::wait_read, [self = shared_from_this()](Code code) {
-    if (!code && self->client_gone()) self->finish();
-  });
+  watch_client();
   const auto answer = [weak = weak_from_this()](Ready ready) {
     const auto self = weak.lock();
     if (!self) return;
     net::post(self->stream_.get_executor(), [self, ready = std::move(ready)]() mutable {
-      if (!self->stream_.socket().is_open()) return;
-      Code ignored;
-      self->stream_.socket().cancel(ignored);  // the wait for the client's end
+      if (!self->tcp().socket().is_open()) return;
+      self->look_.cancel();
       self->send(std::move(ready));
     });
   };
@@ -91,7 +89,7 @@ void HttpSession::pull() {
 }
 
 void HttpSession::on_piece(Piece piece) {
-  if (!stream_.socket().is_open()) return finish();
+  if (!tcp().socket().is_open()) return finish();
   if (!piece) {
     if (head_sent_) return finish();  // without the last chunk: the client knows that something is missing
     Error error = piece.error();
@@ -138,7 +136,7 @@ void HttpSession::on_written() { keep_alive_ ? read() : linger(); }
 /// would reset the connection.
 void HttpSession::linger() {
   Code ignored;
-  stream_.socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
+  tcp().socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
   allow(linger_s);
   drain(0);
 }
@@ -153,13 +151,24 @@ void HttpSession::drain(std::size_t drained_bytes) {
 }
 
 void HttpSession::finish() {
-  stream_.close();
+  if (handed_over_) return;
+  look_.cancel();
+  tcp().close();
   shared_->forget(shared_from_this());
 }
 
+void HttpSession::watch_client() {
+  look_.expires_after(look_every);
+  look_.async_wait([self = shared_from_this()](Code ended) {
+    if (ended || self->handed_over_) return;
+    self->client_gone() ? self->finish() : self->watch_client();
+  });
+}
+
+/// It has closed, whatever it sent before, such as TLS's own goodbye.
 bool HttpSession::client_gone() {
-  char byte = 0;
-  return ::recv(stream_.socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+  pollfd look{tcp().socket().native_handle(), POLLRDHUP, 0};
+  return ::poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
 }  // namespace headframe

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <boost/asio/ssl/context.hpp>
 #include <filesystem>
 #include <string>
 
@@ -14,6 +15,7 @@ struct OperatorAccess {
   std::filesystem::path log = {};      // where what happens is written down; empty: kept in memory alone
   std::filesystem::path notes = {};    // where notes are kept; empty: in memory alone
   OperatorRegistry* people = nullptr;  // named operators; must outlive the API; null: there are none
+  boost::asio::ssl::context* tls = nullptr;  // HTTPS; must outlive the API; null: plain HTTP
 };
 
 }  // namespace headframe

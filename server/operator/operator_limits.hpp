@@ -18,6 +18,7 @@ struct OperatorLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t body_bytes = 64 * 1024;
   std::size_t connections = 64;  // further ones are told 503
+  double handshake_s = 10;       // of TLS
   double idle_s = 30;            // for a request to come, from the end of the one before it
   double write_s = 30;           // for each piece of a response to leave
   double wait_s = 3600;          // the most that ?wait= may ask for

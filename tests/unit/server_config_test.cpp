@@ -46,6 +46,22 @@ TEST(ServerConfig, TheRegistrationEngineIsChosenByName) {
     EXPECT_EQ(error_of("[merge]\nregistration = " + bad), "hf.toml:2: registration must be \"vgicp\" or \"pcl_gicp\"");
 }
 
+TEST(ServerConfig, OperatorsAreServedOverTlsBeyondTheLoopbackUnlessItSaysOtherwise) {
+  EXPECT_EQ(parse_config("", "hf.toml")->operators.tls, OperatorTls::beyond_loopback);
+  EXPECT_EQ(parse_config("[operator]\ntls = 'always'\n", "hf.toml")->operators.tls, OperatorTls::always);
+  EXPECT_EQ(parse_config("[operator]\ntls = 'never'\n", "hf.toml")->operators.tls, OperatorTls::never);
+  const auto given = parse_config("[operator]\ncertificate = 'c.pem'\nkey = 'k.pem'\n", "hf.toml");
+  EXPECT_EQ(given->operators.certificate, "c.pem");
+  EXPECT_EQ(given->operators.key, "k.pem");
+  for (const std::string bad : {"true", "'yes'", "''"})
+    EXPECT_EQ(error_of("[operator]\ntls = " + bad),
+              "hf.toml:2: tls must be \"beyond_loopback\", \"always\" or \"never\"");
+  EXPECT_EQ(error_of("[operator]\nkey = ''\n"), "hf.toml:2: key must be the name of a PEM file");
+  EXPECT_NE(error_of("[operator]\nkey = 'k.pem'\n").find("a key and no certificate"), std::string::npos);
+  EXPECT_NE(error_of("[operator]\ntls = 'never'\ncertificate = 'c.pem'\n").find("never used"), std::string::npos);
+  EXPECT_NE(error_of("[operator]\ntsl = 'never'\n").find("there are: tls, certificate, key"), std::string::npos);
+}
+
 TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
   EXPECT_EQ(parse_config("[store]\nurl = 'postgresql://mine@db/mine'\n", "hf.toml")->store_url,
             "postgresql://mine@db/mine");
