@@ -8,6 +8,7 @@ namespace {
 
 constexpr double cell_m = 10.0;  // the largest threshold: all that is nearer lies in the 27 cubes around a point
 constexpr double reach_m = 1e9;  // keeps the cube numbers within an integer
+constexpr double path_step_m = 1.0;
 
 // 21 bits a coordinate. Cubes that are 2^21 apart share a key: harmless, distances are checked.
 std::uint64_t cell_key(const Eigen::Vector3d& p, int dx, int dy, int dz) {
@@ -43,6 +44,7 @@ KeyframeSelector::Decision KeyframeSelector::add(const Pose& T_local_sensor, flo
   smooth(mean_range_m);
   const Eigen::Vector3d p_local = T_local_sensor.translation();
   const bool usable = T_local_sensor.matrix().allFinite() && p_local.cwiseAbs().maxCoeff() < reach_m;
+  if (usable) drive_to(p_local);
   if (!usable || !is_keyframe(T_local_sensor)) return {false, spaciousness_m_};
   remember(T_local_sensor);
   return {true, spaciousness_m_};
@@ -50,12 +52,20 @@ KeyframeSelector::Decision KeyframeSelector::add(const Pose& T_local_sensor, flo
 
 void KeyframeSelector::restore(const Pose& T_local_sensor, float spaciousness_m) {
   spaciousness_m_ = spaciousness_m;
+  drive_to(T_local_sensor.translation());
   remember(T_local_sensor);
+}
+
+void KeyframeSelector::drive_to(const Eigen::Vector3d& p_local) {
+  const double step_m = path_end_local_ ? (p_local - *path_end_local_).norm() : path_step_m;
+  if (step_m < path_step_m) return;
+  if (path_end_local_) path_m_ += step_m;
+  path_end_local_ = p_local;
 }
 
 void KeyframeSelector::remember(const Pose& T_local_sensor) {
   cells_[cell_key(T_local_sensor.translation(), 0, 0, 0)].push_back(keyframes_.size());
-  keyframes_.push_back(T_local_sensor);
+  keyframes_.push_back({T_local_sensor, path_m_});
 }
 
 // s_k = 0.9 s_{k-1} + 0.1 S_k; the first scan starts the filter, so s_0 = S_0.
@@ -70,7 +80,10 @@ bool KeyframeSelector::is_keyframe(const Pose& T_local_sensor) const {
   const double threshold_m = std::max(distance_threshold_m(spaciousness_m_), config_.least_threshold_m);
   const Nearby near = nearby(T_local_sensor, threshold_m);
   if (!near.any) return true;
-  return !near.same_way && angle_between_rad(keyframes_.back(), T_local_sensor) >= config_.rotation_rad - step_rounding;
+  const Chosen& last = keyframes_.back();
+  if (!near.lately && path_m_ - last.path_m >= config_.known_spacing_m - step_rounding) return true;
+  return !near.same_way &&
+         angle_between_rad(last.T_local_sensor, T_local_sensor) >= config_.rotation_rad - step_rounding;
 }
 
 KeyframeSelector::Nearby KeyframeSelector::nearby(const Pose& T_local_sensor, double threshold_m) const {
@@ -80,9 +93,11 @@ KeyframeSelector::Nearby KeyframeSelector::nearby(const Pose& T_local_sensor, do
     const auto cell = cells_.find(cell_key(p_local, i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1));
     if (cell == cells_.end()) continue;
     for (const std::size_t k : cell->second) {
-      if ((keyframes_[k].translation() - p_local).norm() >= threshold_m - step_rounding) continue;
+      const auto& [T_local_keyframe, path_m] = keyframes_[k];
+      if ((T_local_keyframe.translation() - p_local).norm() >= threshold_m - step_rounding) continue;
       found.any = true;
-      if (angle_between_rad(keyframes_[k], T_local_sensor) < config_.rotation_rad - step_rounding)
+      if (path_m_ - path_m < config_.known_after_m - step_rounding) found.lately = true;
+      if (angle_between_rad(T_local_keyframe, T_local_sensor) < config_.rotation_rad - step_rounding)
         found.same_way = true;
     }
   }

@@ -94,6 +94,40 @@ TEST(KeyframeSelector, OppositeWayNearAnOldKeyframeCountsAsSeenAnew) {
   EXPECT_TRUE(selector.add(at(2, 0, -30), 30).keyframe);
 }
 
+TEST(KeyframeSelector, KnownGroundIsLookedAtAgainAfterTheLoopIsLongEnough) {
+  const auto keyframes_on_second_lap = [](double side_m) {
+    KeyframeSelector selector;
+    int keyframes = 0;
+    for (int lap = 0; lap < 2; ++lap) {
+      keyframes = 0;
+      for (int i = 0; i < 400; ++i) {  // round a square, looking the same way all the time
+        const double s = i % 100 / 100.0 * side_m;
+        const Pose corners[] = {at(s, 0), at(side_m, s), at(side_m - s, side_m), at(0, side_m - s)};
+        keyframes += selector.add(corners[i / 100], 5).keyframe ? 1 : 0;
+      }
+    }
+    return keyframes;
+  };
+  EXPECT_EQ(keyframes_on_second_lap(22), 1) << "88 m round: one at its end, near the first keyframe of both laps alone";
+  EXPECT_EQ(keyframes_on_second_lap(25), 5) << "every 20 m";
+  EXPECT_EQ(keyframes_on_second_lap(50), 10);
+}
+
+TEST(KeyframeSelector, ARobotAtRestWhosePoseTremblesSendsNothingMore) {
+  KeyframeSelector selector;
+  EXPECT_TRUE(selector.add(at(0), 30).keyframe);
+  for (int i = 0; i < 100000; ++i) ASSERT_FALSE(selector.add(at(i % 2 == 0 ? 0.4 : -0.4), 30).keyframe) << i;
+}
+
+TEST(KeyframeSelector, KnownGroundIsKnownAfterARestart) {
+  KeyframeSelector first, again;
+  for (int i = 0; i <= 30; ++i)
+    if (const auto chosen = first.add(at(5.0 * i), 4); chosen.keyframe)
+      again.restore(at(5.0 * i), chosen.spaciousness_m);
+  for (int i = 30; i >= 0; --i)
+    ASSERT_EQ(again.add(at(5.0 * i), 4).keyframe, first.add(at(5.0 * i), 4).keyframe) << 5 * i << " m";
+}
+
 // The rule, written down again without the grid of cubes: every earlier keyframe is looked at.
 TEST(KeyframeSelector, AgreesWithLookingAtEveryKeyframe) {
   std::mt19937 rng(7);
@@ -101,10 +135,17 @@ TEST(KeyframeSelector, AgreesWithLookingAtEveryKeyframe) {
   std::uniform_real_distribution<double> turn_deg(-40, 40);
   KeyframeSelector selector;
   std::vector<Pose> kept;
+  std::vector<double> kept_m;
   Pose T = Pose::Identity();
-  int suppressed = 0;
+  Eigen::Vector3d path_end(T.translation());
+  double path_m = 0;
+  int suppressed = 0, on_known_ground = 0;
   for (int i = 0; i < 4000; ++i) {
     T = T * pose_from_yaw(turn_deg(rng) * degree, {step_m(rng) + 0.3, step_m(rng), 0.3 * step_m(rng)});
+    if (const double driven_m = (T.translation() - path_end).norm(); i == 0 || driven_m >= 1) {
+      path_m += i == 0 ? 0 : driven_m;
+      path_end = T.translation();
+    }
     const float range_m = 2.0F + static_cast<float>(i % 700) / 35;
     const auto decision = selector.add(T, range_m);
     const double threshold_m = distance_threshold_m(decision.spaciousness_m);
@@ -113,10 +154,17 @@ TEST(KeyframeSelector, AgreesWithLookingAtEveryKeyframe) {
     const bool far = std::none_of(kept.begin(), kept.end(), near);
     const bool new_view = !kept.empty() && !same(kept.back()) &&
                           std::none_of(kept.begin(), kept.end(), [&](const Pose& k) { return near(k) && same(k); });
-    ASSERT_EQ(decision.keyframe, far || new_view) << "scan " << i;
-    if (decision.keyframe) kept.push_back(T);
+    bool known = !kept.empty() && path_m - kept_m.back() >= 20;
+    for (std::size_t k = 0; k < kept.size(); ++k) known = known && !(near(kept[k]) && path_m - kept_m[k] < 95);
+    ASSERT_EQ(decision.keyframe, far || new_view || known) << "scan " << i;
+    if (decision.keyframe) {
+      kept.push_back(T);
+      kept_m.push_back(path_m);
+    }
     suppressed += decision.keyframe ? 0 : 1;
+    on_known_ground += known && !far && !new_view ? 1 : 0;
   }
+  EXPECT_GT(on_known_ground, 20);
   EXPECT_GT(kept.size(), 200U);
   EXPECT_GT(suppressed, 200);
 }

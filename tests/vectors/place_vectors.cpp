@@ -128,8 +128,8 @@ File learned() {
 File selection() {
   Json scans = Json::array();
   KeyframeSelector selector;
-  const auto add = [&](double x, double yaw, float mean_range_m) {
-    const Pose T = pose_from_yaw(yaw, {x, 0, 0});
+  const auto add = [&](double x, double yaw, float mean_range_m, double y = 0) {
+    const Pose T = pose_from_yaw(yaw, {x, y, 0});
     const auto decision = selector.add(T, mean_range_m);
     scans.push_back({{"T_local_sensor", to_json(T)},
                      {"mean_range_m", mean_range_m},
@@ -142,6 +142,8 @@ File selection() {
   for (int i = 29; i > 20; --i) add(i, 3.1, 12);                   // and back: where it looks another way
   add(40, 3.1, 0);                                                 // a scan without points
   for (int i = 40; i < 44; ++i) add(i, 0, 0.5F);
+  for (int i = 0; i < 50; ++i)  // twice round a lap of 125 m
+    add(1000 + 20 * std::cos(i * 0.2513), 0, 4, 20 * std::sin(i * 0.2513));
   return {"keyframes", {{"scans", scans}}};
 }
 

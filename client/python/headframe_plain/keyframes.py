@@ -6,6 +6,7 @@ from .geometry import angle_rad, inverse, transform
 
 EPSILON = 1e-9
 THIRTY_DEG = np.deg2rad(30)
+KNOWN_AFTER_M, KNOWN_SPACING_M = 95, 20  # of path
 
 
 def usable(points):
@@ -40,24 +41,42 @@ class Selector:
     def __init__(self):
         self.spaciousness = 0.0
         self._poses = []
+        self._path_m = 0.0
+        self._path_m_of = []  # at each keyframe
+        self._path_end = None
 
     def add(self, T_local_sensor, mean_range_m):
         """Whether the scan is a keyframe."""
         if mean_range_m > 0:
             first = self.spaciousness == 0
             self.spaciousness = mean_range_m if first else 0.9 * self.spaciousness + 0.1 * mean_range_m
+        self._drive_to(np.array(T_local_sensor)[:3, 3])
         if not self._is_keyframe(T_local_sensor):
             return False
         self._poses.append(np.array(T_local_sensor))
+        self._path_m_of.append(self._path_m)
         return True
+
+    def _drive_to(self, position):
+        """In steps of a metre: a pose that trembles drives nowhere."""
+        step = 1.0 if self._path_end is None else np.linalg.norm(position - self._path_end)
+        if step < 1:
+            return
+        if self._path_end is not None:
+            self._path_m += step
+        self._path_end = position
 
     def _is_keyframe(self, T):
         if not self._poses:
             return True
         poses = np.array(self._poses)
         distance = np.linalg.norm(poses[:, :3, 3] - T[:3, 3], axis=1)
-        near = poses[distance < keyframe_distance(self.spaciousness) - EPSILON]
+        is_near = distance < keyframe_distance(self.spaciousness) - EPSILON
+        near = poses[is_near]
         if not len(near):
+            return True
+        since = self._path_m - np.array(self._path_m_of)
+        if since[-1] >= KNOWN_SPACING_M - EPSILON and (since[is_near] >= KNOWN_AFTER_M - EPSILON).all():
             return True
 
         def turned(other):
