@@ -44,6 +44,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "submap_s", &c.schedule.submap_s, 0.1, 3600},
       {"merge", "rest_s", &c.schedule.rest_s, 0.1, 1e6},
       {"merge", "asked_rest_s", &c.schedule.asked_rest_s, 0, 1e6},
+      {"merge", "awaited_s", &c.schedule.awaited_s, 0, 3600},
       {"merge", "stuck_s", &c.schedule.stuck_s, 0.1, 1e6},
       {"merge", "budget_s", &c.schedule.budget_s, 0.1, 1e6},
       {"merge", "registration", &c.merge.registration},

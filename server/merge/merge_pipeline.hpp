@@ -35,6 +35,9 @@ class MergePipeline {
   /// keyframe that comes after all ends it.
   void complete_session(SessionId id);
 
+  /// Merges of others wait no more for what the session, which still grows, comes to say.
+  void await_no_more(SessionId id);
+
   /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes.
   AttemptReport set_aside(SessionId id);
 

@@ -52,6 +52,8 @@ void MergePipeline::complete_session(SessionId id) {
   state_->to_prepare.insert(id);
 }
 
+void MergePipeline::await_no_more(SessionId id) { state_->sessions.await_no_more(id); }
+
 AttemptReport MergePipeline::set_aside(SessionId id) {
   AttemptReport report;
   State& s = *state_;

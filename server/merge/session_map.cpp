@@ -148,9 +148,14 @@ double SessionMap::path_awaited_of_others_m(const OrderedPair& pair, double aske
   for (const auto& [id, session] : sessions_) {
     if (session.keyframes.empty()) continue;
     if (session.complete && !session.looked_at) awaited_m = std::max(awaited_m, 1.0);
-    if (!session.complete && id != pair.a && id != pair.b) awaited_m = std::max(awaited_m, asked_m - session.path_m());
+    if (drives_on(session) && id != pair.a && id != pair.b) awaited_m = std::max(awaited_m, asked_m - session.path_m());
   }
   return awaited_m;
+}
+
+bool SessionMap::drives_on(const Session& session) {
+  const double path_m = session.path_m(), count = static_cast<double>(session.keyframes.size());
+  return !session.complete && session.awaited && path_m >= least_awaited_m && path_m >= least_step_m * count;
 }
 
 }  // namespace headframe

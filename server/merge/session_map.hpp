@@ -19,6 +19,7 @@ struct Session {
   Eigen::AlignedBox3d box;        // around all keyframes
   bool complete = false;          // no keyframe is expected: it ended, or rests
   bool looked_at = false;         // ... and was tried since, with every other session
+  bool awaited = true;            // merges of others may wait for what it comes to say
   bool asks_where = false;        // its robot asks where it is: looked at however short it is
   std::size_t asked = 0;          // keyframes whose neighbours were asked whether they see the same
   std::uint64_t fingerprint = 0;  // of the first keyframe as it came: the same whenever the session comes
@@ -48,6 +49,7 @@ class SessionMap {
   const Keyframe& add_keyframe(SessionId id, Keyframe keyframe);
   void complete(SessionId id);
   void set_looked_at(SessionId id, bool looked_at);
+  void await_no_more(SessionId id) { sessions_[id].awaited = false; }
   void set_asks_where(SessionId id, bool asks) { sessions_[id].asks_where = asks; }
   void forget(SessionId id);
 
@@ -73,10 +75,14 @@ class SessionMap {
   /// contradict it: for a metre more if one has ended and was not looked at since. A session that rests or has ended
   /// has shown all it can, unless it is short: of the whole of its path short_m is asked, more for look-alikes and
   /// doubt, and most_of_short_m or MergeConfig::shown_m at most. 0: none.
+  /// Of the others that grow those are waited for that drive: least_awaited_m of path and more, least_step_m of it for
+  /// each keyframe. Who stands still, or sends keyframes of one spot, holds nobody up; await_no_more() is for who takes
+  /// his time.
   double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
   static constexpr double localize_m = 20;  // set by hand, as this:
   static constexpr double short_m = 20, most_of_short_m = 50;
+  static constexpr double least_awaited_m = 10, least_step_m = 0.25;
   /// The same before its robot, which asks where it is, is told of the placement: after localize_m in place of
   /// MergeConfig::shown_m, also when it rests or has ended.
   double path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,
@@ -87,6 +93,7 @@ class SessionMap {
   SessionFrames frames_;
   double path_asked_m(const Evidence& evidence, double least_m) const;
   double path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const;
+  static bool drives_on(const Session& session);
 
   std::map<SessionId, Session> sessions_;
 };

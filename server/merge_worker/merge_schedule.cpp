@@ -6,8 +6,8 @@
 namespace headframe {
 
 std::string_view to_string(Trigger trigger) {
-  constexpr std::array<std::string_view, 9> names{"link",    "travelled", "request", "goodbye", "command",
-                                                  "restart", "junction",  "rest",    "localize"};
+  constexpr std::array<std::string_view, 10> names{"link",    "travelled", "request", "goodbye",  "command",
+                                                   "restart", "junction",  "rest",    "localize", "awaited"};
   return names.at(static_cast<std::size_t>(trigger));
 }
 
@@ -18,10 +18,12 @@ void MergeSchedule::enqueue(const Attempt& attempt) {
   queue_.push_back(attempt);
 }
 
-double& MergeSchedule::used_s(SessionId session) {
+std::string MergeSchedule::robot_of(SessionId session) const {
   const auto robot = robots_.find(session);
-  return used_s_[robot == robots_.end() ? std::to_string(session) : robot->second];
+  return robot == robots_.end() ? std::to_string(session) : robot->second;
 }
+
+double& MergeSchedule::used_s(SessionId session) { return used_s_[robot_of(session)]; }
 
 void MergeSchedule::spent(SessionId session, double seconds) { used_s(session) += seconds; }
 
@@ -81,7 +83,18 @@ MergeSchedule::Time MergeSchedule::after(Time now, double seconds) {
   return now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(seconds));
 }
 
-void MergeSchedule::grows(SessionId session, Time now) { rests_at_[session] = after(now, config_.rest_s); }
+void MergeSchedule::grows(SessionId session, Time now) {
+  rests_at_[session] = after(now, config_.rest_s);
+  if (awaited_until_.contains(session)) return;
+  Time& first = first_grew_.try_emplace(robot_of(session), now).first->second;
+  if (now - first >= std::chrono::hours(1)) first = now;
+  awaited_until_[session] = after(first, config_.awaited_s);
+}
+
+void MergeSchedule::ended(SessionId session) {
+  rests_at_.erase(session);
+  awaited_until_.erase(session);
+}
 
 void MergeSchedule::asks(SessionId session, Time now) {
   if (const auto it = rests_at_.find(session); it != rests_at_.end())
@@ -92,7 +105,17 @@ std::vector<SessionId> MergeSchedule::come_to_rest(Time now) {
   std::vector<SessionId> out;
   for (const auto& [session, time] : rests_at_)
     if (time <= now) out.push_back(session);
-  for (const SessionId session : out) rests_at_.erase(session);
+  for (const SessionId session : out) ended(session);
+  return out;
+}
+
+std::vector<SessionId> MergeSchedule::waited_out(Time now) {
+  std::vector<SessionId> out;
+  for (auto& [session, until] : awaited_until_) {
+    if (!until || *until > now) continue;
+    until.reset();
+    out.push_back(session);
+  }
   return out;
 }
 
@@ -164,6 +187,8 @@ std::optional<MergeSchedule::Time> MergeSchedule::next_deadline() const {
   std::optional<Time> first;
   for (const auto* times : {&deadlines_, &rests_at_})
     for (const auto& [session, time] : *times) first = first ? std::min(*first, time) : time;
+  for (const auto& [session, until] : awaited_until_)
+    if (until) first = first ? std::min(*first, *until) : *until;
   return first;
 }
 

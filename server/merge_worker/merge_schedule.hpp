@@ -25,6 +25,7 @@ enum class Trigger {
   junction,   // its robot has come to a junction, and not just after the last try
   rest,       // no keyframe has come for a while: it counts as complete until one does
   localize,   // its robot asks where it is, and has come on since it was looked at last
+  awaited,    // others have waited long enough for what it comes to say
 };
 
 std::string_view to_string(Trigger trigger);
@@ -64,10 +65,13 @@ class MergeSchedule {
   /// A keyframe came, so the session grows; its robot asks for a merge; it has ended.
   void grows(SessionId session, Time now);
   void asks(SessionId session, Time now);
-  void ended(SessionId session) { rests_at_.erase(session); }
+  void ended(SessionId session);
   /// Sessions that grew and came to rest since the last call: nothing came for config.rest_s, or for
   /// config.asked_rest_s after their robot asked.
   std::vector<SessionId> come_to_rest(Time now);
+  /// Sessions that grew, and for which the merges of others have waited since the last call as long as they may:
+  /// config.awaited_s from when the robot's first session grew. An hour after that its new sessions are awaited again.
+  std::vector<SessionId> waited_out(Time now);
 
   /// Of the robots that ask where they are, then of all, whose turn it is: the attempt that was queued first. It counts
   /// as the session's last try.
@@ -105,6 +109,7 @@ class MergeSchedule {
 
   void enqueue(const Attempt& attempt);
   std::deque<Attempt>::iterator whose_turn();
+  std::string robot_of(SessionId session) const;
   double& used_s(SessionId session);
   void settle(const KeyframeRef& cloud);
   void give_up(SessionId session);
@@ -117,8 +122,10 @@ class MergeSchedule {
   double turn_s_ = 0;                     // what the robot had used whose turn was last: who idles saves up nothing
   std::vector<Waiting> waiting_;          // one for each session at most
   std::set<KeyframeRef> awaited_, in_vain_;
-  std::map<SessionId, Time> deadlines_;  // of robots that owe clouds
-  std::map<SessionId, Time> rests_at_;   // of sessions that grow
+  std::map<SessionId, Time> deadlines_;                     // of robots that owe clouds
+  std::map<SessionId, Time> rests_at_;                      // of sessions that grow
+  std::map<std::string, Time> first_grew_;                  // by robot, in this hour
+  std::map<SessionId, std::optional<Time>> awaited_until_;  // none: no more
   std::map<SessionId, double> travelled_m_;
   std::set<SessionId> at_junction_;  // since their last try
   std::set<SessionId> ask_where_;

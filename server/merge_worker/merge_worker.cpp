@@ -71,6 +71,7 @@ void MergeWorker::run() {
       tell_where(!orders.empty());
       schedule_.tick(Clock::now());
       for (const SessionId session : schedule_.come_to_rest(Clock::now())) come_to_rest(session);
+      for (const SessionId session : schedule_.waited_out(Clock::now())) await_no_more(session);
       const auto next = schedule_.next();
       if (next) attempt(*next);
       if (next) tell_where(true);
@@ -187,6 +188,12 @@ void MergeWorker::come_to_rest(SessionId session) {
   if (is_aside(session) || known_[session].keyframes == 0 || known_[session].asks_where) return;
   pipeline_->complete_session(session);
   schedule_.trigger(session, Trigger::rest, Clock::now());
+}
+
+void MergeWorker::await_no_more(SessionId session) {
+  if (is_aside(session)) return;
+  pipeline_->await_no_more(session);
+  schedule_.trigger(session, Trigger::awaited, Clock::now());
 }
 
 /// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.

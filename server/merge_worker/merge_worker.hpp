@@ -115,6 +115,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   void take(SessionId session, const SessionNews& news);
   void feed(SessionId session, bool counts);
   void come_to_rest(SessionId session);
+  void await_no_more(SessionId session);
   void attempt(const MergeSchedule::Attempt& attempt);
   void give(Order order);
   Result<void> carry_out(AlignmentId alignment, Decision decision);

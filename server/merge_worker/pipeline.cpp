@@ -13,6 +13,7 @@ class RealPipeline : public Pipeline {
   }
   bool prepare_ahead(CloudSource& clouds) override { return pipeline_.prepare_ahead(clouds); }
   void complete_session(SessionId id) override { pipeline_.complete_session(id); }
+  void await_no_more(SessionId id) override { pipeline_.await_no_more(id); }
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
                std::vector<SessionId> anchors) override {
     pipeline_.restore(std::move(alignments), revision, std::move(decisions), std::move(anchors));

@@ -15,6 +15,7 @@ class Pipeline {
   virtual void prepare_cloud(const KeyframeRef& /*keyframe*/, CloudSource& /*clouds*/) {}
   virtual bool prepare_ahead(CloudSource& /*clouds*/) { return false; }
   virtual void complete_session(SessionId id) = 0;
+  virtual void await_no_more(SessionId /*id*/) {}
   virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
                        std::vector<SessionId> anchors) = 0;
   virtual void restore_self_likeness(const std::map<SessionId, SelfLikeness>& /*known*/) {}

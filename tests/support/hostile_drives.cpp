@@ -14,11 +14,14 @@ FamilySpec drawn_family() {
   return {make_family(default_family_name).value()->id(), any.q.size(), any.w.size()};
 }
 
+std::string keyframe_and_cloud(const Drive& drive, std::size_t i) {
+  return keyframe_frame(drive.keyframes[i]) + cloud_frames(i + 1, encode_cloud(drive.clouds[i]).value());
+}
+
 /// All that a robot tells which drove so, and its goodbye.
 std::string told(const Drive& drive) {
   std::string out;
-  for (std::size_t i = 0; i < drive.keyframes.size(); ++i)
-    out += keyframe_frame(drive.keyframes[i]) + cloud_frames(i + 1, encode_cloud(drive.clouds[i]).value());
+  for (std::size_t i = 0; i < drive.keyframes.size(); ++i) out += keyframe_and_cloud(drive, i);
   return out + goodbye_frame(true);
 }
 
@@ -122,6 +125,53 @@ void one_point_many_times(const HostileTarget& target) {
   tell(target, all);
 }
 
+/// Forty times through the same twelve metres: every place is a loop with all the times before.
+void to_and_fro(const HostileTarget& target) {
+  static const std::string all = [] {
+    std::vector<Eigen::Vector2d> corners;
+    for (int i = 0; i <= 40; ++i) corners.emplace_back(i % 2 == 0 ? 2 : 14, 0);
+    return told(drive(branches_mine(), corners, 0.2, 9));
+  }();
+  tell(target, all);
+}
+
+/// Where am I, after every keyframe and over and over, for its questions go before other work.
+void asks_where_on_and_on(const HostileTarget& target) {
+  static const std::string all = [] {
+    v1::RobotMessage asks, takes_back;
+    asks.mutable_localize();
+    takes_back.mutable_localize()->set_stop(true);
+    const Drive drive = drive_b_to_a();
+    std::string frames;
+    for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
+      frames += keyframe_and_cloud(drive, i);
+      for (int again = 0; again < 50; ++again) frames += frame(takes_back) + frame(asks);
+    }
+    return frames;
+  }();
+  tell(target, all);
+}
+
+/// The largest map in the finest cubes, paths and coverage, all of them anew each time.
+void asks_for_maps_on_and_on(const HostileTarget& target) {
+  static const std::string all = [] {
+    const Drive drive = drive_b_to_a();
+    std::string frames;
+    for (std::size_t i = 0; i < drive.keyframes.size(); ++i) frames += keyframe_and_cloud(drive, i);
+    for (std::uint64_t i = 1; i <= 500; ++i) {
+      v1::RobotMessage map, paths, coverage;
+      map.mutable_map_request()->set_id(i);
+      map.mutable_map_request()->set_resolution_m(0.05F);
+      map.mutable_map_request()->mutable_sphere()->set_radius_m(200);
+      paths.mutable_trajectories_request();
+      coverage.mutable_coverage_request();
+      frames += frame(map) + frame(paths) + frame(coverage);
+    }
+    return frames;
+  }();
+  tell(target, all);
+}
+
 }  // namespace
 
 const std::vector<HostileAct>& hostile_drives() {
@@ -134,6 +184,9 @@ const std::vector<HostileAct>& hostile_drives() {
       {"wrong scale", wrong_scale},
       {"no-returns as zeros", no_returns_as_zeros},
       {"one point many times", one_point_many_times},
+      {"to and fro", to_and_fro},
+      {"asks where on and on", asks_where_on_and_on},
+      {"asks for maps on and on", asks_for_maps_on_and_on},
   };
   return acts;
 }

@@ -94,6 +94,36 @@ TEST_F(AwaitedPath, OfOthersHasAnEnd) {
   EXPECT_EQ(awaited_m(2), 0) << "a robot that drives for hours holds nobody up";
 }
 
+TEST_F(AwaitedPath, OfOthersIsOfThoseAloneThatDrive) {
+  const double asked_m = config_.shown_m + 2 * config_.shown_more_m;
+  grow(3, 9);
+  EXPECT_EQ(awaited_m(2), 0) << "it may stand there all day";
+  add_metre(3, 10);
+  EXPECT_NEAR(awaited_m(2), asked_m - 10, 1e-6);
+  int keyframes = 11;
+  while (10 >= SessionMap::least_step_m * ++keyframes) {
+    Keyframe on_the_spot = line_keyframe(static_cast<std::uint64_t>(keyframes));
+    on_the_spot.T_local_sensor.translation().x() = 11;
+    on_the_spot.stamp_s = keyframes;
+    EXPECT_GT(awaited_m(2), 0) << keyframes;
+    sessions_.add_keyframe(3, on_the_spot);
+  }
+  EXPECT_GT(awaited_m(2), 0) << "40 keyframes over 10 m";
+  Keyframe last = line_keyframe(static_cast<std::uint64_t>(keyframes));
+  last.T_local_sensor.translation().x() = 11;
+  last.stamp_s = keyframes;
+  sessions_.add_keyframe(3, last);
+  EXPECT_EQ(awaited_m(2), 0) << "41: it floods a spot with keyframes";
+}
+
+TEST_F(AwaitedPath, OfOthersIsNothingOnceTheyWereAwaitedLongEnough) {
+  grow(3, 20);
+  EXPECT_GT(awaited_m(2), 0);
+  sessions_.await_no_more(3);
+  add_metre(3, 21);
+  EXPECT_EQ(awaited_m(2), 0);
+}
+
 TEST_F(AwaitedPath, WhatWaitedForOthersIsToldWhenTheyHaveEnded) {
   grow(3, 20);
   AlignmentBook book(config_, sessions_);

@@ -156,6 +156,38 @@ TEST_F(Schedule, ARobotThatAsksAndStandsStillHasNotToWaitAsLong) {
   EXPECT_EQ(schedule.come_to_rest(now + milliseconds(200000)), Ids()) << "it said goodbye";
 }
 
+TEST_F(Schedule, OthersWaitForARobotsSessionsTenMinutesAnHour) {
+  using Ids = std::vector<SessionId>;
+  const auto minute = [this](double m) { return now + milliseconds(static_cast<int>(m * 60000)); };
+  for (const SessionId session : {1, 2, 3}) schedule.belongs(session, "slow");
+  schedule.belongs(4, "other");
+  schedule.grows(1, now);
+  schedule.grows(4, minute(6));
+  EXPECT_EQ(schedule.waited_out(minute(9.99)), Ids());
+  schedule.grows(1, minute(9.99));
+  schedule.grows(2, minute(9.99));
+  EXPECT_EQ(schedule.next_deadline(), minute(8)) << "4 would rest";
+  EXPECT_EQ(schedule.waited_out(minute(10)), (Ids{1, 2})) << "that it grows on is no reason to wait on";
+  schedule.grows(1, minute(11));
+  EXPECT_EQ(schedule.waited_out(minute(15)), Ids()) << "once";
+  EXPECT_EQ(schedule.waited_out(minute(16)), Ids{4}) << "each robot has its own time";
+  schedule.grows(3, minute(59.9));
+  EXPECT_EQ(schedule.waited_out(minute(59.9)), Ids{3}) << "a new session is no new time";
+  schedule.ended(3);
+  schedule.grows(3, minute(60));
+  EXPECT_EQ(schedule.waited_out(minute(69.9)), Ids()) << "a new hour is";
+  EXPECT_EQ(schedule.waited_out(minute(70)), Ids{3});
+}
+
+TEST_F(Schedule, NobodyWaitsForWhatHasEndedOrRests) {
+  schedule.grows(1, now);
+  schedule.grows(2, now);
+  schedule.ended(1);
+  EXPECT_EQ(schedule.come_to_rest(now + milliseconds(120000)), std::vector<SessionId>{2});
+  EXPECT_FALSE(schedule.next_deadline());
+  EXPECT_EQ(schedule.waited_out(now + milliseconds(700000)), std::vector<SessionId>());
+}
+
 TEST_F(Schedule, CloudsAreAskedForOnceAndTheAttemptComesBackWhenAllAreHere) {
   EXPECT_EQ(wait_for({{2, 7}, {3, 1}}), (Refs{{2, 7}, {3, 1}}));
   EXPECT_EQ(wait_for({{2, 7}, {2, 8}}), (Refs{{2, 8}})) << "7 is on its way";

@@ -113,6 +113,13 @@ TEST_F(Worker, AGoodbyeOrARequestAtRestLetsAShortSessionMerge) {
   EXPECT_EQ(script.completed, (std::set<SessionId>{1, 2}));
 }
 
+TEST_F(Worker, WhomOthersHaveAwaitedLongEnoughIsAwaitedNoMoreAndTheyAreLookedAtAgain) {
+  start(true, {.awaited_s = 0});
+  ASSERT_TRUE(eventually([&] { return script.attempted() == 2 && idle(); }));
+  EXPECT_EQ(script.awaited_no_more, (std::set<SessionId>{1, 2})) << "both grew when the server stopped";
+  EXPECT_EQ(script.attempts, (std::vector<SessionId>{1, 2})) << "attempts release what waited";
+}
+
 TEST_F(Worker, CloudsAreMadeReadyWhenNoAttemptWaits) {
   std::promise<void> entered, leave;
   script.on_attempt = [&](SessionId id, CloudSource&) {

@@ -29,8 +29,9 @@ using namespace std::chrono_literals;
 constexpr int robots = 6;
 constexpr double every_s = 0.1;        // a keyframe of each robot
 constexpr double merge_within_s = 60;  // else it counts as hung
-// The robots that load the link are not merged: they would hide what an attack does to those that are.
-constexpr const char* config = "[limits]\nhello_s = 2\nwrite_s = 2\n[merge]\nleast_path_m = 1e5\n";
+// The robots that load the link are not merged: they would hide what an attack does to those that are. Nor does the
+// pair wait for what they come to say, though its mine of boxes looks alike everywhere: that would hide it too.
+constexpr const char* config = "[limits]\nhello_s = 2\nwrite_s = 2\n[merge]\nleast_path_m = 1e5\nlook_alikes = 1e9\n";
 
 Result<HttpResponse> ask(const Served& server, const std::string& target) {
   auto endpoint = parse_http_endpoint(server.http);
