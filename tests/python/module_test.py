@@ -120,7 +120,7 @@ class Module(unittest.TestCase):
             for bad in (2 * T, np.diag([1, 1, -1, 1]), np.full((4, 4), np.nan)):
                 self.assertRaises(ValueError, robot.add_scan, 1, bad, points)
             self.assertRaises(TypeError, robot.add_scan, 1, np.eye(3), points)
-            self.assertRaises(headframe.Error, robot.add_scan, 1, T, np.zeros((500, 3)))
+            self.assertRaises(headframe.BadInput, robot.add_scan, 1, T, np.zeros((500, 3)))
             self.assertTrue(robot.add_scan(1, T, points))
             self.assertFalse(robot.add_scan(1, T, points.astype(np.float32)[::-1]))  # its stamp is not after the last
             robot.finish(60)

@@ -28,7 +28,7 @@ void write_all(const std::filesystem::path& dir) {
 }  // namespace headframe::test
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
+  if (argc != 2 || argv[1][0] == '-') {
     std::fprintf(stderr, "usage: headframe-drawn-sessions DIR\n");
     return 2;
   }

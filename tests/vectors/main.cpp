@@ -8,7 +8,7 @@
 #include "tests/vectors/vectors.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
+  if (argc != 2 || argv[1][0] == '-') {
     std::fprintf(stderr, "usage: headframe-make-vectors DIR (proto/headframe/v1/vectors)\n");
     return 2;
   }

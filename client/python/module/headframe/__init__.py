@@ -11,7 +11,7 @@ import weakref as _weakref
 __path__ = _pkgutil.extend_path(__path__, __name__)  # messages of the protocol (headframe.v1) may lie elsewhere
 
 from . import _robot
-from ._robot import (Coverage, Error, Localization, MapAround, Path, Progress, Sensor, SessionKey, Surroundings,
+from ._robot import (BadInput, Coverage, Error, Localization, MapAround, Path, Progress, Sensor, SessionKey, Surroundings,
                      Trajectories, Transforms)
 
 FREE, WALL, PATH = 1, 2, 4  # what a cell of Coverage may hold, summed
@@ -40,5 +40,5 @@ class Robot(_robot.Robot):
         self.close()
 
 
-__all__ = ["Coverage", "Error", "FREE", "Localization", "MapAround", "PATH", "Path", "Progress", "Robot", "Sensor",
+__all__ = ["BadInput", "Coverage", "Error", "FREE", "Localization", "MapAround", "PATH", "Path", "Progress", "Robot", "Sensor",
            "SessionKey", "Surroundings", "Trajectories", "Transforms", "WALL"]

@@ -11,6 +11,9 @@ PATH: int
 class Error(RuntimeError):
     """The library's faults: what happened, where, and what to do."""
 
+class BadInput(Error):
+    """This scan is no use; the next may be."""
+
 class SessionKey:
     robot: str
     session: str

@@ -19,6 +19,9 @@ using PointArray = py::array_t<float, py::array::c_style | py::array::forcecast>
 struct Fault : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+struct BadInput : Fault {
+  using Fault::Fault;
+};
 
 /// Lets go of the interpreter's lock while a robot ends: its thread may wait for it.
 struct Unlocked {

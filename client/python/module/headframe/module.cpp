@@ -10,10 +10,12 @@
 namespace headframe::python {
 namespace {
 
-/// Fails as Python does: headframe.Error for what the library calls a fault, ValueError for arguments.
+/// Fails as Python does: headframe.Error for what the library calls a fault, BadInput among them for a scan that is no
+/// use, ValueError for arguments.
 template <class T>
 T value_of(Result<T> result) {
   if (!result && result.error().code == ErrorCode::invalid_argument) throw py::value_error(result.error().message);
+  if (!result && result.error().code == ErrorCode::bad_input) throw BadInput(result.error().message);
   if (!result) throw Fault(result.error().message);
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
@@ -205,7 +207,8 @@ auto subscription(void (RobotClient::*subscribe)(const std::function<void(const 
 }  // namespace
 
 PYBIND11_MODULE(_robot, m) {
-  py::register_exception<Fault>(m, "Error", PyExc_RuntimeError);
+  const py::object fault = py::register_exception<Fault>(m, "Error", PyExc_RuntimeError);
+  py::register_exception<BadInput>(m, "BadInput", fault);
   describe_values(m);
   describe_surroundings(m);
   const py::call_guard<py::gil_scoped_release> others_run;
