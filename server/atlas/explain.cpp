@@ -52,6 +52,7 @@ std::string outcome_of(const std::string& both, const Alignment& k, bool togethe
 
 /// What speaks of one session whatever became of the pair.
 void add_troubles(const ExplainedSession& s, std::vector<std::string>& missing) {
+  if (s.archived) missing.push_back(s.name + " is archived: headframe session restore brings it back");
   if (!s.why_aside.empty())
     missing.push_back(s.name + " is set aside (" + s.why_aside + "): headframe session release takes it back");
   if (!s.why_cut.empty())

@@ -20,6 +20,7 @@ struct ExplainedSession {
   bool connected = false;
   std::string why_cut = {};    // its last keyframes are left out, and why; empty: they are not
   std::string why_aside = {};  // it is set aside, and why; empty: it is not
+  bool archived = false;
 };
 
 struct Explanation {

@@ -108,9 +108,21 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
   return order;
 }
 
-Component component_from(const Frames& frames, std::span<const SessionId> anchors) {
-  const auto chosen = std::find_if(anchors.rbegin(), anchors.rend(), [&](SessionId id) { return frames.contains(id); });
-  const auto anchor = chosen == anchors.rend() ? frames.begin() : frames.find(*chosen);
+/// The last that was chosen, else the earliest; of the frozen ones where there are any.
+Frames::const_iterator anchor_of(const Frames& frames, std::span<const SessionId> anchors,
+                                 const FrozenSessions& frozen) {
+  const auto first_frozen =
+      std::find_if(frames.begin(), frames.end(), [&](const auto& entry) { return frozen.contains(entry.first); });
+  const bool any_frozen = first_frozen != frames.end();
+  const auto chosen = std::find_if(anchors.rbegin(), anchors.rend(), [&](SessionId id) {
+    return frames.contains(id) && (!any_frozen || frozen.contains(id));
+  });
+  if (chosen != anchors.rend()) return frames.find(*chosen);
+  return any_frozen ? first_frozen : frames.begin();
+}
+
+Component component_from(const Frames& frames, std::span<const SessionId> anchors, const FrozenSessions& frozen) {
+  const auto anchor = anchor_of(frames, anchors, frozen);
   Component component;
   component.id = anchor->first;
   const Pose T_component = anchor->second.inverse();
@@ -140,14 +152,15 @@ class Merging {
     for (const std::size_t i : order) take(i, tolerance);
   }
 
-  MergeResult result(std::span<const SessionId> anchors) {
+  MergeResult result(std::span<const SessionId> anchors, const FrozenSessions& frozen) {
     for (Frames& frames : growing_.components) {
       if (frames.empty()) continue;
       std::vector<Alignment> edges;
       for (const Alignment& alignment : published_)
         if (frames.contains(alignment.a)) edges.push_back(alignment);
-      if (edges.size() >= frames.size()) relax(frames, edges);
-      result_.components.push_back(component_from(frames, anchors));
+      const bool loops = edges.size() >= frames.size();
+      if (loops || !frozen_together(frames, frozen).empty()) relax(frames, edges, frozen);
+      result_.components.push_back(component_from(frames, anchors, frozen));
     }
     std::sort(result_.components.begin(), result_.components.end(),
               [](const auto& x, const auto& y) { return x.id < y.id; });
@@ -246,13 +259,13 @@ bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
 }
 
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
-                           const LoopTolerance& tolerance, std::span<const SessionId> anchors,
-                           const Contacts& contacts) {
+                           const LoopTolerance& tolerance, std::span<const SessionId> anchors, const Contacts& contacts,
+                           const FrozenSessions& frozen) {
   Doubts doubts;
   for (;;) {
     const std::size_t before = doubts.size();
     Merging merging(sessions, alignments, tolerance, contacts, doubts);
-    if (doubts.size() == before) return merging.result(anchors);
+    if (doubts.size() == before) return merging.result(anchors, frozen);
   }
 }
 

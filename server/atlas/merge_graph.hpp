@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/atlas/atlas.hpp"
+#include "server/atlas/frozen.hpp"
 
 namespace headframe {
 
@@ -44,9 +45,11 @@ using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a
 /// probable runner-up. The published ones are then made to agree by least squares over the session frames. The outcome
 /// depends on the set of alignments only, not on the order they came in. Alignments in state candidate,
 /// provisional, retracted or rejected are not used. Poses of a component are relative to its anchor: of `anchors`, in
-/// the order they were chosen, the last that is in the component; without one its lowest session id.
+/// the order they were chosen, the last that is in the component; without one its lowest session id. Where a component
+/// holds frozen sessions, one of them is its anchor, chosen likewise, and those that were frozen in one frame keep
+/// their places to each other (T_frame_session between the same frames as T_a_b).
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {},
-                           const Contacts& contacts = {});
+                           const Contacts& contacts = {}, const FrozenSessions& frozen = {});
 
 }  // namespace headframe

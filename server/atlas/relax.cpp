@@ -4,19 +4,43 @@
 
 namespace headframe {
 
-void relax(Frames& frames, const std::vector<Alignment>& edges) {
+std::map<SessionId, std::pair<SessionId, Pose>> frozen_together(const Frames& frames, const FrozenSessions& frozen) {
+  std::map<SessionId, const FrozenSession*> first_of;  // by frame
+  std::map<SessionId, std::pair<SessionId, Pose>> tied;
+  for (const auto& [session, T] : frames) {
+    const auto found = frozen.find(session);
+    if (found == frozen.end()) continue;
+    const FrozenSession& held = found->second;
+    const auto [first, is_first] = first_of.try_emplace(held.frame, &held);
+    if (is_first) continue;
+    tied[session] = {first->second->session, first->second->T_frame_session.inverse() * held.T_frame_session};
+  }
+  return tied;
+}
+
+void relax(Frames& frames, const std::vector<Alignment>& edges, const FrozenSessions& frozen) {
+  constexpr double stiff = 1e8;  // what little they give way is taken back below
   PoseGraph graph;
   std::map<SessionId, std::size_t> node;
+  const auto tied = frozen_together(frames, frozen);
   for (const auto& [session, T] : frames) {
     node[session] = graph.nodes.size();
     graph.nodes.push_back({T, graph.nodes.empty()});
   }
   Vector6d weight;
   weight << 400, 400, 400, 1, 1, 1;
+  for (const auto& [session, tie] : tied)
+    graph.edges.push_back({node.at(tie.first), node.at(session), tie.second, stiff * Matrix6d::Identity()});
+  const auto held_by = [&](SessionId session) {
+    const auto tie = tied.find(session);
+    return tie == tied.end() ? session : tie->second.first;
+  };
   for (const Alignment& edge : edges)
-    graph.edges.push_back({node.at(edge.a), node.at(edge.b), edge.T_a_b, weight.asDiagonal()});
+    if (held_by(edge.a) != held_by(edge.b))
+      graph.edges.push_back({node.at(edge.a), node.at(edge.b), edge.T_a_b, weight.asDiagonal()});
   const PoseGraphResult result = optimise(graph);
   for (auto& [session, T] : frames) T = orthonormalised(result.T_graph_node[node.at(session)]);
+  for (const auto& [session, tie] : tied) frames[session] = orthonormalised(frames.at(tie.first) * tie.second);
 }
 
 }  // namespace headframe

@@ -63,7 +63,12 @@ class Commands {
   Result<int> request_clouds(const std::string& session);
   Result<int> quarantine(const std::string& session, const std::string& reason);
   Result<int> release(const std::string& session);
-  Result<int> remove_session(const std::string& session);
+  /// "archive", "restore", "freeze" or "thaw"; `done` says it of the session.
+  Result<int> tend(const std::string& session, const char* action, const char* done);
+  /// Prints the note where `text` is none.
+  Result<int> note(const std::string& session, const std::optional<std::string>& text);
+  /// Says what hangs on it; refused, unless all_the_same.
+  Result<int> remove_session(const std::string& session, bool all_the_same);
   Result<int> list_surveys();
   /// The file holds the API's JSON, or control points when it ends in .csv. accept: also points that do not fit each
   /// other.

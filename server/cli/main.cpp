@@ -20,6 +20,7 @@ struct Options {
   std::string http = "127.0.0.1:7448", token_file, fingerprint, authorities;
   bool json = false;
   std::optional<double> wait_s;
+  std::optional<std::string> note;
   double every_s = 1;
   int times = 0, most = 10000;
   headframe::MapRequest map;
@@ -153,7 +154,7 @@ void add_session_commands(CLI::App& app, Options& options) {
                           [&](Commands& c) { return c.overlay(options.alignment, options.most); });
   overlay->add_option("ALIGNMENT", options.alignment, "Its number, as alignments shows it")->required();
   overlay->add_option("--most", options.most, "Points of each session (default 10000)")->check(CLI::Range(0, 100000));
-  CLI::App* session = app.add_subcommand("session", "What becomes of a session that does harm");
+  CLI::App* session = app.add_subcommand("session", "What becomes of a session over the years, or when it does harm");
   session->add_flag("--json", options.json, "Print JSON");
   const auto add_fate = adder(*session, options);
   of_session(add_fate("quarantine", "Leave a session out of merging; what is stored of it stays", [&](Commands& c) {
@@ -161,8 +162,22 @@ void add_session_commands(CLI::App& app, Options& options) {
   }))->add_option("--reason", options.reason, "Why: shown beside the session");
   of_session(add_fate("release", "Merge a session again that was set aside",
                       [&](Commands& c) { return c.release(options.session); }));
-  of_session(add_fate("delete", "Delete all that is stored of a session, for good",
-                      [&](Commands& c) { return c.remove_session(options.session); }));
+  const auto tend = [&](const char* action, const char* what, const char* done) {
+    of_session(
+        add_fate(action, what, [&, action, done](Commands& c) { return c.tend(options.session, action, done); }));
+  };
+  tend("archive", "Keep a session, and leave it out of everything until it is restored",
+       " is archived; session restore brings it back");
+  tend("restore", "Bring a session back that was archived, as it was", " is back");
+  tend("freeze", "Make a session reference: nothing moves it any more, others are aligned to it",
+       " is frozen; session thaw lets it move again");
+  tend("thaw", "Let a session be moved again that was frozen", " may move again");
+  of_session(add_fate("note", "Write down what is to be remembered of a session; without TEXT, show it",
+                      [&](Commands& c) { return c.note(options.session, options.note); }))
+      ->add_option("TEXT", options.note, "At most 2000 bytes; empty: take the note away");
+  of_session(add_fate("delete", "Delete all that is stored of a session, for good", [&](Commands& c) {
+    return c.remove_session(options.session, options.all_the_same);
+  }))->add_flag("--yes", options.all_the_same, "Do it; without, only what hangs on it is said");
   CLI::App* survey = app.add_subcommand("survey", "Where sessions lie in the mine's grid");
   survey->add_flag("--json", options.json, "Print JSON");
   const auto add_survey = adder(*survey, options);

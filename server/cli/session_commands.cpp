@@ -24,6 +24,29 @@ std::string full_name(const Json& session) {
   return printable(session.at("robot").get<std::string>() + "/" + session.at("session").get<std::string>());
 }
 
+std::string names_of(const Json& sessions) {
+  std::string all;
+  for (const Json& session : sessions) all += (all.empty() ? "" : ", ") + full_name(session);
+  return all;
+}
+
+/// One line for each thing.
+std::string what_hangs_on(const std::string& name, const Json& found) {
+  std::string out =
+      name + ": " + found.at("keyframes").dump() + " keyframes, " + found.at("clouds").dump() + " clouds are deleted\n";
+  if (!found.at("merged_with").empty()) out += "  merged with " + names_of(found.at("merged_with")) + "\n";
+  if (found.at("anchor").get<bool>()) out += "  its map is anchored to it, and gets the frame of another session\n";
+  if (found.at("parts").size() > 1) {
+    out += "  its map comes apart:";
+    for (const Json& part : found.at("parts")) out += " [" + names_of(part) + "]";
+    out += "\n";
+  }
+  if (found.at("surveyed").get<bool>()) out += "  its survey goes with it\n";
+  if (found.at("frozen").get<bool>()) out += "  it is frozen: others are aligned to it as reference\n";
+  if (found.at("connected").get<bool>()) out += "  its robot is connected, and has to begin another session\n";
+  return out;
+}
+
 /// Between semicolons or tabs, where the comma is the decimal sign; else between commas or blanks.
 std::vector<std::string> cells_of(std::string line) {
   const bool strict = line.find_first_of(";\t") != std::string::npos;
@@ -129,8 +152,34 @@ Result<int> Commands::release(const std::string& session) {
   });
 }
 
-Result<int> Commands::remove_session(const std::string& session) {
+Result<int> Commands::tend(const std::string& session, const char* action, const char* done) {
   return session_named(session).and_then([&](const Json& row) {
+    return printed(posted(target_of(row, action), 200), [&](const Json&) { return full_name(row) + done + "\n"; });
+  });
+}
+
+Result<int> Commands::note(const std::string& session, const std::optional<std::string>& text) {
+  return session_named(session).and_then([&](const Json& row) -> Result<int> {
+    if (!text) {
+      const Json note = row.value("note", Json());
+      std::cout << (note.is_string() ? printable(note.get<std::string>()) + "\n" : full_name(row) + " has no note\n");
+      return exit_ok;
+    }
+    return printed(posted(target_of(row, "note"), 200, *text),
+                   [&](const Json&) { return full_name(row) + (text->empty() ? " has no note now\n" : ": noted\n"); });
+  });
+}
+
+Result<int> Commands::remove_session(const std::string& session, bool all_the_same) {
+  return session_named(session).and_then([&](const Json& row) -> Result<int> {
+    if (!all_the_same) {
+      const auto body = fetched(target_of(row, "dependents"));
+      if (!body) return tl::unexpected(body.error());
+      std::cerr << what_hangs_on(full_name(row), Json::parse(*body));
+      return failure(ErrorCode::refused,
+                     "nothing was deleted; what is deleted is gone for good: --yes does it, session "
+                     "archive keeps it out of everything instead");
+    }
     return printed(removed("/api/v1/sessions/" + row.at("id").dump()),
                    [&](const Json&) { return full_name(row) + " is deleted\n"; });
   });

@@ -36,6 +36,8 @@ std::string counted(std::uint64_t count, const std::string& one) {
 std::string state(const Json& session) {
   if (const Json why = session.value("why_aside", Json()); why.is_string())
     return "set aside: " + printable(why.get<std::string>());
+  if (session.value("archived", false)) return "archived";
+  if (session.value("frozen", false)) return "frozen";
   const bool complete = session.at("complete").get<bool>();
   if (session.at("connected").get<bool>()) return complete ? "docked" : "live";
   return complete ? "complete" : "away";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/merge/frozen_places.hpp"
 #include "server/session/same_placement.hpp"
 #include "server/support/stopwatch.hpp"
 
@@ -131,7 +132,12 @@ Result<void> AlignmentBook::decide(AlignmentId id, Decision decision, AttemptRep
   return {};
 }
 
-bool AlignmentBook::anchor(SessionId id) {
+Result<bool> AlignmentBook::anchor(SessionId id) {
+  const FrozenSessions& frozen = sessions_.frozen();
+  for (const Component& component : atlas_.components)
+    if (placement_in(component, id) && frozen.contains(component.id) && !frozen.contains(id))
+      return failure(ErrorCode::refused, "the map is anchored to session " + std::to_string(component.id) +
+                                             ", which is frozen: thaw it, or freeze this one and choose it then");
   if (!anchors_.empty() && anchors_.back() == id) return false;
   std::erase(anchors_, id);
   anchors_.push_back(id);
@@ -149,7 +155,9 @@ MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Con
   for (Alignment& alignment : spoken)  // one whose session is set aside says nothing
     if (!sessions_.contains(alignment.a) || !sessions_.contains(alignment.b))
       alignment.state = AlignmentState::candidate;
-  return merge_sessions(ids, spoken, {}, anchors_, contacts);
+  FrozenSessions frozen;
+  for (const auto& [id, held] : sessions_.frozen()) frozen[id] = local(held, sessions_.frames());
+  return merge_sessions(ids, spoken, {}, anchors_, contacts, frozen);
 }
 
 MergeResult AlignmentBook::merge(const Contacts& contacts, Waiting waiting) const {

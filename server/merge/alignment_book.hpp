@@ -41,8 +41,8 @@ class AlignmentBook {
   void release_awaited(AttemptReport& report);
 
   Result<void> decide(AlignmentId id, Decision decision, AttemptReport& report);
-  /// False: it was chosen last already.
-  bool anchor(SessionId id);
+  /// False: it was chosen last already. refused: a frozen session of its component keeps the frame.
+  Result<bool> anchor(SessionId id);
   /// A session that was set aside comes back: its alignments stand again as their verdict and the operator's word say.
   void wake(SessionId id);
 

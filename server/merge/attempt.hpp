@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/frozen.hpp"
 #include "server/atlas/pose_constraint.hpp"
 #include "server/merge/cloud_source.hpp"
 #include "server/place/leads.hpp"
@@ -41,6 +42,8 @@ struct AttemptReport {
   bool whole = false;                                    // the session was complete: no keyframe was expected
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
   std::vector<PairClosures> closures = {};  // all that are known of the pairs for which more were found, to be stored
+  std::vector<FrozenSession> frozen = {};   // to be stored
+  SessionId thawed = 0;                     // frozen no more, to be stored; 0: none
 };
 
 /// An attempt under way: where its clouds come from, and the report that it fills.

@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "server/merge/alignment_edges.hpp"
+#include "server/merge/frozen_places.hpp"
 #include "server/merge/odometry_chain.hpp"
 
 namespace headframe {
@@ -57,7 +58,9 @@ void CorrectedPoses::update(std::span<const Component> components, std::span<con
   Corrections kept;
   for (const Component& component : components) {
     Work work(component, pairs_);
-    if (work.pairs.empty()) continue;  // rigid
+    const bool any_frozen = std::any_of(work.members.begin(), work.members.end(),
+                                        [&](const auto& member) { return is_frozen(member.first); });
+    if (work.pairs.empty() && !any_frozen) continue;  // rigid
     optimise_component(work);
     for (const Placement& p : component.placements) kept[p.session] = corrections_.at(p.session);
   }
@@ -149,13 +152,32 @@ void CorrectedPoses::place_groups(const Work& work) {
   }
 }
 
+/// To where they were when they were frozen.
+void CorrectedPoses::hold_frozen(const Work& work) {
+  const auto same = [](const CorrectedKeyframe& k, const CorrectedKeyframe& l) {
+    return k.sequence == l.sequence && k.T_component_session.isApprox(l.T_component_session, 1e-12);
+  };
+  for (const auto& [session, T] : work.members) {
+    if (!is_frozen(session)) continue;
+    auto held = held_correction(local(sessions_.frozen().at(session), sessions_.frames()), work.anchor, T);
+    auto& now = corrections_[session];
+    if (now &&
+        std::equal(now->keyframes.begin(), now->keyframes.end(), held.keyframes.begin(), held.keyframes.end(), same))
+      continue;
+    now = std::make_shared<const Correction>(std::move(held));
+    changed_.insert(session);
+  }
+}
+
 void CorrectedPoses::optimise_component(Work& work) {
   place_groups(work);
+  hold_frozen(work);
   std::set<SessionId> active;
   for (const SessionId session : changed_)
     if (work.members.contains(session)) active.insert(session);
   if (active.empty()) return;
   active = work.with_neighbours(active);
+  std::erase_if(active, [&](SessionId s) { return is_frozen(s); });
   const Corrections before = corrections_;
   for (;;) {
     const std::set<SessionId> taken_along = solve(work, active, before);
@@ -164,8 +186,8 @@ void CorrectedPoses::optimise_component(Work& work) {
   }
 }
 
-/// The sessions that are active, in one graph; the others stay, and hold them. Those of the others that something is
-/// tied to which has moved.
+/// The sessions that are active, in one graph; the others, all frozen ones among them, stay and hold them. Those of the
+/// others that something is tied to which has moved.
 std::set<SessionId> CorrectedPoses::solve(const Work& work, const std::set<SessionId>& active,
                                           const Corrections& before) {
   PoseGraph graph;
@@ -215,7 +237,7 @@ std::set<SessionId> CorrectedPoses::solve(const Work& work, const std::set<Sessi
   for (auto& [session, correction] : found) corrections_[session] = std::move(correction);
   std::set<SessionId> taken_along;
   for (const SessionId s : work.with_neighbours(moved_ones))
-    if (!active.contains(s)) taken_along.insert(s);
+    if (!active.contains(s) && !is_frozen(s)) taken_along.insert(s);
   return taken_along;
 }
 

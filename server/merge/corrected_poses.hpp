@@ -21,14 +21,16 @@ class CorrectedPoses {
 
   /// They replace those of the pair before.
   void set(PairClosures closures) { closures_[{closures.a, closures.b}] = std::move(closures.places); }
+  /// It may move again: the next update looks at it.
+  void touch(SessionId session) { changed_.insert(session); }
   void forget(SessionId session) {
     std::erase_if(closures_, [&](const auto& k) { return k.first.first == session || k.first.second == session; });
   }
 
   /// Optimises what the published alignments of `alignments` and the loop closures changed: the sessions that they are
   /// of, those beside them, and on from there as far as something moves. The first keyframe of a component's anchor
-  /// stays where it is. A session that stands alone is corrected where it closed a loop. Local frames. Throws
-  /// Cancelled.
+  /// stays where it is, and so do all of a frozen session. A session that stands alone is corrected where it closed a
+  /// loop. Local frames. Throws Cancelled.
   void update(std::span<const Component> components, std::span<const Alignment> alignments);
 
   /// T_component_session between the frames of the robots.
@@ -46,6 +48,8 @@ class CorrectedPoses {
   void refresh(std::span<const Alignment> alignments);
   void keep(const Pair& pair, PairEdges edges);
   void place_groups(const Work& work);
+  void hold_frozen(const Work& work);
+  bool is_frozen(SessionId session) const { return sessions_.frozen().contains(session); }
   void optimise_component(Work& work);
   std::set<SessionId> solve(const Work& work, const std::set<SessionId>& active, const Corrections& before);
   Pose corrected(const KeyframeRef& keyframe) const;

@@ -38,8 +38,18 @@ class MergePipeline {
   /// Merges of others wait no more for what the session, which still grows, comes to say.
   void await_no_more(SessionId id);
 
-  /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes.
+  /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes, and
+  /// come_back() says so.
   AttemptReport set_aside(SessionId id);
+  AttemptReport come_back(SessionId id);
+
+  /// Nothing moves the session any more, from where it lies now: others align to it, and its component is anchored to
+  /// it, or to one that was frozen before. Until it is thawed, also when it was set aside meanwhile. not_found: no such
+  /// session; refused: it is frozen already, or it is not.
+  Result<AttemptReport> freeze(SessionId id);
+  Result<AttemptReport> thaw(SessionId id);
+  /// As they were stored; before restore().
+  void restore_frozen(std::vector<FrozenSession> frozen);
 
   /// After a restart, once all sessions and keyframes were added: alignments and decisions as they were stored, ordered
   /// by id, the last revision, and the anchors in the order they were chosen.
@@ -58,7 +68,8 @@ class MergePipeline {
   Result<AttemptReport> decide(AlignmentId id, Decision decision);
 
   /// The session's frame becomes its component's, now and after later merges, until another of the component is chosen.
-  /// not_found: no such session. Nothing changes when it was chosen last already.
+  /// not_found: no such session; refused: a frozen one keeps the frame. Nothing changes when it was chosen last
+  /// already.
   Result<AttemptReport> anchor(SessionId id);
 
   /// Whether the session's robot asks where it is: then its pairs are looked at however short it is, and again after

@@ -1,6 +1,7 @@
 // What the pipeline is told, and asked for, beside attempts.
 
 #include "server/merge/merge_state.hpp"
+#include "server/merge/frozen_places.hpp"
 
 namespace headframe {
 
@@ -71,6 +72,46 @@ AttemptReport MergePipeline::set_aside(SessionId id) {
   return s.book.given_out(std::move(report));
 }
 
+AttemptReport MergePipeline::come_back(SessionId id) {
+  AttemptReport report;
+  State& s = *state_;
+  if (!s.sessions.contains(id)) return report;
+  s.update_atlas(report);
+  s.book.next_revision(report);
+  return s.book.given_out(std::move(report));
+}
+
+Result<AttemptReport> MergePipeline::freeze(SessionId id) {
+  State& s = *state_;
+  if (!s.sessions.contains(id)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(id));
+  if (s.sessions.frozen().contains(id)) return failure(ErrorCode::refused, "the session is frozen already");
+  AttemptReport report;
+  const Atlas& atlas = s.book.atlas_given_out();
+  FrozenSession now = frozen_now(id, atlas, s.corrected.given_out(), s.sessions.frozen());
+  const bool own_frame = std::none_of(atlas.components.begin(), atlas.components.end(), [&](const Component& c) {
+    return placement_in(c, id) && s.sessions.frozen().contains(c.id);
+  });
+  report.frozen.push_back(now);
+  s.sessions.freeze(std::move(now));
+  if (own_frame && s.book.anchor(id).value_or(false)) report.anchored = id;
+  s.update_atlas(report);
+  return s.book.given_out(std::move(report));
+}
+
+Result<AttemptReport> MergePipeline::thaw(SessionId id) {
+  State& s = *state_;
+  if (!s.sessions.thaw(id)) return failure(ErrorCode::refused, "the session is not frozen");
+  AttemptReport report;
+  report.thawed = id;
+  s.corrected.touch(id);
+  s.update_atlas(report);
+  return s.book.given_out(std::move(report));
+}
+
+void MergePipeline::restore_frozen(std::vector<FrozenSession> frozen) {
+  for (FrozenSession& session : frozen) state_->sessions.freeze(std::move(session));
+}
+
 void MergePipeline::prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) {
   state_->submaps.prepare_cloud(keyframe, clouds);
   if (state_->sessions.contains(keyframe.session)) state_->to_prepare.insert(keyframe.session);
@@ -115,7 +156,9 @@ Result<AttemptReport> MergePipeline::anchor(SessionId id) {
   State& s = *state_;
   if (!s.sessions.contains(id)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(id));
   AttemptReport report;
-  if (!s.book.anchor(id)) return report;
+  const auto news = s.book.anchor(id);
+  if (!news) return tl::unexpected(news.error());
+  if (!*news) return report;
   report.anchored = id;
   s.update_atlas(report);
   return s.book.given_out(std::move(report));

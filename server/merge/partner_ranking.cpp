@@ -49,7 +49,8 @@ void vote(const DescriptorIndex& index, const std::vector<Vector>& asked, int th
 void PartnerRanking::add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions) {
   const FamilyId& family = sessions.at(id).family;
   const auto& q = keyframe.descriptor.q;
-  if (q.empty()) return;
+  if (keyframe.sequence <= places_of_[id] || q.empty()) return;
+  places_of_[id] = keyframe.sequence;
   auto& index = places_[{family, q.size()}];
   if (!index) index = make_exact_index(q.size());
   if (index->size() == exact_up_to_) {

@@ -17,7 +17,7 @@ class PartnerRanking {
   explicit PartnerRanking(const MergeConfig& config, std::size_t exact_up_to = 500000)
       : config_(config), exact_up_to_(exact_up_to) {}
 
-  /// A keyframe of the session as it was taken in; `sessions` holds it already.
+  /// A keyframe of the session as it was taken in; `sessions` holds it already. One that comes again is known.
   void add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions);
 
   /// The sessions whose places look most like those of this one, best first: at most four times MergeConfig::partners
@@ -33,8 +33,9 @@ class PartnerRanking {
   const MergeConfig config_;
   const std::size_t exact_up_to_;
   std::map<std::pair<FamilyId, std::size_t>, std::unique_ptr<DescriptorIndex>> places_;
-  std::unique_ptr<DescriptorIndex> walls_;     // none while all sessions are of one family
-  std::map<SessionId, std::size_t> walls_of_;  // keyframes of each session that are in it
+  std::map<SessionId, std::uint64_t> places_of_;  // the last keyframe of each session that was added
+  std::unique_ptr<DescriptorIndex> walls_;        // none while all sessions are of one family
+  std::map<SessionId, std::size_t> walls_of_;     // keyframes of each session that are in it
 };
 
 }  // namespace headframe

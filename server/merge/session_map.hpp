@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "server/atlas/frozen.hpp"
 #include "server/merge/merge_config.hpp"
 #include "server/merge/ordered_pair.hpp"
 #include "server/merge/session_frames.hpp"
@@ -53,6 +54,12 @@ class SessionMap {
   void set_asks_where(SessionId id, bool asks) { sessions_[id].asks_where = asks; }
   void forget(SessionId id);
 
+  /// Sessions that nothing moves, between the frames of the robots; also of those that are not here now.
+  const FrozenSessions& frozen() const { return frozen_; }
+  void freeze(FrozenSession session) { frozen_[session.session] = std::move(session); }
+  /// False: it was not frozen.
+  bool thaw(SessionId id) { return frozen_.erase(id) > 0; }
+
   /// The longer on the shorter: it is laid piece by piece, and more pieces find more. (With the shorter of the campus
   /// drives laid on the longer, the search missed the right placement at 4 of 24 turns, else at none.)
   OrderedPair ordered(SessionId one, SessionId other) const;
@@ -96,6 +103,7 @@ class SessionMap {
   static bool drives_on(const Session& session);
 
   std::map<SessionId, Session> sessions_;
+  FrozenSessions frozen_;
 };
 
 }  // namespace headframe

@@ -265,14 +265,18 @@ void MergeWorker::update_view() {
   for (const Component& component : draft_.atlas.components)
     for (const Placement& placement : component.placements) placed.insert(placement.session);
   for (const auto& [session, known] : known_)
-    if (!placed.contains(session)) draft_.atlas.components.push_back({session, {{session, Pose::Identity()}}});
+    if (!placed.contains(session) && !archived_.contains(session))
+      draft_.atlas.components.push_back({session, {{session, Pose::Identity()}}});
   std::sort(draft_.atlas.components.begin(), draft_.atlas.components.end(),
             [](const Component& a, const Component& b) { return a.id < b.id; });
   for (const auto& [session, trouble] : troubles_) draft_.sessions[session];
+  for (const auto& [session, known] : known_) draft_.sessions[session];
   for (auto& [session, shown] : draft_.sessions) {
     const auto trouble = troubles_.find(session);
     shown.why_aside = trouble == troubles_.end() ? std::string() : trouble->second.why_aside;
     shown.deleted = trouble != troubles_.end() && trouble->second.deleted;
+    shown.archived = archived_.contains(session) && !shown.deleted;
+    shown.frozen = frozen_.contains(session) && !shown.deleted;
   }
   auto made = std::make_shared<const MergeView>(draft_);
   const std::lock_guard lock(mutex_);

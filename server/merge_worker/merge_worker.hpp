@@ -23,8 +23,9 @@ struct MergeView {
     std::string why_aside = {};           // it is not merged, and why; empty: it is
     bool deleted = false;
     std::string why_cut = {};  // keyframes from here on are left out of merging, and why; empty: none are
+    bool archived = false, frozen = false;
   };
-  Atlas atlas;  // every session is in it
+  Atlas atlas;  // every session is in it that is neither archived nor deleted
   std::vector<Alignment> alignments;
   std::map<SessionId, Session> sessions;
   Corrections corrections = {};  // where the pose graph puts keyframes
@@ -75,6 +76,12 @@ class MergeWorker : public MergeNews, private CloudSource {
   void release(SessionId session, std::function<void(const Result<void>&)> done);
   /// Set aside, and all that is stored of it is deleted, for good.
   void remove(SessionId session, std::function<void(const Result<void>&)> done);
+  /// archived: the session is kept and left out of everything, until it is said otherwise; it comes back as it was.
+  /// `done` as decide()'s; not_found: no such session; refused: it is so already.
+  void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> done);
+  /// frozen: nothing moves it any more (MergePipeline::freeze); until it is said otherwise. `done` as archive()'s;
+  /// refused also: it is archived or set aside.
+  void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> done);
 
   Pending pending() const;
   /// What the operator asked for and the worker has not taken up.
@@ -146,9 +153,13 @@ class MergeWorker : public MergeNews, private CloudSource {
   void no_work();
   void work_failed();
   void attempt_went_well(SessionId session);
-  void leave_out(SessionId session);
+  Result<void> leave_out(SessionId session, PutMerge write);
   Result<void> put_aside(SessionId session, const std::string& why, bool deleted);
   Result<void> take_back(SessionId session);
+  // worker_tending.cpp
+  Result<void> put_archived(SessionId session, bool archived);
+  Result<void> put_frozen(SessionId session, bool frozen);
+  Result<void> bring_in_again(SessionId session, PutMerge write);
   void update_view();
 
   CloudState state(const KeyframeRef& keyframe) const override;
@@ -163,6 +174,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::map<SessionId, Known> known_;
   std::deque<KeyframeRef> unprepared_;  // clouds that came; the newest most_unprepared of them
   std::map<SessionId, TroubleRecord> troubles_;
+  std::set<SessionId> archived_, frozen_;
   std::optional<WorkMark> mark_;
   const double stuck_s_;
   WorkWatch watch_;  // any thread

@@ -26,6 +26,10 @@ class RealPipeline : public Pipeline {
   Result<AttemptReport> anchor(SessionId id) override { return pipeline_.anchor(id); }
   std::string why_cut(SessionId id) const override { return pipeline_.why_cut(id); }
   AttemptReport set_aside(SessionId id) override { return pipeline_.set_aside(id); }
+  AttemptReport come_back(SessionId id) override { return pipeline_.come_back(id); }
+  Result<AttemptReport> freeze(SessionId id) override { return pipeline_.freeze(id); }
+  Result<AttemptReport> thaw(SessionId id) override { return pipeline_.thaw(id); }
+  void restore_frozen(const std::vector<FrozenSession>& frozen) override { pipeline_.restore_frozen(frozen); }
   bool ask_where(SessionId id, bool asks) override { return pipeline_.ask_where(id, asks); }
   SessionLocalization localization(SessionId id) const override { return pipeline_.localization(id); }
   AttemptReport attempt(SessionId id, CloudSource& clouds) override { return pipeline_.attempt(id, clouds); }

@@ -24,6 +24,10 @@ class Pipeline {
   virtual Result<AttemptReport> anchor(SessionId id) = 0;
   virtual std::string why_cut(SessionId /*id*/) const { return {}; }
   virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
+  virtual AttemptReport come_back(SessionId /*id*/) { return {}; }
+  virtual Result<AttemptReport> freeze(SessionId /*id*/) { return AttemptReport(); }
+  virtual Result<AttemptReport> thaw(SessionId /*id*/) { return AttemptReport(); }
+  virtual void restore_frozen(const std::vector<FrozenSession>& /*frozen*/) {}
   virtual bool ask_where(SessionId /*id*/, bool /*asks*/) { return false; }
   virtual SessionLocalization localization(SessionId /*id*/) const { return {}; }
   virtual AttemptReport attempt(SessionId id, CloudSource& clouds) = 0;

@@ -40,7 +40,7 @@ std::string MergeWorker::stuck() const { return why_stuck(watch_.piece(), std::c
 
 bool MergeWorker::is_aside(SessionId session) const {
   const auto found = troubles_.find(session);
-  return found != troubles_.end() && !found->second.why_aside.empty();
+  return archived_.contains(session) || (found != troubles_.end() && !found->second.why_aside.empty());
 }
 
 /// What is stored, and what the process before died of.
@@ -84,7 +84,7 @@ void MergeWorker::work_failed() {
   no_work();
   blame({piece->a, piece->b, WorkMark::End::died});
   for (const SessionId id : std::set<SessionId>{piece->a, piece->b})
-    if (is_aside(id)) leave_out(id);
+    if (is_aside(id)) (void)leave_out(id, {});
 }
 
 void MergeWorker::attempt_went_well(SessionId session) {
@@ -94,8 +94,8 @@ void MergeWorker::attempt_went_well(SessionId session) {
   (void)write_durably(PutTrouble{found->second});
 }
 
-/// Takes it out of the pipeline and the atlas; what is stored of it stays.
-void MergeWorker::leave_out(SessionId session) {
+/// Takes it out of the pipeline and the atlas; what is stored of it stays, but for what is written with that.
+Result<void> MergeWorker::leave_out(SessionId session, PutMerge write) {
   const AttemptReport report = pipeline_->set_aside(session);
   schedule_.robot_left(session);  // no cloud of it is awaited any more
   Known& known = known_[session];
@@ -103,8 +103,9 @@ void MergeWorker::leave_out(SessionId session) {
   take_question_aside(session, known.asks_where);
   if (troubles_[session].deleted) known_.erase(session);
   draft_.sessions[session].distance_m = 0;
-  (void)commit({}, report, nullptr);
+  if (!commit(std::move(write), report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
   update_view();
+  return {};
 }
 
 Result<void> MergeWorker::put_aside(SessionId session, const std::string& why, bool deleted) {
@@ -112,27 +113,27 @@ Result<void> MergeWorker::put_aside(SessionId session, const std::string& why, b
   TroubleRecord trouble = troubles_.contains(session) ? troubles_[session] : TroubleRecord{session, 0, 0, {}, false};
   trouble.why_aside = why;
   trouble.deleted = deleted;
-  if (!write_durably(PutTrouble{trouble})) return failure(ErrorCode::unavailable, stop_reason_);
   troubles_[session] = trouble;
-  leave_out(session);
+  if (deleted) archived_.erase(session), frozen_.erase(session);
+  PutMerge write;
+  write.trouble = PutTrouble{trouble};
+  if (auto left = leave_out(session, std::move(write)); !left) return left;
   spdlog::warn("session {} is {}: {}", session, deleted ? "deleted" : "set aside", why);
   return {};
 }
 
 Result<void> MergeWorker::take_back(SessionId session) {
   if (!known_.contains(session)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(session));
-  if (!is_aside(session)) return failure(ErrorCode::refused, "the session is not set aside");
-  const auto sessions = store_.sessions();
-  if (!sessions) return tl::unexpected(sessions.error());
-  if (!write_durably(PutTrouble{{session, 0, 0, {}, false}})) return failure(ErrorCode::unavailable, stop_reason_);
-  troubles_.erase(session);
-  for (const SessionRecord& record : *sessions)
-    if (record.id == session) bring_in(record);
-  if (is_aside(session)) return failure(ErrorCode::internal, troubles_.at(session).why_aside);
-  schedule_.trigger(session, Trigger::command, std::chrono::steady_clock::now());
-  if (known_[session].asks_where) take_question(session, true);
+  const auto trouble = troubles_.find(session);
+  if (trouble == troubles_.end() || trouble->second.why_aside.empty())
+    return failure(ErrorCode::refused, "the session is not set aside");
+  PutMerge write;
+  write.trouble = PutTrouble{{session, 0, 0, {}, false}};
+  troubles_.erase(trouble);
+  if (archived_.contains(session))
+    return write_durably(write) ? Result<void>() : failure(ErrorCode::unavailable, stop_reason_);
+  if (auto back = bring_in_again(session, std::move(write)); !back) return back;
   spdlog::info("session {} is merged again", session);
-  update_view();
   return {};
 }
 

@@ -14,8 +14,13 @@ Result<void> MergeWorker::restore() {
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
   stored_ = {std::move(*sessions), std::move(*merge)};
-  for (const SessionRecord& session : stored_->sessions)
-    if (!is_aside(session.id) || !troubles_[session.id].deleted) known_[session.id] = {};
+  for (const SessionRecord& session : stored_->sessions) {
+    const auto trouble = troubles_.find(session.id);
+    if (trouble != troubles_.end() && trouble->second.deleted) continue;
+    known_[session.id] = {};
+    if (session.archived) archived_.insert(session.id);
+  }
+  for (const FrozenSession& frozen : stored_->merge.frozen) frozen_.insert(frozen.session);
   atlas_ = stored_->merge.atlas;
   update_view();
   const std::lock_guard lock(mutex_);
@@ -40,6 +45,7 @@ void MergeWorker::bring_back() {
   }
   StoredMerge& merge = stored_->merge;
   pipeline_->restore_self_likeness(merge.self_likeness);
+  pipeline_->restore_frozen(merge.frozen);
   for (const PairClosures& known : merge.closures) pipeline_->restore_closures(known);
   pipeline_->restore(std::move(merge.alignments), merge.atlas.revision, std::move(merge.decisions),
                      std::move(merge.anchors));

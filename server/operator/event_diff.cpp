@@ -28,7 +28,8 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
     if (known == was.end() || row.keyframes != old.keyframes || row.clouds != old.clouds ||
         row.complete != old.complete)
       events.push_back(session_event("keyframes", row));
-    if (row.label != old.label) events.push_back(session_event("renamed", row));
+    if (row.label != old.label || row.archived != old.archived || row.frozen != old.frozen || row.note != old.note)
+      events.push_back(session_event("renamed", row));
   }
 }
 

@@ -13,7 +13,7 @@ std::string full_name(const SessionRow& row) { return row.key.robot + "/" + row.
 
 ExplainedSession explained(const SessionRow& row) {
   return {full_name(row), row.family,    row.distance_m, row.keyframes, row.clouds,
-          row.complete,   row.connected, row.why_cut,    row.why_aside};
+          row.complete,   row.connected, row.why_cut,    row.why_aside, row.archived};
 }
 
 bool together(const Atlas& atlas, SessionId a, SessionId b) {

@@ -1,6 +1,7 @@
 #include "server/operator/log_lines.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "server/atlas/explain.hpp"
 
@@ -88,8 +89,12 @@ std::vector<LogEntry> log_lines(const StationLook& before, const StationLook& af
   std::vector<LogEntry> lines;
   add_sessions(before, after, lines);
   std::map<AlignmentId, const Alignment*> was;
+  std::set<SessionId> left_out;
+  for (const SessionRow& row : after.sessions)
+    if (row.archived) left_out.insert(row.id);
   for (const AlignmentRow& row : before.view.alignments) was[row.alignment.id] = &row.alignment;
   for (const AlignmentRow& row : after.view.alignments) {
+    if (left_out.contains(row.alignment.a) || left_out.contains(row.alignment.b)) continue;  // not for its evidence
     const auto known = was.find(row.alignment.id);
     if (auto line = line_of(known == was.end() ? nullptr : known->second, row)) lines.push_back(std::move(*line));
   }
@@ -126,6 +131,11 @@ std::optional<LogEntry> operator_line(std::string_view method, std::string_view 
   if (path.ends_with("/request-clouds")) of("id", "asked for the clouds of ");
   if (path.ends_with("/quarantine")) of("id", "set ", " aside");
   if (path.ends_with("/release")) of("id", "released ");
+  if (path.ends_with("/archive")) of("id", "archived ");
+  if (path.ends_with("/restore")) of("id", "restored ");
+  if (path.ends_with("/freeze")) of("id", "froze ");
+  if (path.ends_with("/thaw")) of("id", "thawed ");
+  if (path.ends_with("/sessions/{id}/note")) of("id", "wrote a note on ");
   if (method == "DELETE" && path.ends_with("/sessions/{id}")) of("id", "deleted ");
   if (path.ends_with("/survey")) of("session", method == "DELETE" ? "took away the survey of " : "surveyed ");
   if (path.ends_with("/robots/add")) entry.text = actor + " invited " + given("robot") + ".";

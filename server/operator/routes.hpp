@@ -69,6 +69,14 @@ Result<Reply> quarantine(const Query&, const Context&);
 Result<Reply> release(const Query&, const Context&);
 Result<Reply> remove_session(const Query&, const Context&);
 
+// tending_routes.cpp
+Result<Reply> archive(const Query&, const Context&);
+Result<Reply> restore_session(const Query&, const Context&);
+Result<Reply> freeze(const Query&, const Context&);
+Result<Reply> thaw(const Query&, const Context&);
+Result<Reply> note_session(const Query&, const Context&);
+Result<Reply> dependents(const Query&, const Context&);
+
 // survey_routes.cpp
 Result<Reply> surveys(const Query&, const Context&);
 Result<Reply> set_survey(const Query&, const Context&);

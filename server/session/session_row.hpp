@@ -28,6 +28,9 @@ struct SessionRow {
   std::string label = {};               // the operator's name for it; empty: none
   std::string why_cut = {};             // its last keyframes are left out of merging, and why; empty: none are
   std::string why_aside = {};           // it is set aside, not merged, and why; empty: it is merged
+  bool archived = false;                // kept, and left out of everything
+  bool frozen = false;                  // reference: nothing moves it
+  std::string note = {};                // what the operator wants to be remembered of it; empty: nothing
 };
 
 /// What has still to be done before the atlas is settled; all zero when it is.

@@ -81,6 +81,12 @@ class Station {
                          std::function<void(const Result<void>&)> callback) = 0;
   virtual void release(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
   virtual void remove(SessionId session, std::function<void(const Result<void>&)> callback) = 0;
+  /// The session is kept and left out of everything, or comes back as it was; nothing moves it any more, or it may be
+  /// moved again. Call back as rename(); refused: it is so already, or can not be.
+  virtual void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) = 0;
+  virtual void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> callback) = 0;
+  /// What is to be remembered of the session. Calls back as rename().
+  virtual void note(SessionId session, const std::string& note, std::function<void(const Result<void>&)> callback) = 0;
   /// Where sessions lie in the mine's grid, the one set last at the end.
   virtual std::vector<Survey> surveys() const = 0;
   /// Replaces the session's survey, or takes it away. Call back as rename().

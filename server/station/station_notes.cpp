@@ -12,12 +12,18 @@ Result<void> StationNotes::restore() {
   const std::lock_guard lock(mutex_);
   labels_ = std::move(notes->labels);
   surveys_ = std::move(notes->surveys);
+  session_notes_ = std::move(notes->notes);
   return {};
 }
 
 std::map<SessionId, std::string> StationNotes::labels() const {
   const std::lock_guard lock(mutex_);
   return labels_;
+}
+
+std::map<SessionId, std::string> StationNotes::notes() const {
+  const std::lock_guard lock(mutex_);
+  return session_notes_;
 }
 
 std::vector<Survey> StationNotes::surveys() const {
@@ -32,6 +38,16 @@ void StationNotes::rename(SessionId session, const std::string& label, Done done
                         "a label is one line of at most " + std::to_string(limits::name_bytes) + " bytes"));
   write(
       PutLabel{session, label}, [this, session, label] { labels_[session] = label; }, std::move(done));
+}
+
+void StationNotes::note(SessionId session, const std::string& note, Done done) {
+  const bool readable =
+      std::none_of(note.begin(), note.end(), [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f; });
+  if (note.size() > most_note_bytes || !readable)
+    return done(failure(ErrorCode::invalid_argument,
+                        "a note is text of at most " + std::to_string(most_note_bytes) + " bytes"));
+  write(
+      PutSessionNote{session, note}, [this, session, note] { session_notes_[session] = note; }, std::move(done));
 }
 
 void StationNotes::set_survey(const Survey& survey, Done done) {

@@ -1,5 +1,5 @@
 #pragma once
-// What the operator noted of sessions: labels and surveys. On disk before it counts.
+// What the operator noted of sessions: labels, notes and surveys. On disk before it counts.
 
 #include <functional>
 #include <map>
@@ -19,11 +19,16 @@ class StationNotes {
   Result<void> restore();
 
   std::map<SessionId, std::string> labels() const;
+  std::map<SessionId, std::string> notes() const;
   /// In the order they were set.
   std::vector<Survey> surveys() const;
 
   /// An empty label takes it away. invalid_argument: longer than 128 bytes, or with control characters.
   void rename(SessionId session, const std::string& label, Done done);
+  /// An empty note takes it away. invalid_argument: longer than most_note_bytes, or with control characters but line
+  /// breaks.
+  void note(SessionId session, const std::string& note, Done done);
+  static constexpr std::size_t most_note_bytes = 2000;
   void set_survey(const Survey& survey, Done done);
   /// not_found: it has none.
   void drop_survey(SessionId session, Done done);
@@ -33,7 +38,7 @@ class StationNotes {
 
   Store& store_;
   mutable std::mutex mutex_;
-  std::map<SessionId, std::string> labels_;
+  std::map<SessionId, std::string> labels_, session_notes_;
   std::vector<Survey> surveys_;
 };
 

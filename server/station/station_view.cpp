@@ -36,14 +36,17 @@ struct Wait : std::enable_shared_from_this<Wait> {
 std::vector<SessionRow> StationView::sessions() const {
   auto rows = hub_.sessions();
   const auto view = worker_.view();
-  const auto labels = notes_.labels();
+  const auto labels = notes_.labels(), notes = notes_.notes();
   for (SessionRow& row : rows) {
     if (const auto label = labels.find(row.id); label != labels.end()) row.label = label->second;
+    if (const auto note = notes.find(row.id); note != notes.end()) row.note = note->second;
     const auto it = view->sessions.find(row.id);
     if (it == view->sessions.end()) continue;
     row.distance_m = it->second.distance_m;
     row.why_aside = it->second.why_aside;
     row.why_cut = it->second.why_cut;
+    row.archived = it->second.archived;
+    row.frozen = it->second.frozen;
     row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;
   }
   return rows;
@@ -135,6 +138,18 @@ void StationView::remove(SessionId session, std::function<void(const Result<void
     if (done) hub_.forget(session);
     callback(done);
   });
+}
+
+void StationView::archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) {
+  worker_.archive(session, archived, std::move(callback));
+}
+
+void StationView::freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> callback) {
+  worker_.freeze(session, frozen, std::move(callback));
+}
+
+void StationView::note(SessionId session, const std::string& note, std::function<void(const Result<void>&)> callback) {
+  notes_.note(session, note, std::move(callback));
 }
 
 void StationView::set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) {

@@ -33,6 +33,9 @@ class StationView : public Station {
   void set_aside(SessionId session, const std::string& why, std::function<void(const Result<void>&)> callback) override;
   void release(SessionId session, std::function<void(const Result<void>&)> callback) override;
   void remove(SessionId session, std::function<void(const Result<void>&)> callback) override;
+  void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) override;
+  void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> callback) override;
+  void note(SessionId session, const std::string& note, std::function<void(const Result<void>&)> callback) override;
   std::vector<Survey> surveys() const override { return notes_.surveys(); }
   void set_survey(const Survey& survey, std::function<void(const Result<void>&)> callback) override;
   void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) override;

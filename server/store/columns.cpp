@@ -22,6 +22,32 @@ Pose pose_from_blob(std::string_view blob) {
   return T;
 }
 
+namespace {
+
+constexpr std::size_t pose_bytes = sizeof(double) * 12, place_bytes = sizeof(std::uint64_t) + pose_bytes;
+
+}  // namespace
+
+std::string places_blob(const std::vector<CorrectedKeyframe>& places) {
+  std::string out;
+  for (const CorrectedKeyframe& place : places) {
+    out.append(reinterpret_cast<const char*>(&place.sequence), sizeof place.sequence);
+    out += pose_blob(place.T_component_session);
+  }
+  return out;
+}
+
+std::vector<CorrectedKeyframe> places_from_blob(std::string_view blob) {
+  std::vector<CorrectedKeyframe> places;
+  if (blob.size() % place_bytes != 0) return places;
+  for (; !blob.empty(); blob.remove_prefix(place_bytes)) {
+    CorrectedKeyframe& place = places.emplace_back();
+    std::memcpy(&place.sequence, blob.data(), sizeof place.sequence);
+    place.T_component_session = pose_from_blob(blob.substr(sizeof place.sequence, pose_bytes));
+  }
+  return places;
+}
+
 std::string floats_blob(const std::vector<float>& values) {
   return {reinterpret_cast<const char*>(values.data()), sizeof(float) * values.size()};
 }

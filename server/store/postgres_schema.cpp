@@ -76,6 +76,13 @@ CREATE TABLE changes (
   width_m DOUBLE PRECISION NOT NULL, height_m DOUBLE PRECISION NOT NULL, a_is_newer BIGINT NOT NULL,
   older_s DOUBLE PRECISION NOT NULL, newer_s DOUBLE PRECISION NOT NULL, PRIMARY KEY (a, b, number));
 )sql",
+    R"sql(
+ALTER TABLE sessions ADD COLUMN note TEXT NOT NULL DEFAULT '';
+ALTER TABLE sessions ADD COLUMN archived BIGINT NOT NULL DEFAULT 0;
+CREATE TABLE frozen (
+  session BIGINT PRIMARY KEY REFERENCES sessions(id), frame BIGINT NOT NULL, T_frame_session BYTEA NOT NULL,
+  places BYTEA NOT NULL);
+)sql",
 };
 
 std::string step(std::size_t from) {

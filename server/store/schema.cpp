@@ -93,6 +93,13 @@ CREATE TABLE changes (
   a_is_newer INTEGER NOT NULL, older_s REAL NOT NULL, newer_s REAL NOT NULL, PRIMARY KEY (a, b, number))
   WITHOUT ROWID;
 )sql",
+    R"sql(
+ALTER TABLE sessions ADD COLUMN note TEXT NOT NULL DEFAULT '';
+ALTER TABLE sessions ADD COLUMN archived INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE frozen (
+  session INTEGER PRIMARY KEY REFERENCES sessions(id), frame INTEGER NOT NULL, T_frame_session BLOB NOT NULL,
+  places BLOB NOT NULL);
+)sql",
 };
 
 }  // namespace

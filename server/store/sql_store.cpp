@@ -22,6 +22,7 @@ SessionRecord session_of(const Row& row) {
   s.attempted_keyframes = static_cast<std::uint64_t>(row.integer(14));
   s.spool_run = static_cast<std::uint64_t>(row.integer(15));
   s.attempted_whole = row.integer(16) != 0;
+  s.archived = row.integer(17) != 0;
   return s;
 }
 
@@ -49,8 +50,8 @@ Result<std::vector<SessionRecord>> SqlStore::sessions() {
   const std::lock_guard lock(mutex_);
   auto read = reader_->each(
       "SELECT id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-      " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole FROM "
-      "sessions ORDER BY id",
+      " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole, archived"
+      " FROM sessions ORDER BY id",
       [&](const Row& row) { sessions.push_back(session_of(row)); });
   if (!read) return tl::unexpected(read.error());
   return sessions;

@@ -14,6 +14,7 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/frozen.hpp"
 #include "server/atlas/pose_constraint.hpp"
 #include "server/atlas/survey.hpp"
 #include "server/session/ids.hpp"
@@ -33,6 +34,7 @@ struct SessionRecord {
   bool complete = false;                  // the robot said that no keyframe follows
   std::uint64_t attempted_keyframes = 0;  // how many the last finished merge attempt has seen
   bool attempted_whole = false;           // ... and it expected no more: the session had ended, or rested
+  bool archived = false;                  // kept, and left out of everything until it is restored
 };
 
 /// A robot that was let in, or may be. Only digests are kept: SHA-256 of secrets that are random and long.
@@ -64,34 +66,6 @@ struct PutCloud {
 struct CompleteSession {
   SessionId session = 0;
 };
-/// What one attempt or decision changed, in one transaction.
-struct PutMerge {
-  SessionId attempted = 0;  // 0: none
-  std::uint64_t attempted_keyframes = 0;
-  std::vector<Alignment> changed;
-  std::optional<Atlas> atlas;                            // a new revision
-  std::vector<DecisionRecord> decided;                   // new ones, and those that were undone
-  SessionId anchored = 0;                                // chosen as its component's anchor; 0: none
-  std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces what was known
-  bool attempted_whole = false;
-  std::vector<PairClosures> closures = {};  // they replace those of the pairs
-};
-/// The operator's name for a session; empty: none.
-struct PutLabel {
-  SessionId session = 0;
-  std::string label;
-};
-/// Replaces the session's survey, and counts as the one set last.
-struct PutSurvey {
-  Survey survey;
-};
-struct DropSurvey {
-  SessionId session = 0;
-};
-struct PutRobot {
-  RobotRecord robot;
-};
-
 /// What came of trying to merge a session. Where nothing was wrong there is none.
 struct TroubleRecord {
   SessionId session = 0;
@@ -106,8 +80,49 @@ struct TroubleRecord {
 struct PutTrouble {
   TroubleRecord trouble;
 };
+/// The session is kept and left out of everything, or is so no more.
+struct PutArchived {
+  SessionId session = 0;
+  bool archived = false;
+};
+/// What one attempt or decision changed, in one transaction.
+struct PutMerge {
+  SessionId attempted = 0;  // 0: none
+  std::uint64_t attempted_keyframes = 0;
+  std::vector<Alignment> changed;
+  std::optional<Atlas> atlas;                            // a new revision
+  std::vector<DecisionRecord> decided;                   // new ones, and those that were undone
+  SessionId anchored = 0;                                // chosen as its component's anchor; 0: none
+  std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces what was known
+  bool attempted_whole = false;
+  std::vector<PairClosures> closures = {};  // they replace those of the pairs
+  std::vector<FrozenSession> frozen = {};   // they replace those of their sessions
+  SessionId thawed = 0;                     // frozen no more; 0: none
+  std::optional<PutTrouble> trouble = {};   // this and the next: with what it does to the atlas
+  std::optional<PutArchived> archived = {};
+};
+/// The operator's name for a session; empty: none.
+struct PutLabel {
+  SessionId session = 0;
+  std::string label;
+};
+/// What the operator wants to be remembered of a session; empty: nothing.
+struct PutSessionNote {
+  SessionId session = 0;
+  std::string note;
+};
+/// Replaces the session's survey, and counts as the one set last.
+struct PutSurvey {
+  Survey survey;
+};
+struct DropSurvey {
+  SessionId session = 0;
+};
+struct PutRobot {
+  RobotRecord robot;
+};
 using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot, PutLabel, PutSurvey,
-                           DropSurvey, PutTrouble>;
+                           DropSurvey, PutTrouble, PutSessionNote>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
@@ -130,11 +145,13 @@ struct StoredMerge {
   std::vector<SessionId> anchors;         // in the order they were chosen
   std::map<SessionId, SelfLikeness> self_likeness = {};
   std::vector<PairClosures> closures = {};
+  std::vector<FrozenSession> frozen = {};  // ordered by session
 };
 
 struct StoredNotes {
   std::map<SessionId, std::string> labels;
   std::vector<Survey> surveys;  // in the order they were set
+  std::map<SessionId, std::string> notes = {};
 };
 
 /// All calls are thread safe.

@@ -84,7 +84,8 @@ const std::vector<StoreTable>& store_tables() {
       {"sessions",
        "id# robot$ session$ sensor_model$ beams# fov_up_deg~ fov_down_deg~ max_range_m~ family$ family_version# "
        "q_size# "
-       "w_size# spool_id# complete# attempted_keyframes# spool_run# label$ attempted_whole#"},
+       "w_size# spool_id# complete# attempted_keyframes# spool_run# label$ attempted_whole# note$ "
+       "archived#"},
       {"keyframes",
        "session# sequence# stamp_s~ T_local_sensor& spaciousness_m~ q& w& place_class# walls& point_count# checksum#"},
       {"clouds", "session# sequence# encoded&"},
@@ -102,6 +103,7 @@ const std::vector<StoreTable>& store_tables() {
       {"troubles", "session# deaths# kills# why_aside$ deleted#"},
       {"self_likeness", "session# path_m~ clouds# aliases~ look_alikes~ wanted&"},
       {"loop_closures", "a# b# places&"},
+      {"frozen", "session# frame# T_frame_session& places&"},
       {"changes",
        "a# b# number# kind$ x_a_m~ y_a_m~ z_a_m~ length_m~ width_m~ height_m~ a_is_newer# older_s~ newer_s~"},
   };

@@ -176,6 +176,60 @@ Result<void> put_self_likeness(Database& db, SessionId session, const SelfLikene
       session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences});
 }
 
+Result<void> put(Database& db, const PutLabel& write) {
+  return db.run("UPDATE sessions SET label=? WHERE id=?", write.label, write.session);
+}
+
+Result<void> put(Database& db, const PutSessionNote& write) {
+  return db.run("UPDATE sessions SET note=? WHERE id=?", write.note, write.session);
+}
+
+Result<void> put(Database& db, const DropSurvey& write) {
+  auto done = db.run("DELETE FROM survey_points WHERE session=?", write.session);
+  if (done) done = db.run("DELETE FROM surveys WHERE session=?", write.session);
+  return done;
+}
+
+Result<void> put(Database& db, const PutSurvey& write) {
+  const Survey& survey = write.survey;
+  auto done = put(db, DropSurvey{survey.session});
+  const std::string T = pose_blob(survey.T_grid_session);
+  if (done)
+    done =
+        db.run("INSERT INTO surveys SELECT ?, coalesce(max(choice), 0) + 1, ? FROM surveys", survey.session, Blob{T});
+  for (std::size_t i = 0; done && i < survey.points.size(); ++i) {
+    const auto& [name, s, g] = survey.points[i];
+    done = db.run("INSERT INTO survey_points VALUES (?,?,?,?,?,?,?,?,?)", survey.session, i, name, s.x(), s.y(), s.z(),
+                  g.x(), g.y(), g.z());
+  }
+  return done;
+}
+
+Result<void> delete_content(Database& db, SessionId session) {
+  auto done = put(db, DropSurvey{session});
+  for (const char* table : {"clouds", "keyframes", "anchors", "self_likeness", "frozen"})
+    if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
+  if (done) done = db.run("DELETE FROM loop_closures WHERE a=? OR b=?", session, session);
+  return done;
+}
+
+Result<void> put(Database& db, const PutTrouble& write) {
+  const TroubleRecord& t = write.trouble;
+  auto done = db.run(
+      "INSERT INTO troubles VALUES (?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET deaths=excluded.deaths,"
+      " kills=excluded.kills, why_aside=excluded.why_aside, deleted=excluded.deleted",
+      t.session, t.deaths, t.kills, t.why_aside, int{t.deleted});
+  return done && t.deleted ? delete_content(db, t.session) : done;
+}
+
+Result<void> put_frozen(Database& db, const FrozenSession& frozen) {
+  const std::string T = pose_blob(frozen.T_frame_session), places = places_blob(frozen.places);
+  return db.run(
+      "INSERT INTO frozen VALUES (?,?,?,?) ON CONFLICT (session) DO UPDATE SET frame=excluded.frame,"
+      " T_frame_session=excluded.T_frame_session, places=excluded.places",
+      frozen.session, frozen.frame, Blob{T}, Blob{places});
+}
+
 Result<void> put(Database& db, const PutMerge& write) {
   std::uint64_t revision = 0;
   auto done = db.each("SELECT coalesce(max(number), 0) FROM revisions",
@@ -207,51 +261,15 @@ Result<void> put(Database& db, const PutMerge& write) {
         "INSERT INTO anchors SELECT ?, coalesce(max(choice), 0) + 1 FROM anchors WHERE true"
         " ON CONFLICT (session) DO UPDATE SET choice=excluded.choice",
         write.anchored);
+  for (const FrozenSession& frozen : write.frozen)
+    if (done) done = put_frozen(db, frozen);
+  if (done && write.thawed != 0) done = db.run("DELETE FROM frozen WHERE session=?", write.thawed);
+  if (done && write.trouble) done = put(db, *write.trouble);
+  if (done && write.archived)
+    done = db.run("UPDATE sessions SET archived=? WHERE id=?", int{write.archived->archived}, write.archived->session);
   if (!done || write.attempted == 0) return done;
   return db.run("UPDATE sessions SET attempted_keyframes=?, attempted_whole=? WHERE id=?", write.attempted_keyframes,
                 int{write.attempted_whole}, write.attempted);
-}
-
-Result<void> put(Database& db, const PutLabel& write) {
-  return db.run("UPDATE sessions SET label=? WHERE id=?", write.label, write.session);
-}
-
-Result<void> put(Database& db, const DropSurvey& write) {
-  auto done = db.run("DELETE FROM survey_points WHERE session=?", write.session);
-  if (done) done = db.run("DELETE FROM surveys WHERE session=?", write.session);
-  return done;
-}
-
-Result<void> put(Database& db, const PutSurvey& write) {
-  const Survey& survey = write.survey;
-  auto done = put(db, DropSurvey{survey.session});
-  const std::string T = pose_blob(survey.T_grid_session);
-  if (done)
-    done =
-        db.run("INSERT INTO surveys SELECT ?, coalesce(max(choice), 0) + 1, ? FROM surveys", survey.session, Blob{T});
-  for (std::size_t i = 0; done && i < survey.points.size(); ++i) {
-    const auto& [name, s, g] = survey.points[i];
-    done = db.run("INSERT INTO survey_points VALUES (?,?,?,?,?,?,?,?,?)", survey.session, i, name, s.x(), s.y(), s.z(),
-                  g.x(), g.y(), g.z());
-  }
-  return done;
-}
-
-Result<void> delete_content(Database& db, SessionId session) {
-  auto done = put(db, DropSurvey{session});
-  for (const char* table : {"clouds", "keyframes", "anchors", "self_likeness"})
-    if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
-  if (done) done = db.run("DELETE FROM loop_closures WHERE a=? OR b=?", session, session);
-  return done;
-}
-
-Result<void> put(Database& db, const PutTrouble& write) {
-  const TroubleRecord& t = write.trouble;
-  auto done = db.run(
-      "INSERT INTO troubles VALUES (?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET deaths=excluded.deaths,"
-      " kills=excluded.kills, why_aside=excluded.why_aside, deleted=excluded.deleted",
-      t.session, t.deaths, t.kills, t.why_aside, int{t.deleted});
-  return done && t.deleted ? delete_content(db, t.session) : done;
 }
 
 template <class Other>

@@ -96,6 +96,12 @@ Result<void> read_closures(Database& db, std::vector<PairClosures>& closures) {
   });
 }
 
+Result<void> read_frozen(Database& db, std::vector<FrozenSession>& frozen) {
+  return db.each("SELECT session, frame, T_frame_session, places FROM frozen ORDER BY session", [&](const Row& row) {
+    frozen.push_back({row.integer(0), row.integer(1), pose_from_blob(row.blob(2)), places_from_blob(row.blob(3))});
+  });
+}
+
 Result<void> read_decisions(Database& db, std::vector<DecisionRecord>& decisions) {
   return db.each(
       "SELECT id, alignment, decision, T_a_b, seen_points, undone FROM decisions ORDER BY id", [&](const Row& row) {
@@ -114,6 +120,7 @@ Result<StoredMerge> read_merge(Database& db) {
   if (read) read = read_decisions(db, merge.decisions);
   if (read) read = read_self_likeness(db, merge.self_likeness);
   if (read) read = read_closures(db, merge.closures);
+  if (read) read = read_frozen(db, merge.frozen);
   if (read)
     read = db.each("SELECT session FROM anchors ORDER BY choice",
                    [&](const Row& row) { merge.anchors.push_back(row.integer(0)); });
@@ -125,6 +132,9 @@ Result<StoredNotes> read_notes(Database& db) {
   StoredNotes notes;
   auto read = db.each("SELECT id, label FROM sessions WHERE label<>''",
                       [&](const Row& row) { notes.labels[row.integer(0)] = row.text(1); });
+  if (read)
+    read = db.each("SELECT id, note FROM sessions WHERE note<>''",
+                   [&](const Row& row) { notes.notes[row.integer(0)] = row.text(1); });
   if (read) read = read_surveys(db, notes.surveys);
   if (!read) return tl::unexpected(read.error());
   return notes;

@@ -127,6 +127,20 @@ class FakeStation : public Station {
     change([&] { why.clear(); });
     callback({});
   }
+  void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) override {
+    bool& now = rows.at(static_cast<std::size_t>(session) - 1).archived;
+    if (now == archived) return callback(failure(ErrorCode::refused, "the session is archived already, or is not"));
+    change([&] { now = archived; });
+    callback({});
+  }
+  void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> callback) override {
+    change([&] { rows.at(static_cast<std::size_t>(session) - 1).frozen = frozen; });
+    callback({});
+  }
+  void note(SessionId session, const std::string& note, std::function<void(const Result<void>&)> callback) override {
+    change([&] { rows.at(static_cast<std::size_t>(session) - 1).note = note; });
+    callback({});
+  }
   void remove(SessionId session, std::function<void(const Result<void>&)> callback) override {
     change([&] { std::erase_if(rows, [&](const SessionRow& row) { return row.id == session; }); });
     callback({});

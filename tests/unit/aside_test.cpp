@@ -15,7 +15,7 @@ namespace {
 
 struct Log {
   std::map<SessionId, std::size_t> fed;
-  std::vector<SessionId> attempts, aside;
+  std::vector<SessionId> attempts, aside, back, frozen, thawed;
   std::function<void(SessionId)> on_attempt = [](SessionId) {};
 };
 
@@ -36,6 +36,24 @@ class LoggingPipeline : public Pipeline {
   AttemptReport set_aside(SessionId id) override {
     log_.aside.push_back(id);
     return {};
+  }
+  AttemptReport come_back(SessionId id) override {
+    log_.back.push_back(id);
+    return {};
+  }
+  Result<AttemptReport> freeze(SessionId id) override {
+    log_.frozen.push_back(id);
+    AttemptReport report;
+    report.frozen.push_back({id, id});
+    return report;
+  }
+  Result<AttemptReport> thaw(SessionId id) override {
+    AttemptReport report;
+    report.thawed = id;
+    return report;
+  }
+  void restore_frozen(const std::vector<FrozenSession>& frozen) override {
+    for (const FrozenSession& f : frozen) log_.frozen.push_back(f.session);
   }
   const Atlas& atlas() const override { return atlas_; }
   const std::vector<Alignment>& alignments() const override { return alignments_; }
@@ -65,7 +83,7 @@ class Aside : public testing::Test {
   std::filesystem::path mark_file() const { return dir.path() / "merging"; }
   void start() {
     worker.reset();
-    log = {{}, {}, {}, log.on_attempt};
+    log = {{}, {}, {}, {}, {}, {}, log.on_attempt};
     worker = std::make_unique<MergeWorker>(std::make_unique<LoggingPipeline>(log), *store, schedule,
                                            std::move(WorkMark::open(mark_file()).value()));
     ASSERT_TRUE(worker->restore());
@@ -220,6 +238,65 @@ TEST_F(Aside, WhatIsDeletedIsGone) {
   const auto view = worker->view();
   EXPECT_TRUE(std::none_of(view->atlas.components.begin(), view->atlas.components.end(),
                            [](const Component& c) { return c.id == 2; }));
+}
+
+TEST_F(Aside, WhatIsArchivedIsLeftOutUntilItIsRestored) {
+  start();
+  const auto archive = [&](SessionId id, bool archived) {
+    return wait_for([&](auto done) { worker->archive(id, archived, std::move(done)); });
+  };
+  const auto is_placed = [&](SessionId id) {
+    const auto view = worker->view();
+    return std::any_of(view->atlas.components.begin(), view->atlas.components.end(),
+                       [&](const Component& c) { return placement_in(c, id) != nullptr; });
+  };
+  EXPECT_EQ(archive(9, true).error().code, ErrorCode::not_found);
+  EXPECT_EQ(archive(2, false).error().code, ErrorCode::refused);
+  ASSERT_TRUE(archive(2, true));
+  EXPECT_EQ(archive(2, true).error().code, ErrorCode::refused);
+  EXPECT_TRUE(worker->view()->sessions.at(2).archived);
+  EXPECT_FALSE(is_placed(2));
+  EXPECT_TRUE(is_placed(1));
+  EXPECT_EQ(store->last_keyframe(2).value(), 4U);
+  ASSERT_TRUE(write_and_wait(*store, PutKeyframe{2, line_keyframe(5)}));
+  worker->keyframes_durable(2, 5);
+  start();
+  EXPECT_EQ(log.fed[2], 0U) << "the pipeline hears nothing of it";
+  EXPECT_FALSE(is_placed(2));
+  EXPECT_EQ(wait_for([&](auto done) { worker->freeze(2, true, std::move(done)); }).error().code, ErrorCode::refused);
+  EXPECT_EQ(wait_for([&](auto done) { worker->release(2, std::move(done)); }).error().code, ErrorCode::refused);
+  ASSERT_TRUE(archive(2, false));
+  EXPECT_EQ(log.fed[2], 5U) << "and what came meanwhile";
+  EXPECT_EQ(log.back, std::vector<SessionId>{2});
+  EXPECT_TRUE(is_placed(2));
+  start();
+  settle();
+  EXPECT_EQ(log.fed[2], 5U);
+}
+
+TEST_F(Aside, OneThatIsArchivedAndSetAsideComesBackWhenBothAreTakenBack) {
+  start();
+  ASSERT_TRUE(wait_for([&](auto done) { worker->set_aside(2, "loose", std::move(done)); }));
+  ASSERT_TRUE(wait_for([&](auto done) { worker->archive(2, true, std::move(done)); }));
+  ASSERT_TRUE(wait_for([&](auto done) { worker->release(2, std::move(done)); }));
+  EXPECT_TRUE(log.back.empty());
+  ASSERT_TRUE(wait_for([&](auto done) { worker->archive(2, false, std::move(done)); }));
+  EXPECT_EQ(log.back, std::vector<SessionId>{2});
+}
+
+TEST_F(Aside, WhatIsFrozenIsSoAfterARestartUntilItIsThawed) {
+  start();
+  ASSERT_TRUE(wait_for([&](auto done) { worker->freeze(3, true, std::move(done)); }));
+  EXPECT_TRUE(worker->view()->sessions.at(3).frozen);
+  start();
+  settle();
+  EXPECT_EQ(log.frozen, std::vector<SessionId>{3});
+  EXPECT_TRUE(worker->view()->sessions.at(3).frozen);
+  ASSERT_TRUE(wait_for([&](auto done) { worker->freeze(3, false, std::move(done)); }));
+  EXPECT_FALSE(worker->view()->sessions.at(3).frozen);
+  start();
+  settle();
+  EXPECT_TRUE(log.frozen.empty());
 }
 
 TEST(WorkMark, SaysHowTheProcessBeforeEnded) {

@@ -7,6 +7,7 @@
 
 #include "server/atlas/merge_graph.hpp"
 #include "server/merge/alignment_edges.hpp"
+#include "server/merge/frozen_places.hpp"
 #include "server/merge/odometry_chain.hpp"
 
 namespace headframe {
@@ -93,6 +94,13 @@ class CorrectedPosesTest : public ::testing::Test {
     return out;
   }
 
+  /// With what is frozen.
+  std::vector<Component> components_held(const std::vector<Alignment>& alignments) {
+    std::vector<SessionId> ids;
+    for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
+    return merge_sessions(ids, alignments, {5, 0.2}, {}, {}, sessions_.frozen()).components;
+  }
+
   std::vector<Eigen::Vector3d> placed(const CorrectedPoses& poses, const Component& component) const {
     std::vector<Eigen::Vector3d> out;
     for (const Placement& p : component.placements) {
@@ -119,6 +127,15 @@ class CorrectedPosesTest : public ::testing::Test {
   }
   std::vector<Eigen::Vector3d> rigid(const Component& component) const {
     return placed(CorrectedPoses(sessions_), component);
+  }
+
+  static Eigen::Matrix4d umeyama(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vector3d>& b) {
+    Eigen::Matrix3Xd from(3, static_cast<Eigen::Index>(a.size())), to = from;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      from.col(static_cast<Eigen::Index>(i)) = a[i];
+      to.col(static_cast<Eigen::Index>(i)) = b[i];
+    }
+    return Eigen::umeyama(from, to, false);
   }
 
   static constexpr double bend = 0.001;
@@ -153,6 +170,60 @@ TEST_F(CorrectedPosesTest, ALoopOfTwoSessionsLosesItsDrift) {
   const auto all = placed(poses, after[0]);
   EXPECT_NEAR((all[59] - all[119]).norm(), std::sqrt(8), 0.1);  // each stops 2 m before C
   EXPECT_LT(farthest_m({all[0]}, {drives_.at(1).believed[0].translation()}), 1e-6) << "the anchor's first stays";
+}
+
+/// Bent by a loop, frozen so, and then told something else: nothing of it moves, and the other gives way all the more.
+TEST_F(CorrectedPosesTest, AFrozenSessionStaysBentAsItWas) {
+  square();
+  CorrectedPoses poses(sessions_);
+  Atlas atlas;
+  atlas.components = update(poses, loop_);
+  const auto of = [&](SessionId session, const Component& component) {
+    return placed(poses, {component.id, {*placement_in(component, session)}});
+  };
+  const auto was = of(2, atlas.components[0]), other_was = of(1, atlas.components[0]);
+  FrozenSession two = frozen_now(2, atlas, poses.given_out(), {});
+  EXPECT_EQ(two.frame, 2);
+  sessions_.freeze(two);
+  const auto held = components_held(loop_);
+  ASSERT_EQ(held[0].id, 2);
+  loop_ = {aligned(1, 2, {{0, 0}, {30, 30}, {59, 59}}, pose_from_yaw(0, {0.4, 0, 0}))};
+  std::vector<Component> after = components_held(loop_);
+  for (const auto& [pair, closures] : closures_) poses.set({pair.first, pair.second, closures});
+  poses.update(after, loop_);
+  const auto is = of(2, after[0]);
+  const Pose T_new_old = Pose(umeyama(was, is));
+  std::vector<Eigen::Vector3d> moved_along;
+  for (const auto& p : was) moved_along.push_back(T_new_old * p);
+  EXPECT_LT(farthest_m(moved_along, is), 1e-6) << "bent as it was";
+  EXPECT_LT((is[0] - drives_.at(2).believed[0].translation()).norm(), 1e-6) << "its first stays in its own frame";
+  std::vector<Eigen::Vector3d> other_along;
+  for (const auto& p : other_was) other_along.push_back(T_new_old * p);
+  EXPECT_GT(farthest_m(other_along, of(1, after[0])), 0.2) << "the other gives way";
+  EXPECT_TRUE(sessions_.thaw(2));
+  poses.touch(2);
+  const auto thawed = update(poses, loop_);
+  EXPECT_EQ(thawed[0].id, 1);
+}
+
+/// Both frozen: the frame of the second is that of the first, and nothing between them counts any more.
+TEST_F(CorrectedPosesTest, TwoFrozenSessionsStayWhereTheyWereToEachOther) {
+  square();
+  add(3, drive({{2, 0}, A, E}, bend));
+  loop_.push_back(aligned(1, 3, {{0, 1}, {1, 0}}));
+  CorrectedPoses poses(sessions_);
+  Atlas atlas;
+  atlas.components = update(poses, loop_);
+  for (const SessionId id : {1, 2}) sessions_.freeze(frozen_now(id, atlas, poses.given_out(), sessions_.frozen()));
+  EXPECT_EQ(sessions_.frozen().at(2).frame, 1);
+  const auto before = placed(poses, {1, {atlas.components[0].placements[0], atlas.components[0].placements[1]}});
+  loop_ = {aligned(1, 2, {{0, 0}, {59, 59}}, pose_from_yaw(0.01, {0.5, 0.5, 0})), aligned(2, 3, {{0, 1}})};
+  auto after = components_held(loop_);
+  ASSERT_EQ(after.size(), 1U);
+  EXPECT_EQ(after[0].id, 1);
+  for (const auto& [pair, closures] : closures_) poses.set({pair.first, pair.second, closures});
+  poses.update(after, loop_);
+  EXPECT_LT(farthest_m(before, placed(poses, {1, {after[0].placements[0], after[0].placements[1]}})), 1e-6);
 }
 
 TEST_F(CorrectedPosesTest, SessionsWithoutConstraintsStayRigid) {

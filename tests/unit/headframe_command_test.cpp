@@ -157,8 +157,30 @@ TEST_F(HeadframeCommand, ASessionIsSetAsideReleasedAndDeleted) {
   EXPECT_NE(run("sessions").out.find("set aside: its lidar is loose"), std::string::npos);
   EXPECT_EQ(run("session release beta").out, "beta/run/1 is merged again\n");
   expect_fault(run("session release beta"), 1, "not set aside");
-  EXPECT_EQ(run("session delete beta").out, "beta/run/1 is deleted\n");
-  expect_fault(run("session delete beta"), 1, "beta");
+  const Outcome asked = run("session delete alpha");
+  EXPECT_EQ(asked.code, 1);
+  EXPECT_NE(asked.err.find("alpha/run/1: 3 keyframes, 2 clouds are deleted\n"), std::string::npos) << asked.err;
+  EXPECT_NE(asked.err.find("merged with beta/run/1"), std::string::npos) << asked.err;
+  EXPECT_NE(asked.err.find("anchored to it"), std::string::npos) << asked.err;
+  EXPECT_NE(asked.err.find("--yes"), std::string::npos) << asked.err;
+  EXPECT_EQ(run("session delete beta --yes").out, "beta/run/1 is deleted\n");
+  expect_fault(run("session delete beta --yes"), 1, "beta");
+}
+
+TEST_F(HeadframeCommand, ASessionIsArchivedFrozenAndNoted) {
+  EXPECT_EQ(run("session archive beta").out, "beta/run/1 is archived; session restore brings it back\n");
+  EXPECT_NE(run("sessions").out.find("archived"), std::string::npos);
+  EXPECT_NE(run("explain alpha beta").out.find("beta/run/1 is archived"), std::string::npos);
+  expect_fault(run("session archive beta"), 1, "archived already");
+  EXPECT_EQ(run("session restore beta").out, "beta/run/1 is back\n");
+  EXPECT_EQ(run("session freeze beta").out, "beta/run/1 is frozen; session thaw lets it move again\n");
+  EXPECT_NE(run("sessions").out.find("frozen"), std::string::npos);
+  EXPECT_EQ(run("session thaw beta").out, "beta/run/1 may move again\n");
+  EXPECT_EQ(run("session note beta").out, "beta/run/1 has no note\n");
+  EXPECT_EQ(run("session note beta 'the old shaft is flooded'").out, "beta/run/1: noted\n");
+  EXPECT_EQ(run("session note beta").out, "the old shaft is flooded\n");
+  EXPECT_EQ(run("session note beta ''").out, "beta/run/1 has no note now\n");
+  expect_fault(run("session archive delta"), 1, "no session \"delta\"");
 }
 
 TEST_F(HeadframeCommand, SessionsGetLabelsAnchorsAndClouds) {

@@ -52,6 +52,44 @@ TEST(MergeGraph, ComponentsFollowTheAlignments) {
   for (const auto state : result.states) EXPECT_EQ(state, AlignmentState::published);
 }
 
+const Pose& placed_at(const MergeResult& result, SessionId session) {
+  for (const Component& c : result.components)
+    if (const Placement* p = placement_in(c, session)) return p->T_component_session;
+  throw std::out_of_range("no such session");
+}
+
+TEST(MergeGraph, AFrozenSessionIsTheAnchorWhateverWasChosen) {
+  const auto anchor = [](const FrozenSessions& frozen, const std::vector<SessionId>& anchors) {
+    return merge_sessions(sessions, loop(), {}, anchors, {}, frozen).components.at(0).id;
+  };
+  const FrozenSession three{3, 3}, five{5, 5};
+  EXPECT_EQ(anchor({}, {2}), 2);
+  EXPECT_EQ(anchor({{3, three}}, {2}), 3);
+  EXPECT_EQ(anchor({{3, three}, {5, five}}, {2}), 3) << "the earliest";
+  EXPECT_EQ(anchor({{3, three}, {5, five}}, {3, 5, 2}), 5) << "the one that was chosen last";
+  EXPECT_EQ(anchor({{6, {6, 6}}}, {2}), 2) << "it is of another component";
+}
+
+TEST(MergeGraph, SessionsFrozenInOneFrameKeepTheirPlacesAndTheOthersAlignToThem) {
+  const Pose off = pose_from_yaw(0.02, {0.8, -0.5, 0.1});
+  const std::vector<Alignment> wrong{edge(1, 2), edge(2, 3, 0.95, off), edge(2, 4), edge(4, 5), edge(3, 5, 0.95, off)};
+  const Pose T_2_5 = true_pose(2).inverse() * true_pose(5) * pose_from_yaw(-0.01, {0.3, 0.2, 0});
+  // Frozen in the frame of a session that is not even here.
+  const Pose T_9_2 = pose_from_yaw(1, {7, 8, 9});
+  const FrozenSessions frozen{{2, {2, 9, T_9_2}}, {5, {5, 9, T_9_2 * T_2_5}}};
+  for (const auto& edges : {wrong, {edge(1, 2), edge(2, 4), edge(4, 5)}, {wrong[0], wrong[1], wrong[4]}}) {
+    const auto result = merge_sessions(sessions, edges, {}, {}, {}, frozen);
+    ASSERT_EQ(result.components.at(0).id, 2);
+    EXPECT_TRUE(placed_at(result, 5).isApprox(T_2_5, 1e-9)) << "whatever else there is";
+    EXPECT_TRUE(placed_at(result, 2).isApprox(Pose::Identity(), 0));
+  }
+  const auto between = merge_sessions(sessions, wrong, {}, {}, {}, frozen);
+  const Pose free_4 = placed_at(merge_sessions(sessions, wrong, {}, std::vector<SessionId>{2}), 4);
+  EXPECT_GT((placed_at(between, 4).translation() - free_4.translation()).norm(), 0.01) << "it gives way to them";
+  const auto alone = merge_sessions(sessions, wrong, {}, {}, {}, {{2, frozen.at(2)}, {5, {5, 5}}});
+  EXPECT_GT((placed_at(alone, 5).translation() - T_2_5.translation()).norm(), 0.01) << "in frames of their own";
+}
+
 TEST(MergeGraph, TheAnchorChosenLastIsTheComponentsFrame) {
   const auto anchored = [](const std::vector<Alignment>& edges, const std::vector<SessionId>& anchors) {
     return merge_sessions(sessions, edges, {}, anchors);

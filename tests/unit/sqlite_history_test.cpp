@@ -17,6 +17,7 @@ constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN attempted_whole;"
     "DROP TABLE loop_closures;"
     "DROP TABLE changes;"
+    "ALTER TABLE sessions DROP COLUMN note; ALTER TABLE sessions DROP COLUMN archived; DROP TABLE frozen;"
     "PRAGMA user_version=3;";
 
 TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
@@ -49,6 +50,9 @@ TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   EXPECT_EQ(merge->atlas.components[0].id, 2);
   EXPECT_EQ(merge->atlas.components[0].placements.size(), 2U);
   EXPECT_TRUE(store->notes()->labels.empty());
+  EXPECT_TRUE(store->notes()->notes.empty());
+  EXPECT_TRUE(merge->frozen.empty());
+  EXPECT_FALSE(store->sessions()->at(0).archived);
   ASSERT_TRUE(write_and_wait(*store, PutLabel{1, "north"})) << "and it is written to";
   ASSERT_TRUE(write_and_wait(*store, PutSurvey{{1, Pose::Identity(), {}}}));
 }

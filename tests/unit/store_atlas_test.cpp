@@ -78,6 +78,45 @@ TEST_P(StoredAtlas, KeepsHowSessionsLookLikeThemselvesUntilTheyAreDeleted) {
   EXPECT_EQ(store->merge()->self_likeness, (std::map<SessionId, SelfLikeness>{{2, later}}));
 }
 
+TEST_P(StoredAtlas, KeepsWhatIsFrozenArchivedAndNoted) {
+  const FrozenSession one{
+      1, 1, pose_from_yaw(0.3, {1, 2, 3}), {{1, Pose::Identity()}, {9, pose_from_yaw(-2, {4, 5, 6})}}};
+  const FrozenSession other{2, 1, Pose::Identity(), {}};
+  {
+    const auto store = open(*home);
+    PutMerge write;
+    write.frozen = {other, {1, 7, Pose::Identity(), {}}};
+    write.archived = PutArchived{3, true};
+    ASSERT_TRUE(write_and_wait(*store, write));
+    write.frozen = {one};
+    write.archived = PutArchived{2, true};
+    ASSERT_TRUE(write_and_wait(*store, write));
+    write = {};
+    write.archived = PutArchived{3, false};
+    ASSERT_TRUE(write_and_wait(*store, write));
+    ASSERT_TRUE(write_and_wait(*store, PutSessionNote{1, "the old shaft\nis flooded"}));
+    ASSERT_TRUE(write_and_wait(*store, PutSessionNote{2, "gone"}));
+    ASSERT_TRUE(write_and_wait(*store, PutSessionNote{2, ""}));
+  }
+  const auto store = open(*home);
+  auto frozen = store->merge()->frozen;
+  ASSERT_EQ(frozen.size(), 2U);
+  EXPECT_EQ(frozen[0].frame, 1);
+  EXPECT_EQ(frozen[0].T_frame_session.matrix(), one.T_frame_session.matrix());
+  ASSERT_EQ(frozen[0].places.size(), 2U);
+  EXPECT_EQ(frozen[0].places[1].sequence, 9U);
+  EXPECT_EQ(frozen[0].places[1].T_component_session.matrix(), one.places[1].T_component_session.matrix());
+  EXPECT_TRUE(frozen[1].places.empty());
+  const auto sessions = store->sessions();
+  EXPECT_TRUE(!sessions->at(0).archived && sessions->at(1).archived && !sessions->at(2).archived);
+  EXPECT_EQ(store->notes()->notes, (std::map<SessionId, std::string>{{1, "the old shaft\nis flooded"}}));
+  PutMerge thawed;
+  thawed.thawed = 1;
+  thawed.trouble = PutTrouble{{2, 0, 0, "deleted", true}};
+  ASSERT_TRUE(write_and_wait(*store, thawed));
+  EXPECT_TRUE(store->merge()->frozen.empty()) << "one is thawed, the other deleted";
+}
+
 TEST_P(StoredAtlas, KeepsLoopClosures) {
   PoseConstraint one{{1, 7}, {2, 9}, pose_from_yaw(0.3, {1, 2, 3}), Matrix6d::Random()};
   one.information = (one.information * one.information.transpose()).eval();
