@@ -154,8 +154,8 @@ double SessionMap::path_awaited_of_others_m(const OrderedPair& pair, double aske
 }
 
 bool SessionMap::drives_on(const Session& session) {
-  const double path_m = session.path_m(), count = static_cast<double>(session.keyframes.size());
-  return !session.complete && session.awaited && path_m >= least_awaited_m && path_m >= least_step_m * count;
+  const double count = static_cast<double>(session.keyframes.size()) - of_a_turn;
+  return !session.complete && session.awaited && session.path_m() >= least_step_m * count;
 }
 
 }  // namespace headframe

@@ -82,14 +82,14 @@ class SessionMap {
   /// contradict it: for a metre more if one has ended and was not looked at since. A session that rests or has ended
   /// has shown all it can, unless it is short: of the whole of its path short_m is asked, more for look-alikes and
   /// doubt, and most_of_short_m or MergeConfig::shown_m at most. 0: none.
-  /// Of the others that grow those are waited for that drive: least_awaited_m of path and more, least_step_m of it for
-  /// each keyframe. Who stands still, or sends keyframes of one spot, holds nobody up; await_no_more() is for who takes
-  /// his time.
+  /// Of the others that grow those are waited for that drive: least_step_m of path and more for each keyframe but those
+  /// of a turn on the spot. Who sends many keyframes of one spot holds nobody up; await_no_more() is for who takes his
+  /// time.
   double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
   static constexpr double localize_m = 20;  // set by hand, as this:
   static constexpr double short_m = 20, most_of_short_m = 50;
-  static constexpr double least_awaited_m = 10, least_step_m = 0.25;
+  static constexpr double least_step_m = 0.25, of_a_turn = 12;
   /// The same before its robot, which asks where it is, is told of the placement: after localize_m in place of
   /// MergeConfig::shown_m, also when it rests or has ended.
   double path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,

@@ -95,25 +95,18 @@ TEST_F(AwaitedPath, OfOthersHasAnEnd) {
 }
 
 TEST_F(AwaitedPath, OfOthersIsOfThoseAloneThatDrive) {
-  const double asked_m = config_.shown_m + 2 * config_.shown_more_m;
-  grow(3, 9);
-  EXPECT_EQ(awaited_m(2), 0) << "it may stand there all day";
-  add_metre(3, 10);
-  EXPECT_NEAR(awaited_m(2), asked_m - 10, 1e-6);
-  int keyframes = 11;
-  while (10 >= SessionMap::least_step_m * ++keyframes) {
-    Keyframe on_the_spot = line_keyframe(static_cast<std::uint64_t>(keyframes));
-    on_the_spot.T_local_sensor.translation().x() = 11;
-    on_the_spot.stamp_s = keyframes;
-    EXPECT_GT(awaited_m(2), 0) << keyframes;
-    sessions_.add_keyframe(3, on_the_spot);
-  }
-  EXPECT_GT(awaited_m(2), 0) << "40 keyframes over 10 m";
-  Keyframe last = line_keyframe(static_cast<std::uint64_t>(keyframes));
-  last.T_local_sensor.translation().x() = 11;
-  last.stamp_s = keyframes;
-  sessions_.add_keyframe(3, last);
-  EXPECT_EQ(awaited_m(2), 0) << "41: it floods a spot with keyframes";
+  const auto add_on_the_spot = [&](std::uint64_t sequence) {
+    Keyframe k = line_keyframe(sequence);
+    k.T_local_sensor.translation().x() = 11;
+    k.stamp_s = static_cast<double>(sequence);
+    sessions_.add_keyframe(3, k);
+  };
+  grow(3, 10);
+  EXPECT_NEAR(awaited_m(2), config_.shown_m + 2 * config_.shown_more_m - 10, 1e-6);
+  for (std::uint64_t i = 12; i <= 40 + 12; ++i) add_on_the_spot(i);
+  EXPECT_GT(awaited_m(2), 0) << "40 keyframes over 10 m, and a turn on the spot";
+  add_on_the_spot(53);
+  EXPECT_EQ(awaited_m(2), 0) << "it floods a spot with keyframes";
 }
 
 TEST_F(AwaitedPath, OfOthersIsNothingOnceTheyWereAwaitedLongEnough) {
