@@ -163,7 +163,7 @@ MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Con
 MergeResult AlignmentBook::merge(const Contacts& contacts, Waiting waiting) const {
   std::vector<Alignment> spoken = alignments_;
   for (Alignment& k : spoken) {
-    const bool taken = waiting == Waiting::all           ? waits(k)
+    const bool taken = waiting == Waiting::all           ? may_come(k)
                        : waiting == Waiting::provisional ? k.state == AlignmentState::provisional
                                                          : false;
     if (taken) k.state = AlignmentState::verified;

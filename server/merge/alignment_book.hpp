@@ -46,9 +46,9 @@ class AlignmentBook {
   /// A session that was set aside comes back: its alignments stand again as their verdict and the operator's word say.
   void wake(SessionId id);
 
-  /// Whether anything convinces that still waits for path.
-  bool anything_waits() const;
-  /// Alignments that wait for path and are merged all the same, to see what would come of it.
+  /// Whether anything waits for path or clouds that may be told then.
+  bool anything_may_come() const;
+  /// Alignments that wait and are merged all the same, to see what would come of it.
   enum class Waiting { none, provisional, all };
   /// What merging would come to, with these answers on where sessions would meet.
   MergeResult merge(const Contacts& contacts, Waiting waiting = Waiting::none) const;
@@ -71,7 +71,9 @@ class AlignmentBook {
   AlignmentState awaiting_state(const Evidence& evidence) const;
   AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
   bool waits(const Alignment& alignment) const;
+  bool may_come(const Alignment& alignment) const;
   MergeResult merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const;
+  std::set<SessionId> unsettled_sessions(const MergeResult& then) const;
   MergeResult merge_undisputed(const Contacts& contacts) const;
   void add_provisional(std::vector<Component>& components, const Contacts& contacts) const;
   void note_moved_sessions(const std::vector<Component>& now, AttemptReport& report) const;

@@ -34,22 +34,44 @@ bool AlignmentBook::waits(const Alignment& k) const {
          decisions_.proposal(k.id, k.T_a_b, k.evidence.seen_points) == Proposal::open;
 }
 
-bool AlignmentBook::anything_waits() const {
-  return std::any_of(alignments_.begin(), alignments_.end(), [&](const Alignment& k) { return waits(k); });
+/// It may be told soon: it waits for path, or is a candidate for which clouds were asked for, that could make it
+/// believed.
+bool AlignmentBook::may_come(const Alignment& k) const {
+  return waits(k) || (k.state == AlignmentState::candidate && k.ruling == Ruling::none && waits_for_clouds(k.id));
+}
+
+bool AlignmentBook::anything_may_come() const {
+  return std::any_of(alignments_.begin(), alignments_.end(), [&](const Alignment& k) { return may_come(k); });
+}
+
+/// Those of components that what waits would join to others, if nobody had yet to look where they would meet.
+std::set<SessionId> AlignmentBook::unsettled_sessions(const MergeResult& then) const {
+  std::set<SessionId> ends, out;
+  for (std::size_t i = 0; i < alignments_.size(); ++i) {
+    const Alignment& k = alignments_[i];
+    if (may_come(k) && then.states[i] != AlignmentState::published && !then.contradicted_by[i]) ends.insert({k.a, k.b});
+  }
+  for (const Component& component : then.components)
+    if (std::any_of(component.placements.begin(), component.placements.end(),
+                    [&](const Placement& p) { return ends.contains(p.session); }))
+      for (const Placement& p : component.placements) out.insert(p.session);
+  return out;
 }
 
 /// What still waits may turn out to be right. So where places look alike nothing new is told that would not stand
 /// beside it: it is held back, as by what others saw.
 MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
-  if (!anything_waits()) return merge(contacts);
+  if (!anything_may_come()) return merge(contacts);
   const MergeResult then = merge(contacts, Waiting::all);
+  const std::set<SessionId> unsettled = unsettled_sessions(then);
   std::vector<Alignment> spoken = alignments_;
   std::vector<std::size_t> held;
   for (std::size_t i = 0; i < spoken.size(); ++i) {
     Alignment& k = spoken[i];
     const bool open = k.state == AlignmentState::verified && k.ruling == Ruling::none &&
                       k.evidence.look_alikes >= config_.look_alikes;
-    if (!open || then.states[i] == AlignmentState::published) continue;
+    const bool settled = !unsettled.contains(k.a) && !unsettled.contains(k.b);
+    if (!open || (settled && then.states[i] == AlignmentState::published)) continue;
     k.state = AlignmentState::candidate;
     held.push_back(i);
   }

@@ -98,6 +98,17 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_screening(const OrderedPair& 
   return wanted;
 }
 
+std::vector<KeyframeRef> CloudRequests::clouds_for_contact(const OrderedPair& pair, const Case& c) const {
+  std::vector<KeyframeRef> wanted;
+  const Pose& T = c.hypothesis.T_a_b;
+  const double meet_m = JudgeConfig{}.meet_m;
+  const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
+  const Eigen::Vector3d& p_b = c.hypothesis.place_b;
+  ask(pair.a, near_other(all_of(c.b), c.a.obtainable, T.inverse(), meet_m), T * p_b, most, wanted);
+  ask(pair.b, near_other(all_of(c.a), c.b.obtainable, T, meet_m), p_b, most, wanted);
+  return wanted;
+}
+
 std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pair, const Case& c,
                                                            const Judgement& judged, const Eigen::Vector3d& p_b) const {
   std::vector<KeyframeRef> wanted;

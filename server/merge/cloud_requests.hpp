@@ -44,6 +44,9 @@ class CloudRequests {
   /// Of the clouds that can be had, those around the spot where the hypothesis is looked at first.
   std::vector<KeyframeRef> clouds_for_screening(const OrderedPair& pair, const Case& c) const;
 
+  /// Those of the whole overlap, where what a first look showed neither agrees nor contradicts.
+  std::vector<KeyframeRef> clouds_for_contact(const OrderedPair& pair, const Case& c) const;
+
   /// More of those of the overlap, from p_b (in b's frame) on, if they could make the judged placement believed.
   std::vector<KeyframeRef> clouds_for_verdict(const OrderedPair& pair, const Case& c, const Judgement& judged,
                                               const Eigen::Vector3d& p_b) const;

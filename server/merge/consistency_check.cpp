@@ -88,6 +88,10 @@ bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt&
     return false;
   }
   SeenContact now = judged(placement, pair, at, attempt.clouds);
+  if (const auto more = requests_.clouds_for_contact(pair, at); now.contact == Contact::none && !more.empty()) {
+    if (attempt.report.wanted.empty()) attempt.report.wanted = more;
+    return false;
+  }
   now.recorded = before && before->recorded;
   const bool news = !before || before->contact != now.contact;
   if (before)
@@ -123,7 +127,7 @@ void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
     if (kept.size() > placements_kept)
       kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(placements_kept));
   look_while_news(AlignmentBook::Waiting::none, attempt);
-  if (book_.anything_waits()) look_while_news(AlignmentBook::Waiting::all, attempt);
+  if (book_.anything_may_come()) look_while_news(AlignmentBook::Waiting::all, attempt);
 }
 
 /// What only waits is looked at too, for it may contradict what is about to be told; nothing of it is recorded.

@@ -197,5 +197,37 @@ TEST_F(AwaitedPath, WhatWaitsForCloudsTooIsJudgedAnewAndNotReleased) {
   EXPECT_EQ(book.find(1, 2)->state, AlignmentState::verified);
 }
 
+// Two tiles that look alike, and the clouds of the right one come a second later than those of the copy.
+TEST_F(AwaitedPath, NothingIsToldThatContradictsWhatWaitsForClouds) {
+  grow(3, 61);
+  sessions_.complete(3);
+  sessions_.set_looked_at(3, true);
+  Contact met = Contact::contradicts;
+  const auto contacts = [&](SessionId a, SessionId b, const Pose&) { return a == 2 && b == 3 ? met : Contact::none; };
+  const auto state_beside = [&](AlignmentState other, double look_alikes) {
+    AlignmentBook book(config_, sessions_);
+    AttemptReport report;
+    Judgement judged;
+    judged.evidence.inlier_fraction = 1;
+    judged.evidence.overlap_m = 30;
+    judged.evidence.look_alikes = look_alikes;
+    judged.evidence.probability = 0.98;
+    book.record({1, 2}, judged, std::nullopt, false, report);
+    judged.evidence.probability = other == AlignmentState::rejected ? 0.01 : 0.82;
+    book.record({1, 3}, judged, std::nullopt, other == AlignmentState::candidate, report);
+    book.update_atlas(
+        contacts, [](const auto&) { return Objection(); }, report);
+    return book.find(1, 2)->state;
+  };
+  EXPECT_EQ(state_beside(AlignmentState::candidate, 3), AlignmentState::verified) << "held back";
+  EXPECT_EQ(state_beside(AlignmentState::rejected, 3), AlignmentState::published);
+  EXPECT_EQ(state_beside(AlignmentState::candidate, 1.9), AlignmentState::published) << "where little looks alike";
+  met = Contact::unknown;
+  EXPECT_EQ(state_beside(AlignmentState::candidate, 3), AlignmentState::verified)
+      << "held back until somebody has looked";
+  met = Contact::agrees;
+  EXPECT_EQ(state_beside(AlignmentState::candidate, 3), AlignmentState::published);
+}
+
 }  // namespace
 }  // namespace headframe

@@ -21,7 +21,7 @@ std::vector<const DrivenSession*> pointers(const Sessions& sessions) {
 bool same_end(const EndState& one, const EndState& other) {
   return one.together == other.together &&
          (one.state == AlignmentState::published) == (other.state == AlignmentState::published) &&
-         (!one.together || ((one.T_a_b.translation() - other.T_a_b.translation()).norm() < 0.05 &&
+         (!one.together || ((one.T_a_b * one.p_b - other.T_a_b * one.p_b).norm() < 0.05 &&
                             rotation_angle_rad(one.T_a_b.inverse() * other.T_a_b) < 0.005));
 }
 
@@ -36,7 +36,7 @@ std::vector<std::string> differences(const std::map<NamedPair, EndState>& one,
     std::snprintf(text, sizeof text, "%s and %s: %s%s, else %s%s, %.2f m", pair.first.c_str(), pair.second.c_str(),
                   std::string(to_string(end.state)).c_str(), end.together ? " together" : "",
                   std::string(to_string(theirs.state)).c_str(), theirs.together ? " together" : "",
-                  (end.T_a_b.translation() - theirs.T_a_b.translation()).norm());
+                  (end.T_a_b * end.p_b - theirs.T_a_b * end.p_b).norm());
     out.emplace_back(text);
   }
   return out;

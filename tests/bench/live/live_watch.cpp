@@ -144,6 +144,22 @@ std::size_t LiveWatch::right_withdrawn() const {
       std::count_if(right_.begin(), right_.end(), [](const Stood& stood) { return !stood.at_end; }));
 }
 
+namespace {
+
+Eigen::Vector3d nearest_of_b(const DrivenSession& a, const DrivenSession& b, const Pose& T_a_b) {
+  Eigen::Vector3d nearest = Eigen::Vector3d::Zero();
+  double least_m = std::numeric_limits<double>::max();
+  for (const Keyframe& kb : b.keyframes)
+    for (const Keyframe& ka : a.keyframes) {
+      const Eigen::Vector3d p_b = kb.T_local_sensor.translation();
+      const double m = (ka.T_local_sensor.translation() - T_a_b * p_b).norm();
+      if (m < least_m) least_m = m, nearest = p_b;
+    }
+  return nearest;
+}
+
+}  // namespace
+
 std::map<NamedPair, EndState> LiveWatch::end_of(const LiveRun& run) {
   std::map<NamedPair, EndState> out;
   const Pairs merged = together(run.pipeline().atlas());
@@ -154,7 +170,10 @@ std::map<NamedPair, EndState> LiveWatch::end_of(const LiveRun& run) {
       if (const Alignment* k = alignment_of(run, id_a, id_b)) end.state = k->state;
       if (const auto found = merged.find({id_a, id_b}); found != merged.end()) {
         end.together = true;
-        end.T_a_b = a.driven->name < b.driven->name ? found->second : found->second.inverse();
+        const bool in_order = a.driven->name < b.driven->name;
+        end.T_a_b = in_order ? found->second : found->second.inverse();
+        end.p_b =
+            in_order ? nearest_of_b(*a.driven, *b.driven, end.T_a_b) : nearest_of_b(*b.driven, *a.driven, end.T_a_b);
       }
       out[named(run, id_a, id_b)] = end;
     }

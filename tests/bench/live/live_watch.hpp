@@ -51,6 +51,7 @@ struct EndState {
   AlignmentState state = AlignmentState::rejected;
   bool together = false;  // in one component
   Pose T_a_b = Pose::Identity();
+  Eigen::Vector3d p_b = Eigen::Vector3d::Zero();  // of b's path, where it comes nearest to a's
 };
 
 /// Keeps account of every pair of a run.
