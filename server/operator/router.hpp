@@ -24,9 +24,9 @@ struct Ready {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string allow;    // of a 405
-  bool gzip = false;    // how the body is encoded
-  bool bearer = false;  // of a 401: a token is wanted
+  std::string allow;          // of a 405
+  bool gzip = false;          // how the body is encoded
+  bool bearer = false;        // of a 401: a token is wanted
   std::string location = {};  // of a redirection
 };
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
