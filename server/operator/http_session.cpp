@@ -41,8 +41,9 @@ void HttpSession::start() {
             [self = shared_from_this()] { self->shared_->tls == nullptr ? self->read() : self->detect_tls(); });
 }
 
+/// By the timer's executor, which is the stream's: the stream itself may just be on its way to the event feed.
 void HttpSession::close() {
-  net::post(stream_.get_executor(), [self = shared_from_this()] { self->finish(); });
+  net::post(look_.get_executor(), [self = shared_from_this()] { self->finish(); });
 }
 
 /// A client that begins with a TLS handshake gets one; what others ask for in the clear, in_the_clear() answers.
