@@ -1,11 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
+#include <chrono>
 #include <future>
 
 #include "tests/support/operator_server.hpp"
