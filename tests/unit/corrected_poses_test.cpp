@@ -193,12 +193,14 @@ TEST_F(CorrectedPosesTest, AFrozenSessionStaysBentAsItWas) {
   poses.update(after, loop_);
   const auto is = of(2, after[0]);
   const Pose T_new_old = Pose(umeyama(was, is));
-  std::vector<Eigen::Vector3d> moved_along;
-  for (const auto& p : was) moved_along.push_back(T_new_old * p);
+  const auto moved = [&](std::vector<Eigen::Vector3d> points) {
+    for (auto& p : points) p = T_new_old * p;
+    return points;
+  };
+  const std::vector<Eigen::Vector3d> moved_along = moved(was);
   EXPECT_LT(farthest_m(moved_along, is), 1e-6) << "bent as it was";
   EXPECT_LT((is[0] - drives_.at(2).believed[0].translation()).norm(), 1e-6) << "its first stays in its own frame";
-  std::vector<Eigen::Vector3d> other_along;
-  for (const auto& p : other_was) other_along.push_back(T_new_old * p);
+  const std::vector<Eigen::Vector3d> other_along = moved(other_was);
   EXPECT_GT(farthest_m(other_along, of(1, after[0])), 0.2) << "the other gives way";
   EXPECT_TRUE(sessions_.thaw(2));
   poses.touch(2);
