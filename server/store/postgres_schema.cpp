@@ -83,6 +83,10 @@ CREATE TABLE frozen (
   session BIGINT PRIMARY KEY REFERENCES sessions(id), frame BIGINT NOT NULL, T_frame_session BYTEA NOT NULL,
   places BYTEA NOT NULL);
 )sql",
+    R"sql(
+CREATE TABLE let_go (
+  session BIGINT NOT NULL REFERENCES sessions(id), sequence BIGINT NOT NULL, PRIMARY KEY (session, sequence));
+)sql",
 };
 
 std::string step(std::size_t from) {

@@ -37,6 +37,16 @@ Result<std::unique_ptr<PostgresWriterConnection>> open_when_there(const std::str
   }
 }
 
+/// Where its disk is PostgreSQL does not say.
+Result<std::optional<std::uint64_t>> free_bytes(Database& reader, std::uint64_t clouds_bytes) {
+  if (clouds_bytes == 0) return std::nullopt;
+  std::uint64_t taken = 0;
+  auto read = reader.each("SELECT coalesce(sum(length(encoded)), 0)::bigint FROM clouds",
+                          [&](const Row& row) { taken = static_cast<std::uint64_t>(row.integer(0)); });
+  if (!read) return tl::unexpected(read.error());
+  return clouds_bytes - std::min(clouds_bytes, taken);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& directory, const std::string& url,
@@ -59,7 +69,8 @@ Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& 
         return failure(ErrorCode::refused, "what robots have sent lies in " + name +
                                                ": back that up with pg_dump or pg_basebackup, and the data directory "
                                                "as files");
-      }});
+      },
+      [most = options.clouds_bytes](Database& db) { return free_bytes(db, most); }});
 }
 
 }  // namespace headframe

@@ -100,6 +100,12 @@ CREATE TABLE frozen (
   session INTEGER PRIMARY KEY REFERENCES sessions(id), frame INTEGER NOT NULL, T_frame_session BLOB NOT NULL,
   places BLOB NOT NULL);
 )sql",
+    // let_go: clouds that were here and made room.
+    R"sql(
+CREATE TABLE let_go (
+  session INTEGER NOT NULL REFERENCES sessions(id), sequence INTEGER NOT NULL, PRIMARY KEY (session, sequence))
+  WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

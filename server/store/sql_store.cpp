@@ -31,6 +31,7 @@ SessionRecord session_of(const Row& row) {
 SqlStore::SqlStore(SqlStoreParts parts)
     : directory_(std::move(parts.directory)),
       write_backup_(std::move(parts.write_backup)),
+      free_bytes_(std::move(parts.free_bytes)),
       reader_(std::move(parts.reader)),
       writer_(std::move(parts.writer), parts.options) {}
 
@@ -92,6 +93,34 @@ Result<std::vector<std::uint64_t>> SqlStore::cloud_sequences(SessionId session) 
       [&](const Row& row) { sequences.push_back(static_cast<std::uint64_t>(row.integer(0))); }, session);
   if (!read) return tl::unexpected(read.error());
   return sequences;
+}
+
+Result<std::vector<CloudSize>> SqlStore::cloud_sizes(SessionId session) {
+  std::vector<CloudSize> sizes;
+  const std::lock_guard lock(mutex_);
+  auto read = reader_->each(
+      "SELECT sequence, length(encoded) FROM clouds WHERE session=? ORDER BY sequence",
+      [&](const Row& row) {
+        sizes.push_back({static_cast<std::uint64_t>(row.integer(0)), static_cast<std::uint64_t>(row.integer(1))});
+      },
+      session);
+  if (!read) return tl::unexpected(read.error());
+  return sizes;
+}
+
+Result<std::vector<std::uint64_t>> SqlStore::let_go(SessionId session) {
+  std::vector<std::uint64_t> sequences;
+  const std::lock_guard lock(mutex_);
+  auto read = reader_->each(
+      "SELECT sequence FROM let_go WHERE session=? ORDER BY sequence",
+      [&](const Row& row) { sequences.push_back(static_cast<std::uint64_t>(row.integer(0))); }, session);
+  if (!read) return tl::unexpected(read.error());
+  return sequences;
+}
+
+Result<std::optional<std::uint64_t>> SqlStore::free_bytes() {
+  const std::lock_guard lock(mutex_);
+  return free_bytes_(*reader_);
 }
 
 Result<std::string> SqlStore::cloud(const KeyframeRef& keyframe) {

@@ -20,6 +20,8 @@ struct SqlStoreParts {
   StoreOptions options;
   /// Makes a backup as this file.
   std::function<Result<void>(const std::filesystem::path& file)> write_backup;
+  /// As Store::free_bytes(), by what the reader tells.
+  std::function<Result<std::optional<std::uint64_t>>(Database& reader)> free_bytes;
 };
 
 class SqlStore final : public Store {
@@ -34,6 +36,9 @@ class SqlStore final : public Store {
                              const std::function<void(Keyframe)>& visit) override;
   Result<std::uint64_t> last_keyframe(SessionId session) override;
   Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) override;
+  Result<std::vector<CloudSize>> cloud_sizes(SessionId session) override;
+  Result<std::vector<std::uint64_t>> let_go(SessionId session) override;
+  Result<std::optional<std::uint64_t>> free_bytes() override;
   Result<std::string> cloud(const KeyframeRef& keyframe) override;
   Result<StoredMerge> merge() override;
   Result<StoredNotes> notes() override;
@@ -46,6 +51,7 @@ class SqlStore final : public Store {
 
   DataDirectory directory_;
   std::function<Result<void>(const std::filesystem::path&)> write_backup_;
+  std::function<Result<std::optional<std::uint64_t>>(Database&)> free_bytes_;
   std::mutex mutex_;  // of reader_ and damaged_
   std::set<KeyframeRef> damaged_;
   std::atomic<std::size_t> damaged_count_ = 0;

@@ -63,6 +63,10 @@ struct PutCloud {
   KeyframeRef keyframe;
   std::string encoded;
 };
+/// Deletes clouds for good, so that others find room; they are not taken again.
+struct LetGo {
+  std::vector<KeyframeRef> clouds;
+};
 struct CompleteSession {
   SessionId session = 0;
 };
@@ -122,7 +126,7 @@ struct PutRobot {
   RobotRecord robot;
 };
 using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot, PutLabel, PutSurvey,
-                           DropSurvey, PutTrouble, PutSessionNote>;
+                           DropSurvey, PutTrouble, PutSessionNote, LetGo>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
@@ -136,6 +140,11 @@ struct StoreLoad {
   std::string last_error;             // empty when the last write was well
   std::string waits_for;              // why the next write can not be made yet; empty: it can. It is tried again
   std::string broken;  // why nothing is written any more, until the store is opened anew; empty: it is well
+};
+
+struct CloudSize {
+  std::uint64_t sequence = 0;
+  std::uint64_t bytes = 0;
 };
 
 struct StoredMerge {
@@ -165,9 +174,10 @@ class Store {
   /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
   /// the queue is full (unavailable). A full or slow disk, or a database that is away, is no failure: the write waits.
   /// It must be quick.
-  /// Writes are applied in the order of the calls; a keyframe that would leave a hole in its session's sequence fails.
-  /// Failures: invalid_argument and refused (another keyframe of this number is stored) concern this write alone;
-  /// bad_input and internal say that the database can not be written any more: from then on every write fails so.
+  /// Writes are applied in the order of the calls, but LetGo before what waits for room; a keyframe that would leave a
+  /// hole in its session's sequence fails. Failures: invalid_argument and refused (another keyframe of this number is
+  /// stored) concern this write alone; bad_input and internal say that the database can not be written any more: from
+  /// then on every write fails so.
   virtual void write(Write write, Done done) = 0;
   virtual StoreLoad load() const = 0;
 
@@ -183,6 +193,13 @@ class Store {
   /// How many keyframes it has: the last sequence, 0 without any.
   virtual Result<std::uint64_t> last_keyframe(SessionId session) = 0;
   virtual Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) = 0;
+  /// Of the clouds that are stored, what each takes.
+  virtual Result<std::vector<CloudSize>> cloud_sizes(SessionId session) = 0;
+  /// Clouds that were let go, in order.
+  virtual Result<std::vector<std::uint64_t>> let_go(SessionId session) = 0;
+  /// How much more can be stored: on the disk and in the database's file, or of StoreOptions::clouds_bytes; none:
+  /// nobody knows.
+  virtual Result<std::optional<std::uint64_t>> free_bytes() = 0;
   /// Encoded as the robot sent it; not_found when there is none, or when its keyframe's row was found damaged.
   virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;
   virtual Result<StoredMerge> merge() = 0;

@@ -103,6 +103,7 @@ const std::vector<StoreTable>& store_tables() {
       {"troubles", "session# deaths# kills# why_aside$ deleted#"},
       {"self_likeness", "session# path_m~ clouds# aliases~ look_alikes~ wanted&"},
       {"loop_closures", "a# b# places&"},
+      {"let_go", "session# sequence#"},
       {"frozen", "session# frame# T_frame_session& places&"},
       {"changes",
        "a# b# number# kind$ x_a_m~ y_a_m~ z_a_m~ length_m~ width_m~ height_m~ a_is_newer# older_s~ newer_s~"},

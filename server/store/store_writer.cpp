@@ -19,6 +19,8 @@ bool is_one_statement(const Write& write) {
   return std::holds_alternative<PutKeyframe>(write) || std::holds_alternative<PutCloud>(write);
 }
 
+bool makes_room(const Write& write) { return std::holds_alternative<LetGo>(write); }
+
 }  // namespace
 
 StoreWriter::StoreWriter(std::unique_ptr<WriterConnection> connection, const StoreOptions& options)
@@ -79,6 +81,7 @@ std::deque<StoreWriter::Item> StoreWriter::next_group() {
     bytes += queue_.front().bytes;
     group.push_back(std::move(queue_.front()));
   }
+  std::stable_partition(group.begin(), group.end(), [](const Item& item) { return makes_room(item.write); });
   return group;
 }
 
@@ -92,7 +95,10 @@ void StoreWriter::commit(std::deque<Item> group) {
       count /= 2;
       continue;
     }
-    if (disk && wait_for_room(done.error())) continue;
+    if (disk && wait_for_room(done.error())) {
+      if (take_what_makes_room(group)) count = 1;
+      continue;
+    }
     for (; count > 0; --count, group.pop_front()) finish(group.front(), done);
     count = group.size();
   }
@@ -150,6 +156,17 @@ bool StoreWriter::wait_for_room(const Error& why) {
   std::unique_lock lock(mutex_);
   load_.waits_for = load_.last_error = why.message;
   return !wake_.wait_for(lock, pause, [&] { return stopping_; });
+}
+
+/// It came while others wait for room, and goes first. False: there is none.
+bool StoreWriter::take_what_makes_room(std::deque<Item>& group) {
+  const std::lock_guard lock(mutex_);
+  const auto found =
+      std::find_if(queue_.begin(), queue_.end(), [](const Item& item) { return makes_room(item.write); });
+  if (found == queue_.end()) return false;
+  group.push_front(std::move(*found));
+  queue_.erase(found);
+  return true;
 }
 
 /// From now on. broken_ is only set here, on the writer's thread, which therefore reads it without the lock.

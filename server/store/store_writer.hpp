@@ -17,8 +17,9 @@ namespace headframe {
 /// The thread that writes. Writes that come within options.group_ms share one commit. A keyframe or cloud that is wrong
 /// fails alone, and the others are written as if it were not there. A group that fails for another write is halved
 /// until that one stands alone and fails; one that the disk refuses waits, and all behind it, until there is room, so
-/// nothing is answered that is not durable. When the database itself is at fault (damaged, read-only, another schema)
-/// trying again is no use: this write and all after it fail. write() and load() are thread safe.
+/// nothing is answered that is not durable; only LetGo, which makes room, goes before those. When the database itself
+/// is at fault (damaged, read-only, another schema) trying again is no use: this write and all after it fail. write()
+/// and load() are thread safe.
 class StoreWriter {
  public:
   StoreWriter(std::unique_ptr<WriterConnection> connection, const StoreOptions& options);
@@ -43,6 +44,7 @@ class StoreWriter {
   Result<void> apply_all(std::deque<Item>& group, std::size_t count);
   Result<void> try_commit(std::deque<Item>& group, std::size_t count);
   bool wait_for_room(const Error& why);
+  bool take_what_makes_room(std::deque<Item>& group);
   void finish(Item& item, const Result<void>& committed);
   void give_up(const Error& why);
 

@@ -28,8 +28,23 @@ Result<void> put(Database& db, const PutKeyframe& write, const Database::Changed
 Result<void> put(Database& db, const PutCloud& write, const Database::Changed& stored) {
   return db.run_counted(
       "INSERT INTO clouds (session, sequence, encoded) SELECT ?1, ?2, ?3 WHERE EXISTS (SELECT 1 FROM keyframes"
-      " WHERE session=?1 AND sequence=?2) ON CONFLICT (session, sequence) DO NOTHING",
+      " WHERE session=?1 AND sequence=?2) AND NOT EXISTS (SELECT 1 FROM let_go WHERE session=?1 AND sequence=?2)"
+      " ON CONFLICT (session, sequence) DO NOTHING",
       stored, write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
+}
+
+/// Deleted first: where the disk is full, what takes a note of it finds room.
+Result<void> put(Database& db, const LetGo& write) {
+  Result<void> done;
+  for (const KeyframeRef& k : write.clouds) {
+    if (done) done = db.run("DELETE FROM clouds WHERE session=? AND sequence=?", k.session, k.sequence);
+    if (done)
+      done = db.run(
+          "INSERT INTO let_go SELECT session, sequence FROM keyframes WHERE session=? AND sequence=?"
+          " ON CONFLICT (session, sequence) DO NOTHING",
+          k.session, k.sequence);
+  }
+  return done;
 }
 
 /// A repeat is harmless; another keyframe of the same number is not.
@@ -64,8 +79,9 @@ Result<void> why_not_stored(Database& db, const PutCloud& write) {
   bool is_there = false;
   const KeyframeRef& k = write.keyframe;
   auto read = db.each(
-      "SELECT sequence FROM clouds WHERE session=? AND sequence=?", [&](const Row&) { is_there = true; }, k.session,
-      k.sequence);
+      "SELECT sequence FROM clouds WHERE session=?1 AND sequence=?2 UNION ALL"
+      " SELECT sequence FROM let_go WHERE session=?1 AND sequence=?2",
+      [&](const Row&) { is_there = true; }, k.session, k.sequence);
   if (!read || is_there) return read;
   return failure(ErrorCode::invalid_argument, "a cloud of keyframe " + std::to_string(k.sequence) + " of session " +
                                                   std::to_string(k.session) + ", which is not stored");
@@ -207,7 +223,7 @@ Result<void> put(Database& db, const PutSurvey& write) {
 
 Result<void> delete_content(Database& db, SessionId session) {
   auto done = put(db, DropSurvey{session});
-  for (const char* table : {"clouds", "keyframes", "anchors", "self_likeness", "frozen"})
+  for (const char* table : {"clouds", "let_go", "keyframes", "anchors", "self_likeness", "frozen"})
     if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
   if (done) done = db.run("DELETE FROM loop_closures WHERE a=? OR b=?", session, session);
   return done;

@@ -31,6 +31,7 @@ class PostgresMigration : public testing::Test {
       ASSERT_TRUE(write_and_wait(store, PutKeyframe{1, line_keyframe(i)}));
       ASSERT_TRUE(write_and_wait(store, PutCloud{{1, i}, std::string("\0cloud\xff", 7) + std::string(i * 100, 'x')}));
     }
+    ASSERT_TRUE(write_and_wait(store, LetGo{{{1, 4}, {1, 5}}}));
     Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
     alignment.evidence.slide_ratio = std::numeric_limits<double>::quiet_NaN();
     alignment.changes = {{ChangeKind::filled, {1, 2, 3}, 4, 5, 6, true, 1.7e9, 1.8e9}};
