@@ -17,10 +17,16 @@
 #include "server/security/robot_gate.hpp"
 #include "server/security/server_identity.hpp"
 #include "server/station/robot_desk.hpp"
+#include "server/station/room_watch.hpp"
 #include "server/station/station_view.hpp"
 #include "server/store/sqlite_store.hpp"
 
 namespace headframe {
+namespace {
+
+constexpr std::size_t mib = 1024UL * 1024;
+
+}  // namespace
 
 /// Order of life: what is below uses what is above. stop() goes from the peers inwards.
 struct MapMergeServer::Parts {
@@ -39,7 +45,9 @@ struct MapMergeServer::Parts {
              {}, &revocations),
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
-        view(io, hub, worker, *store, notes, o.config.merge) {}
+        view(io, hub, worker, *store, notes, o.config.merge,
+             {o.config.keep == KeepClouds::newest, static_cast<std::uint64_t>(o.config.free_mib) * mib}),
+        room(view) {}
   ~Parts() { stop(); }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
@@ -59,6 +67,7 @@ struct MapMergeServer::Parts {
   std::optional<boost::asio::ssl::context> tls;  // none: --insecure
   RobotListener listener;
   StationView view;
+  std::optional<RoomWatch> room;
   std::optional<RobotDesk> desk;
   std::unique_ptr<OperatorRegistry> people;            // null: --insecure
   std::optional<boost::asio::ssl::context> given_tls;  // for operators; none: the robots' serves them too
@@ -98,6 +107,7 @@ Result<void> MapMergeServer::Parts::start() {
   if (!done) return done;
   http = {options.http.host, api->port()};
   worker.start(hub);
+  room->start(view.keep_policy());
   for (int i = 0; i < options.config.io_threads; ++i) threads.emplace_back([this] { io.run(); });
   return {};
 }
@@ -118,6 +128,7 @@ Result<void> MapMergeServer::Parts::choose_operator_tls() {
 }
 
 void MapMergeServer::Parts::stop() {
+  room.reset();
   listener.stop();
   if (api) api->stop();
   io.stop();  // what is left are waits of operators that have gone; robots repeat what was not acknowledged
@@ -134,14 +145,16 @@ MapMergeServer::~MapMergeServer() = default;
 namespace {
 
 Result<std::unique_ptr<Store>> open_store(const ServerOptions& options) {
-  constexpr std::size_t mib = 1024UL * 1024;
   const ServerConfig& config = options.config;
   const std::size_t queue_bytes = static_cast<std::size_t>(config.write_queue_mib) * mib;
   if (config.store_url.empty())
     return open_sqlite_store(options.data, {.queue_bytes = queue_bytes,
                                             .database_bytes = static_cast<std::uint64_t>(config.database_mib) * mib});
   return open_postgres_store(options.data, config.store_url,
-                             {.queue_bytes = queue_bytes, .retry_ms = 100, .longest_retry_ms = 2000},
+                             {.queue_bytes = queue_bytes,
+                              .clouds_bytes = static_cast<std::uint64_t>(config.clouds_mib) * mib,
+                              .retry_ms = 100,
+                              .longest_retry_ms = 2000},
                              options.wait_for_database);
 }
 

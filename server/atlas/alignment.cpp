@@ -8,7 +8,7 @@ namespace {
 constexpr std::array<std::string_view, 6> state_names{"candidate", "provisional", "verified",
                                                       "published", "retracted",   "rejected"};
 
-constexpr std::array<std::string_view, 4> ruling_names{"none", "confirmed", "refused", "retracted"};
+constexpr std::array<std::string_view, 5> ruling_names{"none", "confirmed", "refused", "retracted", "placed"};
 
 }  // namespace
 

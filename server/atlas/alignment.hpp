@@ -19,7 +19,8 @@ std::string_view to_string(AlignmentState state);
 std::optional<AlignmentState> alignment_state_from(std::string_view name);
 
 /// What the operator's latest standing decision says of the placement T_a_b (server/atlas/decisions.hpp).
-enum class Ruling { none, confirmed, refused, retracted };
+/// placed: by hand, and nothing was said of it since.
+enum class Ruling { none, confirmed, refused, retracted, placed };
 
 std::string_view to_string(Ruling ruling);
 

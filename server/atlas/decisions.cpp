@@ -6,7 +6,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<std::string_view, 4> names{"confirm", "refuse", "retract", "undo"};
+constexpr std::array<std::string_view, 5> names{"confirm", "refuse", "retract", "undo", "place"};
 
 tl::unexpected<Error> does_not_fit(const Alignment& alignment, const std::string& why) {
   return failure(ErrorCode::refused, "alignment " + std::to_string(alignment.id) + " " + why);
@@ -54,6 +54,7 @@ Ruling DecisionBook::ruling(const Alignment& alignment) const {
   const DecisionRecord* word = standing(alignment.id, alignment.T_a_b);
   if (!word) return Ruling::none;
   if (word->decision == Decision::confirm) return Ruling::confirmed;
+  if (word->decision == Decision::place) return Ruling::placed;
   // What is proposed again on much more evidence is open: it was refused as it was then.
   if (proposal(alignment.id, alignment.T_a_b, alignment.evidence.seen_points) != Proposal::suppressed)
     return Ruling::none;
@@ -62,7 +63,7 @@ Ruling DecisionBook::ruling(const Alignment& alignment) const {
 
 Proposal DecisionBook::proposal(AlignmentId alignment, const Pose& T_a_b, double seen_points) const {
   const DecisionRecord* word = standing(alignment, T_a_b);
-  if (!word || word->decision == Decision::confirm) return Proposal::open;
+  if (!word || word->decision == Decision::confirm || word->decision == Decision::place) return Proposal::open;
   const double then = word->seen_points;
   const bool grown = seen_points >= rules_.reopen_ratio * then && seen_points >= then + rules_.reopen_least;
   return grown ? Proposal::as_candidate : Proposal::suppressed;
@@ -70,6 +71,7 @@ Proposal DecisionBook::proposal(AlignmentId alignment, const Pose& T_a_b, double
 
 Result<std::optional<DecisionRecord>> DecisionBook::decide(const Alignment& alignment, Decision decision) {
   if (decision == Decision::undo) return undo(alignment);
+  if (decision == Decision::place) return does_not_fit(alignment, "is placed by the transform, not by its number");
   const Ruling now = ruling(alignment);
   const bool stands = (decision == Decision::confirm && now == Ruling::confirmed) ||
                       (decision == Decision::refuse && now == Ruling::refused) ||
@@ -82,6 +84,12 @@ Result<std::optional<DecisionRecord>> DecisionBook::decide(const Alignment& alig
     return does_not_fit(alignment,
                         "is not published but " + std::string(to_string(alignment.state)) + "; refuse it instead");
   records_.push_back({static_cast<std::int64_t>(records_.size()) + 1, alignment.id, decision, alignment.T_a_b,
+                      alignment.evidence.seen_points, false});
+  return records_.back();
+}
+
+DecisionRecord DecisionBook::place(const Alignment& alignment) {
+  records_.push_back({static_cast<std::int64_t>(records_.size()) + 1, alignment.id, Decision::place, alignment.T_a_b,
                       alignment.evidence.seen_points, false});
   return records_.back();
 }
@@ -99,6 +107,7 @@ AlignmentState decided_state(const Alignment& alignment) {
     case Ruling::confirmed: return AlignmentState::verified;
     case Ruling::refused: return AlignmentState::rejected;
     case Ruling::retracted: return AlignmentState::retracted;
+    case Ruling::placed:
     case Ruling::none: break;
   }
   return alignment.verdict;

@@ -9,7 +9,8 @@
 
 namespace headframe {
 
-enum class Decision { confirm, refuse, retract, undo };
+/// place: the operator laid the two sessions on each other; decided by AlignmentBook::place() alone.
+enum class Decision { confirm, refuse, retract, undo, place };
 
 std::string_view to_string(Decision decision);
 std::optional<Decision> decision_from(std::string_view name);
@@ -50,6 +51,9 @@ class DecisionBook {
   /// The record to be stored, new or changed (undo); none when the decision stands already. refused: it does not fit
   /// the alignment, with the reason and what to do instead.
   Result<std::optional<DecisionRecord>> decide(const Alignment& alignment, Decision decision);
+
+  /// The operator laid it where it is now; whatever was said of this placement before. To be stored.
+  DecisionRecord place(const Alignment& alignment);
 
   /// The standing word on the alignment as it is now placed.
   Ruling ruling(const Alignment& alignment) const;

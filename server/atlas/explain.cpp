@@ -21,6 +21,7 @@ std::string decision_of(Ruling ruling) {
     case Ruling::confirmed: return "confirmed by the operator: it stays whatever the evidence says";
     case Ruling::refused: return "refused by the operator: not proposed again until there is twice the evidence";
     case Ruling::retracted: return "retracted by the operator: not proposed again until there is twice the evidence";
+    case Ruling::placed: return "placed by the operator: it is not merged until it is confirmed, or found by itself";
     case Ruling::none: break;
   }
   return {};

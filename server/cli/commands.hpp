@@ -43,6 +43,9 @@ class Commands {
   Result<int> decide(const std::string& decision, const std::string& alignment, bool all_the_same);
   /// Why two sessions are or are not merged; each "robot/session", or "robot" when it has just one.
   Result<int> explain(const std::string& a, const std::string& b);
+  /// b lies so on a: x, y, z and yaw in degrees, or pairs of points in a file. Prints what came of it; exit_failed: it
+  /// was not kept.
+  Result<int> place(const std::string& a, const std::string& b, const std::vector<double>& at, const std::string& file);
   /// Queues an attempt for every session, then as atlas(wait_s) with progress; without wait_s as long as it takes.
   Result<int> merge(std::optional<double> wait_s);
   /// Shows status and sessions, again every `every_s`, on a terminal in place; `times` 0: until it is ended. With json:
@@ -69,6 +72,12 @@ class Commands {
   Result<int> note(const std::string& session, const std::optional<std::string>& text);
   /// Says what hangs on it; refused, unless all_the_same.
   Result<int> remove_session(const std::string& session, bool all_the_same);
+  // store_commands.cpp
+  /// How much room there is, and which clouds would go for it.
+  Result<int> store();
+  /// Says which clouds would go for so many MiB, 0: all that may; refused, unless all_the_same.
+  Result<int> let_go(int mib, bool all_the_same);
+
   Result<int> list_surveys();
   /// The file holds the API's JSON, or control points when it ends in .csv. accept: also points that do not fit each
   /// other.

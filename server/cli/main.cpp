@@ -22,7 +22,8 @@ struct Options {
   std::optional<double> wait_s;
   std::optional<std::string> note;
   double every_s = 1;
-  int times = 0, most = 10000;
+  int times = 0, most = 10000, mib = 0;
+  std::vector<double> at;
   headframe::MapRequest map;
   std::string person, role = "operate";
   double days = 30;
@@ -92,6 +93,15 @@ void add_commands(CLI::App& app, Options& options) {
                       [&](Commands& c) { return c.explain(options.a, options.b); });
   why->add_option("A", options.a, "robot/session, or robot when it has just one")->required();
   why->add_option("B", options.b, "The other")->required();
+  CLI::App* place = add("place", "Lay session B on A by hand: registration refines it, and it waits for confirm",
+                        [&](Commands& c) { return c.place(options.a, options.b, options.at, options.file); });
+  place->add_option("A", options.a, "robot/session, or robot when it has just one")->required();
+  place->add_option("B", options.b, "The other")->required();
+  place->add_option("--at", options.at, "Where B's origin lies in A, in metres, and how B is turned, in degrees")
+      ->expected(4)
+      ->type_name("X Y Z YAW");
+  place->add_option("--pairs", options.file, "Three spots or more, a line each: x y z in A, then x y z in B")
+      ->type_name("FILE");
   wait(add("merge", "Try to merge every session now, and wait for the outcome",
            [&](Commands& c) { return c.merge(options.wait_s); }),
        "Wait no longer than this; exit status 3 when work is still pending");
@@ -178,6 +188,15 @@ void add_session_commands(CLI::App& app, Options& options) {
   of_session(add_fate("delete", "Delete all that is stored of a session, for good", [&](Commands& c) {
     return c.remove_session(options.session, options.all_the_same);
   }))->add_flag("--yes", options.all_the_same, "Do it; without, only what hangs on it is said");
+  CLI::App* store = app.add_subcommand("store", "How much room there is for what robots send");
+  store->add_flag("--json", options.json, "Print JSON");
+  const auto add_store = adder(*store, options);
+  add_store("show", "How much is free, and which clouds would go for more", [](Commands& c) { return c.store(); });
+  CLI::App* let_go = add_store("let-go", "Delete clouds of rock that later sessions keep, the oldest first, for good",
+                               [&](Commands& c) { return c.let_go(options.mib, options.all_the_same); });
+  let_go->add_option("--mib", options.mib, "As many as free so much; default: all that may go")
+      ->check(CLI::Range(1, 1000000000));
+  let_go->add_flag("--yes", options.all_the_same, "Do it; without, only what would go is said");
   CLI::App* survey = app.add_subcommand("survey", "Where sessions lie in the mine's grid");
   survey->add_flag("--json", options.json, "Print JSON");
   const auto add_survey = adder(*survey, options);

@@ -20,6 +20,10 @@ std::string explanation_view(const nlohmann::json& explanation);
 
 std::string survey_view(const nlohmann::json& survey, std::size_t width);
 std::string surveys_view(const nlohmann::json& surveys, std::size_t width);
+/// How much room there is, and which clouds may go.
+std::string store_view(const nlohmann::json& store, std::size_t width);
+/// A line, and a table of the sessions that clouds go of; empty: none may go.
+std::string covered_view(const nlohmann::json& covered, std::size_t width);
 /// How far the surfaces lie apart, as bars.
 std::string overlay_view(const nlohmann::json& overlay);
 

@@ -13,7 +13,7 @@ namespace {
 /// A key of the file and the member that it sets, between low and high.
 struct Key {
   std::string_view section, name;
-  std::variant<int*, double*, RegistrationEngine*, OperatorTls*, std::string*> value;
+  std::variant<int*, double*, RegistrationEngine*, OperatorTls*, KeepClouds*, std::string*> value;
   double low = 0, high = 0;
 };
 
@@ -21,6 +21,9 @@ std::vector<Key> keys_of(ServerConfig& c) {
   return {
       {"server", "io_threads", &c.io_threads, 1, 64},
       {"store", "url", &c.store_url},
+      {"store", "keep", &c.keep},
+      {"store", "free_mib", &c.free_mib, 1, 1e9},
+      {"store", "clouds_mib", &c.clouds_mib, 0, 1e9},
       {"operator", "tls", &c.operators.tls},
       {"operator", "certificate", &c.operators.certificate},
       {"operator", "key", &c.operators.key},
@@ -96,6 +99,14 @@ Result<void> set_tls(OperatorTls& tls, const toml::node& node, const std::string
   return {};
 }
 
+Result<void> set_keep(KeepClouds& keep, const toml::node& node, const std::string& where) {
+  const auto name = node.value<std::string>().value_or("");
+  if (name != "all" && name != "newest")
+    return failure(ErrorCode::bad_input, where + ": keep must be \"all\" or \"newest\"");
+  keep = name == "all" ? KeepClouds::all : KeepClouds::newest;
+  return {};
+}
+
 Result<void> set_file(std::string& file, std::string_view name, const toml::node& node, const std::string& where) {
   file = node.value<std::string>().value_or("");
   if (!file.empty()) return {};
@@ -113,6 +124,7 @@ Result<void> set_url(std::string& url, const toml::node& node, const std::string
 Result<void> set(const Key& key, const toml::node& node, const std::string& where) {
   if (auto* const* engine = std::get_if<RegistrationEngine*>(&key.value)) return set_engine(**engine, node, where);
   if (auto* const* tls = std::get_if<OperatorTls*>(&key.value)) return set_tls(**tls, node, where);
+  if (auto* const* keep = std::get_if<KeepClouds*>(&key.value)) return set_keep(**keep, node, where);
   if (auto* const* text = std::get_if<std::string*>(&key.value))
     return key.name == "url" ? set_url(**text, node, where) : set_file(**text, key.name, node, where);
   const bool whole = std::holds_alternative<int*>(key.value);
@@ -166,6 +178,17 @@ Result<ServerConfig> parse_config(std::string_view text, const std::string& name
     return failure(ErrorCode::bad_input, name +
                                              ": database_mib in [limits] is of SQLite's file, and [store] url says "
                                              "that there is none: leave one of them away");
+  if (config.clouds_mib > 0 && config.store_url.empty())
+    return failure(ErrorCode::bad_input, name +
+                                             ": clouds_mib in [store] is of PostgreSQL; beside SQLite the disk, or "
+                                             "database_mib in [limits], says how much is free");
+  if (config.keep == KeepClouds::newest && !config.store_url.empty() && config.clouds_mib == 0)
+    return failure(ErrorCode::bad_input, name +
+                                             ": keep = \"newest\" in [store] has to know how much clouds may take in "
+                                             "PostgreSQL: give clouds_mib");
+  if (config.clouds_mib > 0 && config.clouds_mib <= config.free_mib)
+    return failure(ErrorCode::bad_input, name + ": of clouds_mib in [store], " + std::to_string(config.clouds_mib) +
+                                             ", free_mib, " + std::to_string(config.free_mib) + ", can not stay free");
   const OperatorConfig& operators = config.operators;
   if (operators.certificate.empty() && !operators.key.empty())
     return failure(ErrorCode::bad_input, name + ": [operator] has a key and no certificate: give both, or neither");

@@ -15,6 +15,9 @@ namespace headframe {
 /// certificate is given; always: HTTPS; never: plain HTTP, also where others can listen.
 enum class OperatorTls { beyond_loopback, always, never };
 
+/// What becomes of clouds when room is short. all: they stay; newest: the oldest go, of rock that later sessions keep.
+enum class KeepClouds { all, newest };
+
 /// [operator]
 struct OperatorConfig {
   OperatorTls tls = OperatorTls::beyond_loopback;
@@ -25,10 +28,13 @@ struct OperatorConfig {
 
 /// Everything a configuration file may set, with the defaults of a server without one.
 struct ServerConfig {
-  int io_threads = 2;         // [server]
-  std::string store_url;      // [store] url: postgresql://...; empty: SQLite in the data directory
-  int database_mib = 0;       // [limits]: of SQLite's file, reached like a full disk; 0: none
-  int write_queue_mib = 256;  // [limits]: of all robots together
+  int io_threads = 2;                 // [server]
+  std::string store_url;              // [store] url: postgresql://...; empty: SQLite in the data directory
+  KeepClouds keep = KeepClouds::all;  // [store], and the next two
+  int free_mib = 1024;                // that are to stay free while keep = "newest"
+  int clouds_mib = 0;                 // that clouds may take in PostgreSQL, whose disk nobody knows; 0: no limit
+  int database_mib = 0;               // [limits]: of SQLite's file, reached like a full disk; 0: none
+  int write_queue_mib = 256;          // [limits]: of all robots together
   OperatorConfig operators;
   RobotLimits limits;
   ScheduleConfig schedule;

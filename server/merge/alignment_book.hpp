@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "server/atlas/hand_placement.hpp"
 #include "server/atlas/merge_graph.hpp"
 #include "server/merge/attempt.hpp"
 #include "server/merge/session_map.hpp"
@@ -36,6 +37,11 @@ class AlignmentBook {
   /// The verdict on the best placement of a pair becomes its alignment. waits: however probable, a candidate for now.
   void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,
               AttemptReport& report);
+
+  /// The verdict on where the operator put it becomes the pair's alignment, a candidate at most, unless it does not
+  /// fit, or is improbable and something better is known.
+  HandPlacement place(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up,
+                      bool fits, AttemptReport& report);
 
   /// Tells what waited for path of other sessions, where that has come.
   void release_awaited(AttemptReport& report);

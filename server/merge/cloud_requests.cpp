@@ -65,6 +65,7 @@ NearbyKeyframes CloudRequests::nearby(SessionId id, SessionId other, const Pose&
     const CloudState state = clouds.state({id, k.sequence});
     if (state == CloudState::stored) out.stored.push_back({i, p});
     if (state == CloudState::obtainable) out.obtainable.push_back({i, p});
+    out.any_let_go |= state == CloudState::let_go;
   }
   return out;
 }

@@ -14,6 +14,7 @@ namespace headframe {
 struct NearbyKeyframes {
   std::vector<KeyframePosition> stored;      // whose clouds can speak
   std::vector<KeyframePosition> obtainable;  // whose clouds could
+  bool any_let_go = false;                   // some could speak, and made room for others
 };
 
 /// A hypothesis with the keyframes that can speak on it.

@@ -10,6 +10,7 @@ enum class CloudState {
   stored,        // load() will give it
   obtainable,    // its robot is connected and answers submap requests
   unobtainable,  // nobody can be asked now
+  let_go,        // it was here, and made room for others
 };
 
 /// Where the merge pipeline takes clouds from. Called from the thread that calls the pipeline.

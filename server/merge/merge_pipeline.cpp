@@ -129,6 +129,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   const Pose T_0 = by_ids(pair, published.T_a_b);
   const Case now = requests.make_case(pair.a, pair.b, {.T_a_b = T_0}, attempt.clouds);
   if (now.a.stored.empty() || now.b.stored.empty()) return true;
+  if (now.a.any_let_go || now.b.any_let_go) return true;  // what spoke for it is not here any more
   if (judged.judged_on(pair, {.clouds = {now.a.stored.size(), now.b.stored.size()}})) return true;
   const Stopwatch watch(attempt.report.times.verification_ms);
   Judgement again = verifier.judge_again(pair, now, attempt.clouds);

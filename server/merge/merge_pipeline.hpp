@@ -7,6 +7,7 @@
 
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/correction.hpp"
+#include "server/atlas/hand_placement.hpp"
 #include "server/merge/attempt.hpp"
 #include "server/merge/localization.hpp"
 #include "server/merge/merge_config.hpp"
@@ -66,6 +67,13 @@ class MergePipeline {
   /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
   /// what had been suppressed.
   Result<AttemptReport> decide(AlignmentId id, Decision decision);
+
+  /// The operator laid b on a roughly: registered, and judged beside what is proposed without him. Recorded as the
+  /// pair's alignment, a candidate at most until it is confirmed, unless it is improbable, or registration takes it
+  /// elsewhere. Fills the report, which is to be stored; on a failure too it may ask for clouds. not_found: no such
+  /// session; refused: the two are merged, or nobody has clouds where they would meet; unavailable: the clouds there
+  /// are still to come.
+  Result<HandPlacement> place(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds, AttemptReport& report);
 
   /// The session's frame becomes its component's, now and after later merges, until another of the component is chosen.
   /// not_found: no such session; refused: a frozen one keeps the frame. Nothing changes when it was chosen last

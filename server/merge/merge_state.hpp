@@ -34,6 +34,7 @@ struct MergePipeline::State {
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report);
+  std::vector<Verdict> judge_by_hand(const OrderedPair& pair, const Case& at, const Attempt& attempt);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);
   JudgedOn what_there_is(const OrderedPair& pair, const Found& found, const std::vector<Case>& cases) const;
   bool ended_since_judged(const Alignment& known) const;

@@ -18,7 +18,7 @@ struct NewSession {
 struct SessionNews {
   std::optional<NewSession> added;
   std::uint64_t durable_keyframes = 0;
-  std::set<std::uint64_t> clouds_came, clouds_gone;
+  std::set<std::uint64_t> clouds_came, clouds_gone, clouds_let_go;
   bool ended = false, asks = false;                                // its robot said goodbye, asked for a merge
   bool left = false;                                               // comes before `came`
   std::optional<bool> asks_where;                                  // whether its robot asks where it is

@@ -163,6 +163,10 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
     unprepared_.push_back({session, sequence});
     if (unprepared_.size() > most_unprepared) unprepared_.pop_front();
   }
+  for (const std::uint64_t sequence : news.clouds_let_go) {
+    known.stored.erase(sequence);
+    known.let_go.insert(sequence);
+  }
   for (const std::uint64_t sequence : news.clouds_gone) schedule_.cloud_will_not_come({session, sequence});
   if (news.left) {
     known.answers = false;
@@ -255,6 +259,20 @@ void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   if (!commit(std::move(write), report, &attempt)) return;  // the server stops
   request(schedule_.wait_for(attempt, report.wanted, Clock::now()));
   if (report.unfinished) schedule_.again(attempt);
+}
+
+Result<HandPlacement> MergeWorker::carry_out_placement(SessionId a, SessionId b, const Pose& T_a_b) {
+  AttemptReport report;
+  Result<HandPlacement> placed = failure(ErrorCode::internal, "judging the placement failed; the log says why");
+  (void)tried("placing by hand", [&] { placed = pipeline_->place(a, b, T_a_b, *this, report); });
+  no_work();
+  if (placed && !commit({}, report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
+  request(report.wanted);
+  if (placed)
+    spdlog::info("the operator laid session {} on {}: {}, probability {:.2f}; {}", b, a,
+                 to_string(placed->alignment.state), placed->alignment.evidence.probability,
+                 placed->recorded ? "kept as a candidate" : "not kept");
+  return placed;
 }
 
 void MergeWorker::update_view() {

@@ -53,6 +53,8 @@ class MergeWorker : public MergeNews, private CloudSource {
   void keyframes_durable(SessionId session, std::uint64_t sequence) override;
   void cloud_durable(const KeyframeRef& cloud) override;
   void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) override;
+  /// They were deleted so that others find room: nobody is asked for them again.
+  void clouds_let_go(SessionId session, const std::vector<std::uint64_t>& sequences);
   void robot_came(SessionId session, bool answers) override;
   void robot_left(SessionId session) override;
   void trigger(SessionId session, Trigger trigger) override;
@@ -61,6 +63,10 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// Queues the operator's decision; `done` runs once: on the worker's thread when it is durable and the robots were
   /// told, or with a failure. unavailable: too many wait already, or the server stops; and as MergePipeline::decide.
   void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done);
+
+  /// Judges a placement that the operator made roughly (MergePipeline::place). `done` as decide()'s; what it asks of
+  /// robots is asked also when it fails.
+  void place(SessionId a, SessionId b, const Pose& T_a_b, std::function<void(const Result<HandPlacement>&)> done);
 
   /// Makes the session's frame that of its component; `done` as decide()'s. not_found: no such session.
   void anchor(SessionId session, std::function<void(const Result<void>&)> done);
@@ -100,7 +106,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   struct Known {
     std::uint64_t keyframes = 0;
     Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
-    std::set<std::uint64_t> stored, without_cloud;
+    std::set<std::uint64_t> stored, without_cloud, let_go;
     bool answers = false;
     bool asks_where = false;
     bool more_to_try = false;  // its last attempt has not looked at all that it could lie on
@@ -127,6 +133,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   void give(Order order);
   Result<void> carry_out(AlignmentId alignment, Decision decision);
   Result<void> carry_out_anchor(SessionId session);
+  Result<HandPlacement> carry_out_placement(SessionId a, SessionId b, const Pose& T_a_b);
   Result<std::size_t> ask_for_clouds(SessionId session);
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);

@@ -24,6 +24,10 @@ class RealPipeline : public Pipeline {
   void restore_closures(const PairClosures& known) override { pipeline_.restore_closures(known); }
   Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return pipeline_.decide(id, decision); }
   Result<AttemptReport> anchor(SessionId id) override { return pipeline_.anchor(id); }
+  Result<HandPlacement> place(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds,
+                              AttemptReport& report) override {
+    return pipeline_.place(a, b, T_a_b, clouds, report);
+  }
   std::string why_cut(SessionId id) const override { return pipeline_.why_cut(id); }
   AttemptReport set_aside(SessionId id) override { return pipeline_.set_aside(id); }
   AttemptReport come_back(SessionId id) override { return pipeline_.come_back(id); }

@@ -22,6 +22,10 @@ class Pipeline {
   virtual void restore_closures(const PairClosures& /*known*/) {}
   virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;
   virtual Result<AttemptReport> anchor(SessionId id) = 0;
+  virtual Result<HandPlacement> place(SessionId /*a*/, SessionId /*b*/, const Pose& /*T_a_b*/, CloudSource& /*clouds*/,
+                                      AttemptReport& /*report*/) {
+    return HandPlacement();
+  }
   virtual std::string why_cut(SessionId /*id*/) const { return {}; }
   virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
   virtual AttemptReport come_back(SessionId /*id*/) { return {}; }

@@ -99,7 +99,10 @@ Result<void> MergeWorker::leave_out(SessionId session, PutMerge write) {
   const AttemptReport report = pipeline_->set_aside(session);
   schedule_.robot_left(session);  // no cloud of it is awaited any more
   Known& known = known_[session];
-  known = {0, Eigen::Vector3d::Zero(), {}, {}, known.answers, known.asks_where};
+  Known left;
+  left.answers = known.answers;
+  left.asks_where = known.asks_where;
+  known = std::move(left);
   take_question_aside(session, known.asks_where);
   if (troubles_[session].deleted) known_.erase(session);
   draft_.sessions[session].distance_m = 0;

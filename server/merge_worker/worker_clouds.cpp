@@ -10,6 +10,7 @@ CloudState MergeWorker::state(const KeyframeRef& keyframe) const {
   if (it == known_.end()) return CloudState::unobtainable;
   const Known& known = it->second;
   if (known.stored.contains(keyframe.sequence)) return CloudState::stored;
+  if (known.let_go.contains(keyframe.sequence)) return CloudState::let_go;
   const bool can_come =
       known.answers && !known.without_cloud.contains(keyframe.sequence) && !schedule_.in_vain(keyframe);
   return can_come ? CloudState::obtainable : CloudState::unobtainable;
@@ -29,7 +30,8 @@ Result<std::size_t> MergeWorker::ask_for_clouds(SessionId session) {
     return failure(ErrorCode::refused, "the session's robot is away, or was told never to send clouds");
   std::vector<std::uint64_t> missing;
   for (std::uint64_t sequence = 1; sequence <= known.keyframes; ++sequence)
-    if (!known.stored.contains(sequence) && !known.without_cloud.contains(sequence)) missing.push_back(sequence);
+    if (!known.stored.contains(sequence) && !known.without_cloud.contains(sequence) && !known.let_go.contains(sequence))
+      missing.push_back(sequence);
   if (!missing.empty()) robots_->request_submap(session, missing);
   return missing.size();
 }

@@ -37,6 +37,10 @@ void MergeWorker::clouds_unavailable(SessionId session, const std::vector<std::u
   });
 }
 
+void MergeWorker::clouds_let_go(SessionId session, const std::vector<std::uint64_t>& sequences) {
+  tell(session, [&](SessionNews& news) { news.clouds_let_go.insert(sequences.begin(), sequences.end()); });
+}
+
 void MergeWorker::robot_came(SessionId session, bool answers) {
   tell(session, [&](SessionNews& news) { news.came = answers; });
 }
@@ -77,6 +81,13 @@ void MergeWorker::give(Order order) {
 void MergeWorker::decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done) {
   give([this, alignment, decision, done = std::move(done)](const Result<void>& admitted) {
     done(admitted ? carry_out(alignment, decision) : admitted);
+  });
+}
+
+void MergeWorker::place(SessionId a, SessionId b, const Pose& T_a_b,
+                        std::function<void(const Result<HandPlacement>&)> done) {
+  give([this, a, b, T_a_b, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? carry_out_placement(a, b, T_a_b) : tl::unexpected(admitted.error()));
   });
 }
 

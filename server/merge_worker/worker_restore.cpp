@@ -78,6 +78,8 @@ void MergeWorker::bring_in(const SessionRecord& session) {
       known_[session.id].stored = {clouds->begin(), clouds->end()};
     else
       spdlog::error("clouds of session {} can not be read: {}", session.id, clouds.error().message);
+    if (const auto gone = read_patiently([&] { return store_.let_go(session.id); }); gone)
+      known_[session.id].let_go = {gone->begin(), gone->end()};
     no_work();
   } catch (const std::exception& e) {
     spdlog::error("session {} can not be brought back: {}", session.id, e.what());

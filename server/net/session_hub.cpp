@@ -40,12 +40,16 @@ Result<void> SessionHub::restore() {
   for (const SessionRecord& record : *sessions) {
     auto clouds = store_.cloud_sequences(record.id);
     if (!clouds) return tl::unexpected(clouds.error());
+    const auto gone = store_.let_go(record.id);
+    if (!gone) return tl::unexpected(gone.error());
     auto keyframes = store_.last_keyframe(record.id);
     if (!keyframes) return tl::unexpected(keyframes.error());
     Session& session = sessions_[record.id];
     session.record = record;
     session.keyframes = *keyframes;
     session.clouds = {clouds->begin(), clouds->end()};
+    session.let_go = {gone->begin(), gone->end()};
+    session.clouds.insert(gone->begin(), gone->end());
     ids_[record.key] = record.id;
   }
   for (const TroubleRecord& trouble : *troubles) sessions_[trouble.session].deleted = trouble.deleted;
@@ -217,7 +221,9 @@ std::vector<SessionRow> SessionHub::sessions() const {
   for (const auto& [id, s] : sessions_) {
     if (s.deleted) continue;
     auto& row = rows.emplace_back(SessionRow{id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(),
-                                             s.record.complete, s.keyframes, s.clouds.size(), s.bytes_received});
+                                             s.record.complete, s.keyframes, s.clouds.size() - s.let_go.size(),
+                                             s.bytes_received});
+    row.let_go = s.let_go.size();
     row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;
     row.bytes_per_s = s.rate.at(now);

@@ -100,6 +100,9 @@ class SessionHub : public Robots {
   /// What this robot may send at most, in bytes per second; 0: no limit of its own. Told within a tick.
   void set_rate(const std::string& robot, std::uint64_t bytes_per_s);
 
+  /// Clouds that were deleted so that others find room; its robot keeps on counting them as sent.
+  void let_go(SessionId session, const std::vector<std::uint64_t>& sequences);
+
   /// distance_m and trigger_to_transform_ms are not the hub's to fill.
   std::vector<SessionRow> sessions() const;
   std::map<SessionId, SessionKey> keys() const;
@@ -117,7 +120,7 @@ class SessionHub : public Robots {
   struct Session {
     SessionRecord record;
     std::uint64_t keyframes = 0;  // durable
-    std::set<std::uint64_t> clouds;
+    std::set<std::uint64_t> clouds, let_go;  // that came; of them those that made room for others
     std::uint64_t bytes_received = 0, cloud_bytes = 0;
     std::uint64_t refused_clouds = 0;
     std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last

@@ -174,11 +174,20 @@ void SessionHub::forget(SessionId id) {
     session.deleted = true;
     session.keyframes = 0;
     session.clouds.clear();
+    session.let_go.clear();
     ended.push_back(session.link.lock());
     for (const auto& spare : session.spares) ended.push_back(spare.lock());
   }
   for (const auto& link : ended)
     if (link) link->close(v1::ERROR_KIND_REFUSED, "the session was deleted by the operator", true);
+}
+
+void SessionHub::let_go(SessionId id, const std::vector<std::uint64_t>& sequences) {
+  const std::lock_guard lock(mutex_);
+  Session& session = sessions_.at(id);
+  if (session.deleted) return;
+  session.clouds.insert(sequences.begin(), sequences.end());
+  session.let_go.insert(sequences.begin(), sequences.end());
 }
 
 void SessionHub::end_robot(const std::string& robot, const std::string& why) {

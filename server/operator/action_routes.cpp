@@ -10,7 +10,7 @@ Result<Reply> decide(const Query& query, const Context& context) {
   if (!id) return tl::unexpected(id.error());
   const std::string& name = query.at("decision");
   const auto decision = decision_from(name);
-  if (!decision)
+  if (!decision || *decision == Decision::place)
     return failure(ErrorCode::not_found,
                    "\"" + name + "\" is no decision; there are confirm, refuse, retract and undo");
   return Later{[&station = context.station, id = *id, decision = *decision](auto answer) {

@@ -22,6 +22,19 @@ bool together(const Atlas& atlas, SessionId a, SessionId b) {
   });
 }
 
+/// a.id < b.id; known: null: nothing has been tried.
+std::string explained_json(const Station& station, const AtlasView& view, const SessionRow& a, const SessionRow& b,
+                           const AlignmentRow* known) {
+  const auto sessions = station.sessions();
+  const auto name = [&](SessionId id) {
+    const auto named = std::find_if(sessions.begin(), sessions.end(), [&](const auto& s) { return s.id == id; });
+    return named == sessions.end() ? "session " + std::to_string(id) : full_name(*named);
+  };
+  const Explanation explanation = explain(explained(a), explained(b), known ? &known->alignment : nullptr,
+                                          together(view.atlas, a.id, b.id), station.merge_config(), name);
+  return explanation_json(a, b, known, explanation, view.atlas);
+}
+
 }  // namespace
 
 Result<SessionRow> find_session(const std::vector<SessionRow>& sessions, const std::string& name) {
@@ -51,14 +64,14 @@ Result<std::string> explain_request(const Station& station, const std::string& a
   const auto row = std::find_if(view.alignments.begin(), view.alignments.end(), [&](const AlignmentRow& r) {
     return r.alignment.a == first->id && r.alignment.b == second->id;
   });
-  const AlignmentRow* known = row == view.alignments.end() ? nullptr : &*row;
-  const auto name = [&](SessionId id) {
-    const auto named = std::find_if(sessions.begin(), sessions.end(), [&](const auto& s) { return s.id == id; });
-    return named == sessions.end() ? "session " + std::to_string(id) : full_name(*named);
-  };
-  const Explanation explanation = explain(explained(*first), explained(*second), known ? &known->alignment : nullptr,
-                                          together(view.atlas, first->id, second->id), station.merge_config(), name);
-  return explanation_json(*first, *second, known, explanation, view.atlas);
+  return explained_json(station, view, *first, *second, row == view.alignments.end() ? nullptr : &*row);
+}
+
+std::string explain_placement(const Station& station, const SessionRow& a, const SessionRow& b,
+                              const Alignment& placement) {
+  const auto& [first, second] = std::minmax(a, b, [](const SessionRow& s, const SessionRow& t) { return s.id < t.id; });
+  const AlignmentRow row{placement, first.key, second.key};
+  return explained_json(station, station.atlas(), first, second, &row);
 }
 
 }  // namespace headframe

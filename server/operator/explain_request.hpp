@@ -13,4 +13,8 @@ Result<SessionRow> find_session(const std::vector<SessionRow>& sessions, const s
 /// names do not name two sessions.
 Result<std::string> explain_request(const Station& station, const std::string& a, const std::string& b);
 
+/// The same of a placement of the two, as it was judged.
+std::string explain_placement(const Station& station, const SessionRow& a, const SessionRow& b,
+                              const Alignment& placement);
+
 }  // namespace headframe

@@ -25,6 +25,11 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
     if (row.complete && !old.complete)
       lines.push_back(
           {"finished", full_name(row.key) + " finished: " + counted(row.keyframes, "keyframe") + ".", row.id});
+    if (row.let_go > old.let_go && known != was.end())
+      lines.push_back({"let_go",
+                       counted(row.let_go - old.let_go, "cloud") + " of " + full_name(row.key) +
+                           " made room: later sessions keep that rock.",
+                       row.id});
     if (row.connected != old.connected)
       lines.push_back({row.connected ? "connected" : "left",
                        full_name(row.key) + (row.connected ? " connected." : " left."), row.id});
@@ -137,6 +142,8 @@ std::optional<LogEntry> operator_line(std::string_view method, std::string_view 
   if (path.ends_with("/thaw")) of("id", "thawed ");
   if (path.ends_with("/sessions/{id}/note")) of("id", "wrote a note on ");
   if (method == "DELETE" && path.ends_with("/sessions/{id}")) of("id", "deleted ");
+  if (path.ends_with("/place")) entry.text = actor + " laid " + given("b") + " on " + given("a") + " by hand.";
+  if (path.ends_with("/store/let-go")) entry.text = actor + " let covered clouds go.";
   if (path.ends_with("/survey")) of("session", method == "DELETE" ? "took away the survey of " : "surveyed ");
   if (path.ends_with("/robots/add")) entry.text = actor + " invited " + given("robot") + ".";
   if (path.ends_with("/robots/rate"))

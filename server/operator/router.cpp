@@ -32,6 +32,7 @@ constexpr std::array all_routes =
                           {"GET", "/api/v1/changes", {"since"}, changes},
                           {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                           {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},
+                          {"POST", "/api/v1/place", {"a", "b"}, place},
                           {"GET", "/api/v1/events", {}, events},
                           {"GET", "/api/v1/log", {"most"}, log},
                           {"GET", "/api/v1/backup", {}, backup},
@@ -51,6 +52,8 @@ constexpr std::array all_routes =
                           {"POST", "/api/v1/sessions/{id}/note", {"text"}, note_session},
                           {"GET", "/api/v1/sessions/{id}/dependents", {}, dependents},
                           {"DELETE", "/api/v1/sessions/{id}", {}, remove_session},
+                          {"GET", "/api/v1/store", {}, store},
+                          {"POST", "/api/v1/store/let-go", {"bytes"}, let_go},
                           {"GET", "/api/v1/survey", {}, surveys},
                           {"POST", "/api/v1/survey", {"session", "accept"}, set_survey},
                           {"DELETE", "/api/v1/survey", {"session"}, drop_survey},
@@ -159,7 +162,8 @@ Result<Reply> routed(const Request& request, const Context& context) {
 /// fewest.
 Role role_for(std::string_view method, std::string_view path) {
   const bool of_people = path.starts_with("/api/v1/robots/") || path.starts_with("/api/v1/operators");
-  if (of_people || path == "/api/v1/backup" || (method == "DELETE" && path == "/api/v1/sessions/{id}"))
+  if (of_people || path == "/api/v1/backup" || path == "/api/v1/store/let-go" ||
+      (method == "DELETE" && path == "/api/v1/sessions/{id}"))
     return Role::administer;
   return method == "GET" ? Role::view : Role::operate;
 }

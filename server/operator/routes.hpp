@@ -77,6 +77,13 @@ Result<Reply> thaw(const Query&, const Context&);
 Result<Reply> note_session(const Query&, const Context&);
 Result<Reply> dependents(const Query&, const Context&);
 
+// place_routes.cpp
+Result<Reply> place(const Query&, const Context&);
+
+// store_routes.cpp
+Result<Reply> store(const Query&, const Context&);
+Result<Reply> let_go(const Query&, const Context&);
+
 // survey_routes.cpp
 Result<Reply> surveys(const Query&, const Context&);
 Result<Reply> set_survey(const Query&, const Context&);

@@ -17,7 +17,8 @@ enum class ProposalSource {
   walls,           // long overlaps of the wall maps, weighed by the descriptors along the path
   coherent_walls,  // overlaps of the wall maps with hardly a contradiction, however short
   places,          // FRAME's rule: one pair of keyframes whose descriptors match, checked against the walls around it
-  votes            // the transforms that bring most keyframes together whose descriptors match
+  votes,           // the transforms that bring most keyframes together whose descriptors match
+  hand,            // the operator laid the two on each other, roughly
 };
 
 /// A placement, and the part of b that bears it best.

@@ -31,6 +31,7 @@ struct SessionRow {
   bool archived = false;                // kept, and left out of everything
   bool frozen = false;                  // reference: nothing moves it
   std::string note = {};                // what the operator wants to be remembered of it; empty: nothing
+  std::uint64_t let_go = 0;             // clouds that were stored and made room for others
 };
 
 /// What has still to be done before the atlas is settled; all zero when it is.

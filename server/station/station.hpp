@@ -13,10 +13,12 @@
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/correction.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/atlas/hand_placement.hpp"
 #include "server/atlas/survey.hpp"
 #include "server/merge/merge_config.hpp"
 #include "server/net/link_health.hpp"
 #include "server/session/session_row.hpp"
+#include "server/station/cloud_keeping.hpp"
 #include "server/support/stage_times.hpp"
 
 namespace headframe {
@@ -48,7 +50,8 @@ struct Workload {
   std::string merge_stuck = {};  // why merging counts as stuck; empty: it does not
 };
 
-/// All calls are thread safe and quick, but trajectory() and cloud(), which read from disk: not from an I/O thread.
+/// All calls are thread safe and quick, but trajectory(), cloud(), free_bytes() and covered_clouds(), which read from
+/// disk: not from an I/O thread.
 class Station {
  public:
   virtual ~Station() = default;
@@ -66,6 +69,9 @@ class Station {
   /// The operator's decision. Calls back once, from any thread, when it is durable and the robots were told, or with
   /// why not: not_found, refused, unavailable.
   virtual void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) = 0;
+  /// b lies so on a, roughly: registered and judged. Calls back as decide(), with what came of it.
+  virtual void place(SessionId a, SessionId b, const Pose& T_a_b,
+                     std::function<void(const Result<HandPlacement>&)> callback) = 0;
   /// The operator's name for a session. Calls back once, from any thread, when it is durable, or with why not:
   /// not_found, invalid_argument, unavailable.
   virtual void rename(SessionId session, const std::string& label,
@@ -97,6 +103,13 @@ class Station {
   /// The stored cloud, in the keyframe's sensor frame; not_found when there is none, or none that can be read: what is
   /// damaged on the disk costs itself and not the map around it, and is logged and counted (Workload).
   virtual Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const = 0;
+  /// As Store::free_bytes().
+  virtual Result<std::optional<std::uint64_t>> free_bytes() const = 0;
+  /// Which clouds may go so that others find room, the oldest session first. Reads all keyframes that lie in a map.
+  virtual Result<std::vector<CoveredClouds>> covered_clouds() const = 0;
+  virtual KeepPolicy keep_policy() const = 0;
+  /// Deletes these clouds, for good. Calls back as rename(); what went before a failure is gone.
+  virtual void let_go(std::vector<CoveredClouds> clouds, std::function<void(const Result<void>&)> callback) = 0;
   /// As Store::backup(): blocks while the database is copied.
   virtual Result<std::filesystem::path> backup() = 0;
 };

@@ -160,6 +160,20 @@ void StationView::drop_survey(SessionId session, std::function<void(const Result
   notes_.drop_survey(session, std::move(callback));
 }
 
+Result<std::vector<CoveredClouds>> StationView::covered_clouds() const {
+  const auto view = worker_.view();
+  return headframe::covered_clouds(store_, {sessions(), view->atlas, view->corrections, view->alignments});
+}
+
+void StationView::let_go(std::vector<CoveredClouds> clouds, std::function<void(const Result<void>&)> callback) {
+  headframe::let_go(store_, clouds,
+                    {[this](SessionId session, const std::vector<std::uint64_t>& sequences) {
+                       worker_.clouds_let_go(session, sequences);
+                       hub_.let_go(session, sequences);
+                     },
+                     std::move(callback)});
+}
+
 Result<std::vector<Keyframe>> StationView::trajectory(SessionId session) const {
   std::vector<Keyframe> keyframes;
   const auto read = store_.each_keyframe(session, 1, [&](const Keyframe& keyframe) {

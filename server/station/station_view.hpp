@@ -15,8 +15,8 @@ namespace headframe {
 class StationView : public Station {
  public:
   StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store, StationNotes& notes,
-              const MergeConfig& config)
-      : io_(io), hub_(hub), worker_(worker), store_(store), notes_(notes), config_(config) {}
+              const MergeConfig& config, const KeepPolicy& keep = {})
+      : io_(io), hub_(hub), worker_(worker), store_(store), notes_(notes), config_(config), keep_(keep) {}
 
   std::vector<SessionRow> sessions() const override;
   AtlasView atlas() const override;
@@ -27,6 +27,10 @@ class StationView : public Station {
   void when_idle(double timeout_s, std::function<void(Pending)> callback) override;
   void merge_all() override;
   void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> callback) override;
+  void place(SessionId a, SessionId b, const Pose& T_a_b,
+             std::function<void(const Result<HandPlacement>&)> callback) override {
+    worker_.place(a, b, T_a_b, std::move(callback));
+  }
   void rename(SessionId session, const std::string& label, std::function<void(const Result<void>&)> callback) override;
   void anchor(SessionId session, std::function<void(const Result<void>&)> callback) override;
   void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> callback) override;
@@ -41,6 +45,10 @@ class StationView : public Station {
   void drop_survey(SessionId session, std::function<void(const Result<void>&)> callback) override;
   Result<std::vector<Keyframe>> trajectory(SessionId session) const override;
   Result<KeyframeCloud> cloud(SessionId session, std::uint64_t sequence) const override;
+  Result<std::optional<std::uint64_t>> free_bytes() const override { return store_.free_bytes(); }
+  Result<std::vector<CoveredClouds>> covered_clouds() const override;
+  KeepPolicy keep_policy() const override { return keep_; }
+  void let_go(std::vector<CoveredClouds> clouds, std::function<void(const Result<void>&)> callback) override;
   Result<std::filesystem::path> backup() override { return store_.backup(); }
 
  private:
@@ -52,6 +60,7 @@ class StationView : public Station {
   Store& store_;
   StationNotes& notes_;
   const MergeConfig config_;
+  const KeepPolicy keep_;
   mutable std::mutex mutex_;
   mutable std::set<KeyframeRef> damaged_clouds_;
 };

@@ -103,6 +103,17 @@ class FakeStation : public Station {
       callback(failure(ErrorCode::not_found, "there is no such alignment"));
     });
   }
+  /// Session 3 lies nowhere; all others fit where they were put, half a metre on.
+  void place(SessionId a, SessionId b, const Pose& T_a_b,
+             std::function<void(const Result<HandPlacement>&)> callback) override {
+    if (a == 3 || b == 3) return callback(failure(ErrorCode::refused, "nobody has clouds where the two would meet"));
+    HandPlacement placed{view.alignments.front().alignment, true, 0.5, 0.1};
+    placed.alignment.state = placed.alignment.verdict = AlignmentState::candidate;
+    placed.alignment.ruling = Ruling::placed;
+    placed.alignment.T_a_b = a < b ? T_a_b : T_a_b.inverse();
+    placed.alignment.evidence.inlier_fraction = 0.9;
+    callback(placed);
+  }
   void rename(SessionId session, const std::string& label, std::function<void(const Result<void>&)> callback) override {
     change([&] { rows.at(static_cast<std::size_t>(session) - 1).label = label; });
     callback({});
@@ -143,6 +154,26 @@ class FakeStation : public Station {
   }
   void remove(SessionId session, std::function<void(const Result<void>&)> callback) override {
     change([&] { std::erase_if(rows, [&](const SessionRow& row) { return row.id == session; }); });
+    callback({});
+  }
+  Result<std::optional<std::uint64_t>> free_bytes() const override {
+    const std::lock_guard lock(mutex_);
+    return free;
+  }
+  Result<std::vector<CoveredClouds>> covered_clouds() const override {
+    const std::lock_guard lock(mutex_);
+    return covered;
+  }
+  KeepPolicy keep_policy() const override { return keep; }
+  void let_go(std::vector<CoveredClouds> clouds, std::function<void(const Result<void>&)> callback) override {
+    change([&] {
+      for (const CoveredClouds& of : clouds) {
+        SessionRow& row = rows.at(static_cast<std::size_t>(of.session) - 1);
+        row.clouds -= of.clouds.size();
+        row.let_go += of.clouds.size();
+        std::erase_if(covered, [&](const CoveredClouds& other) { return other.session == of.session; });
+      }
+    });
     callback({});
   }
   std::vector<Survey> surveys() const override {
@@ -205,6 +236,9 @@ class FakeStation : public Station {
   std::vector<SessionRow> rows;
   AtlasView view;
   Workload work;
+  std::optional<std::uint64_t> free = 1'000'000;
+  std::vector<CoveredClouds> covered{{1, {{2, 600}, {3, 400}}, 1000, 2}, {2, {{1, 500}}, 500, 2}};
+  KeepPolicy keep;
   int points = 10;
   double first_stamp_s = 0;
   std::uint64_t withheld = 0;  // the keyframe whose cloud has not come

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
+#include <fstream>
 
 #include "tests/support/base_station.hpp"
 #include "tests/support/drawn_session.hpp"
@@ -109,6 +111,34 @@ TEST_F(Tending, AKillInTheMiddleOfADeleteLeavesAllOfItOrNothing) {
   EXPECT_FALSE(b_is_placed());
   EXPECT_EQ(components(), 1U) << "a stays";
   EXPECT_EQ(run({"trajectory", "b", (scratch.path() / "b.txt").string()}), 1);
+}
+
+TEST_F(Tending, AKillWhileCloudsAreLetGoLosesNoKeyframeAndNoMerge) {
+  write_session(scratch.path() / "c", drive_a_to_c(5));
+  auto process = station->replay("c", scratch.path() / "c");
+  ASSERT_TRUE(process && process->wait(120s)->status == 0);
+  ASSERT_EQ(components(), 1U);
+  const auto store = [&] { return Json::parse(station->command({"store", "show", "--json"})->output); };
+  const auto poses = [&](const std::string& file) {
+    EXPECT_EQ(run({"trajectory", "a", (scratch.path() / file).string()}), 0);
+    std::ifstream in(scratch.path() / file);
+    return std::count(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>(), '\n');
+  };
+  const auto before = poses("before.txt");
+  const std::uint64_t may_go = store().at("may_go").at("clouds");
+  ASSERT_GT(may_go, 20U) << "session c has driven where a did";
+  EXPECT_EQ(run({"store", "let-go"}), 1) << "it asks";
+  for (int after_ms = 2; store().at("may_go").at("clouds") > 0; after_ms += 2) {
+    const std::uint64_t gone = store().at("let_go"), left = store().at("may_go").at("clouds");
+    EXPECT_EQ(gone + left, may_go) << after_ms;
+    ASSERT_LT(after_ms, 2000);
+    kill_in_the_middle_of({"store", "let-go", "--mib", "1", "--yes"}, std::chrono::milliseconds(after_ms));
+  }
+  EXPECT_EQ(store().at("let_go"), may_go);
+  EXPECT_EQ(poses("after.txt"), before);
+  EXPECT_EQ(run({"merge"}), 0) << "every session is tried again";
+  EXPECT_EQ(components(), 1U);
+  EXPECT_TRUE(b_is_placed());
 }
 
 TEST_F(Tending, WhatIsFrozenHoldsTheMapAcrossAKill) {

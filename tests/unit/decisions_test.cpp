@@ -130,6 +130,30 @@ TEST(Decisions, AConfirmationDoesNotReachPlacementsThatCameAfterItsRetraction) {
   EXPECT_TRUE(book.confirmed_at(k.id)->isApprox(T_confirmed));
 }
 
+TEST(Decisions, WhatWasPlacedByHandWaitsForAConfirmationWhateverWasSaidOfItBefore) {
+  DecisionBook book;
+  Alignment k = alignment();
+  ASSERT_TRUE(decide(book, k, Decision::refuse));
+  EXPECT_EQ(book.place(k).decision, Decision::place);
+  k.ruling = book.ruling(k);
+  EXPECT_EQ(k.ruling, Ruling::placed);
+  EXPECT_EQ(decided_state(k), AlignmentState::candidate);
+  EXPECT_EQ(book.proposal(k.id, k.T_a_b, 5000), Proposal::open);
+  EXPECT_EQ(book.ruling([&] {
+    Alignment far = k;
+    far.T_a_b = moved(k.T_a_b, 2.1, 0);
+    return far;
+  }()),
+            Ruling::none);
+  EXPECT_FALSE(book.decide(k, Decision::place)) << "not by its number";
+  ASSERT_TRUE(decide(book, k, Decision::confirm));
+  EXPECT_EQ(k.state, AlignmentState::published);
+  ASSERT_TRUE(decide(book, k, Decision::undo));
+  EXPECT_EQ(k.ruling, Ruling::placed);
+  ASSERT_TRUE(decide(book, k, Decision::undo));
+  EXPECT_EQ(k.ruling, Ruling::refused);
+}
+
 TEST(Decisions, SurviveBeingStored) {
   DecisionBook book;
   Alignment k = alignment();
@@ -145,7 +169,7 @@ TEST(Decisions, SurviveBeingStored) {
 }
 
 TEST(Decisions, NamesGoBothWays) {
-  for (const auto d : {Decision::confirm, Decision::refuse, Decision::retract, Decision::undo})
+  for (const auto d : {Decision::confirm, Decision::refuse, Decision::retract, Decision::undo, Decision::place})
     EXPECT_EQ(decision_from(to_string(d)), d);
   EXPECT_FALSE(decision_from("maybe"));
 }

@@ -102,6 +102,20 @@ TEST(LogLines, RobotsComeEndAndGo) {
             (Texts{"beta/run/1 finished: 3 keyframes.", "beta/run/1 left.", "gamma \"3\"/run/1 connected."}));
 }
 
+TEST(LogLines, CloudsThatMadeRoomAreWrittenDownWhoeverLetThemGo) {
+  FakeStation station;
+  StationLook before = look_at(station);
+  station.rows[1].let_go = 2;
+  const auto lines = log_lines(before, look_at(station));
+  EXPECT_EQ(texts(lines), Texts{"2 clouds of beta/run/1 made room: later sessions keep that rock."});
+  EXPECT_EQ(lines.at(0).session, 2);
+  EXPECT_EQ(operator_line("POST", "/api/v1/store/let-go", {}, station, "anna")->text, "anna let covered clouds go.");
+  before = look_at(station);
+  EXPECT_TRUE(log_lines(before, look_at(station)).empty());
+  before.sessions.erase(before.sessions.begin() + 1);
+  EXPECT_TRUE(texts(log_lines(before, look_at(station))) == Texts{"beta/run/1 connected."}) << "it came with them";
+}
+
 TEST(LogLines, EveryRequestThatChangesSomethingHasALineAndNoOther) {
   const FakeStation station;
   std::size_t without = 0;

@@ -74,6 +74,22 @@ TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
             std::string::npos);
 }
 
+TEST(ServerConfig, WhatIsKeptWhenRoomIsShort) {
+  EXPECT_EQ(parse_config("", "hf.toml")->keep, KeepClouds::all);
+  const auto newest = parse_config("[store]\nkeep = 'newest'\nfree_mib = 500", "hf.toml");
+  ASSERT_TRUE(newest) << newest.error().message;
+  EXPECT_EQ(newest->keep, KeepClouds::newest);
+  EXPECT_EQ(newest->free_mib, 500);
+  for (const std::string bad : {"'oldest'", "1", "''"})
+    EXPECT_EQ(error_of("[store]\nkeep = " + bad), "hf.toml:2: keep must be \"all\" or \"newest\"");
+  EXPECT_NE(error_of("[store]\nfree_mib = 0").find("from 1 to"), std::string::npos);
+  EXPECT_NE(error_of("[store]\nclouds_mib = 5000").find("is of PostgreSQL"), std::string::npos);
+  const std::string postgres = "[store]\nurl = 'postgresql://db/mine'\nkeep = 'newest'\n";
+  EXPECT_NE(error_of(postgres).find("give clouds_mib"), std::string::npos);
+  EXPECT_NE(error_of(postgres + "clouds_mib = 1024").find("can not stay free"), std::string::npos);
+  EXPECT_TRUE(parse_config(postgres + "clouds_mib = 1025", "hf.toml"));
+}
+
 TEST(ServerConfig, BrokenTomlSaysWhere) {
   EXPECT_EQ(error_of("[merge]\nthreads = = 2\n").rfind("hf.toml:2: ", 0), 0U);
   const auto missing = load_config("/nowhere/hf.toml");

@@ -15,7 +15,7 @@ export function awaitedOf({ state, decision, evidence }: Pair): number {
 }
 
 /** The server can not tell alone: unsure, contradicted, or withdrawn after it had been merged. */
-export const wantsLook = (pair: Pair) => pair.decision === 'none' && ['candidate', 'verified', 'retracted'].includes(pair.state) && awaitedOf(pair) === 0;
+export const wantsLook = (pair: Pair) => ['none', 'placed'].includes(pair.decision) && ['candidate', 'verified', 'retracted'].includes(pair.state) && awaitedOf(pair) === 0;
 
 /** What the figure beside a verdict says: of a pair that others contradict, or that an operator refused, its own evidence alone. */
 export function sureness({ state, decision, evidence }: Pair): string {

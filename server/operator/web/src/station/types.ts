@@ -28,7 +28,7 @@ export interface Session extends SessionName {
 }
 
 export type State = 'candidate' | 'provisional' | 'verified' | 'published' | 'retracted' | 'rejected';
-export type Ruling = 'none' | 'confirmed' | 'refused' | 'retracted';
+export type Ruling = 'none' | 'confirmed' | 'refused' | 'retracted' | 'placed';
 
 export interface Alignment {
   id: number;

@@ -66,7 +66,7 @@ export function lookOf(pair: Pick<Alignment, 'state' | 'decision' | 'evidence'>)
   const { state, decision } = pair;
   const awaited_m = awaitedOf(pair);
   if (awaited_m > 0) return { ...verdicts.provisional, word: `waits for ${awaited_m} m of path` };
-  if (state === 'published' || decision === 'none' || decision === 'confirmed') return verdicts[state];
+  if (state === 'published' || ['none', 'confirmed', 'placed'].includes(decision)) return verdicts[state];
   return { ...verdicts[decision === 'refused' ? 'rejected' : 'retracted'], word: decision === 'refused' ? 'refused' : 'taken apart' };
 }
 
