@@ -1,5 +1,6 @@
 #include "server/operator/overview.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -32,6 +33,7 @@ Result<void> drain(BodySource& body, std::string& out) {
 Result<std::optional<std::string>> Overview::next() {
   if (!look_) {
     look_ = look_at(station_);
+    choose_sessions();
     std::string out;
     append_part(out, snapshot_event(*look_));
     return out;
@@ -40,12 +42,24 @@ Result<std::optional<std::string>> Overview::next() {
   return session(look_->sessions[at_++].id).map([](std::string parts) { return std::optional(std::move(parts)); });
 }
 
+void Overview::choose_sessions() {
+  std::vector<const SessionRow*> rows;
+  for (const SessionRow& row : look_->sessions) rows.push_back(&row);
+  std::sort(rows.begin(), rows.end(), [](const SessionRow* s, const SessionRow* t) {
+    return std::pair(s->connected, s->id) > std::pair(t->connected, t->id);
+  });
+  if (rows.size() > most_sessions_) rows.resize(most_sessions_);
+  for (const SessionRow* row : rows) with_points_.insert(row->id);
+}
+
 Result<std::string> Overview::session(SessionId id) const {
   std::string out, path, points;
   PathJson path_body(station_, id, 1);
-  PointStream points_body(tiles_.tile(id, level_), 0, most_points_);
   if (auto read = drain(path_body, path); !read) return tl::unexpected(read.error());
-  if (auto read = drain(points_body, points); !read) return tl::unexpected(read.error());
+  if (with_points_.contains(id)) {
+    PointStream points_body(tiles_.tile(id, level_), 0, most_points_);
+    if (auto read = drain(points_body, points); !read) return tl::unexpected(read.error());
+  }
   append_part(out, path);
   append_part(out, points);
   return out;

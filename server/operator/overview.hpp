@@ -1,5 +1,6 @@
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "server/operator/body_source.hpp"
@@ -12,19 +13,23 @@ namespace headframe {
 /// event comes first; then of each session in its order the keyframes as PathJson, and the first points as PointStream.
 class Overview : public BodySource {
  public:
-  /// most_points: of each session.
-  Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points)
-      : station_(station), tiles_(tiles), level_(level), most_points_(most_points) {}
+  /// most_points: of each of so many sessions, those that are connected and the newest; of the others there are none:
+  /// to read clouds of a thousand takes minutes.
+  Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points,
+           std::size_t most_sessions = 100)
+      : station_(station), tiles_(tiles), level_(level), most_points_(most_points), most_sessions_(most_sessions) {}
 
   /// One session for each call.
   Result<std::optional<std::string>> next() override;
 
  private:
+  void choose_sessions();
   Result<std::string> session(SessionId id) const;
 
   const Station& station_;
   PointTiles& tiles_;
-  const std::size_t level_, most_points_;
+  const std::size_t level_, most_points_, most_sessions_;
+  std::set<SessionId> with_points_;
   std::optional<StationLook> look_;  // when the answer began
   std::size_t at_ = 0;
 };

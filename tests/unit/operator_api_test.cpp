@@ -1,6 +1,7 @@
 // What the operator API answers.
 #include <cstring>
 
+#include "server/operator/overview.hpp"
 #include "tests/support/operator_api_fixture.hpp"
 
 namespace headframe {
@@ -64,6 +65,35 @@ TEST_F(OperatorApiTest, TheOverviewIsTheSnapshotThenPathAndPointsOfEverySession)
   expect_error(get("/api/v1/overview?level=5"), 400, "invalid_argument", "from 0 to 4");
   server.station.broken_trajectory = true;
   EXPECT_FALSE(client.get("/api/v1/overview")) << "a body that ends before its end";
+}
+
+/// The lengths of the points of each session.
+std::vector<std::uint32_t> points_of_overview(const Station& station, std::size_t most_sessions) {
+  PointTiles tiles(station);
+  Overview overview(station, tiles, 4, 1000, most_sessions);
+  std::string body;
+  while (const auto piece = overview.next().value()) body += *piece;
+  std::vector<std::uint32_t> lengths;
+  for (std::size_t at = 0; at + 4 <= body.size(); at += 4 + lengths.back()) {
+    lengths.push_back(0);
+    std::memcpy(&lengths.back(), body.data() + at, sizeof(std::uint32_t));
+  }
+  std::vector<std::uint32_t> points;  // after the snapshot, and each path
+  for (std::size_t i = 2; i < lengths.size(); i += 2) points.push_back(lengths[i]);
+  return points;
+}
+
+TEST(Overview, HasPointsOfTheConnectedAndTheNewestSessionsAlone) {
+  FakeStation station;  // sessions 2 and 3 are connected
+  const auto all = points_of_overview(station, 3);
+  ASSERT_EQ(all.size(), 3U);
+  for (const std::uint32_t bytes : all) EXPECT_GT(bytes, 0U);
+  using Lengths = std::vector<std::uint32_t>;
+  EXPECT_EQ(points_of_overview(station, 2), (Lengths{0, all[1], all[2]}));
+  EXPECT_EQ(points_of_overview(station, 1), (Lengths{0, 0, all[2]}));
+  station.rows[2].connected = false;
+  EXPECT_EQ(points_of_overview(station, 1), (Lengths{0, all[1], 0}));
+  EXPECT_EQ(points_of_overview(station, 0), (Lengths{0, 0, 0}));
 }
 
 TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
