@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstring>
+#include <limits>
 
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
@@ -161,12 +162,15 @@ class Base {
   }
 
  private:
-  /// Little work for each pair, and nothing that waits for path. closely: walls are searched as in the product.
+  /// Little work for each pair; nothing waits for path, and what fits somehow is merged. closely: walls are searched as
+  /// in the product.
   static MergeConfig small(bool closely) {
     MergeConfig config;
     config.threads = 1;
     config.least_path_m = 0;
     config.shown_m = 0;
+    config.accept_probability = 0;
+    config.runner_up_share = std::numeric_limits<double>::infinity();
     config.hypotheses = 2;
     config.searches = 1;
     if (closely) return config;
@@ -189,6 +193,7 @@ class Base {
       case 12: return (void)pipeline_.anchor(some_session(bytes));
       case 13: return set_aside_and_take_back(known(bytes));
       case 14: return restore();
+      case 15: return tend(known(bytes), take_byte(bytes));
       default: return grow(bytes, what);
     }
   }
@@ -231,6 +236,15 @@ class Base {
     if (++attempts_ > most_attempts) return;
     for (int rounds = 0; rounds < 2; ++rounds)
       if (!pipeline_.attempt(id, shelf_).unfinished) return;
+  }
+
+  void tend(SessionId id, std::uint8_t what) {
+    switch (what % 4) {
+      case 0: return (void)pipeline_.freeze(id);
+      case 1: return (void)pipeline_.thaw(id);
+      case 2: return pipeline_.await_no_more(id);
+      default: (void)pipeline_.ask_where(id, what % 8 == 3), (void)pipeline_.localization(id);
+    }
   }
 
   void prepare_ahead(int times) {
