@@ -87,6 +87,7 @@ Result<AttemptReport> MergePipeline::freeze(SessionId id) {
   State& s = *state_;
   if (!s.sessions.contains(id)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(id));
   if (s.sessions.frozen().contains(id)) return failure(ErrorCode::refused, "the session is frozen already");
+  if (s.sessions.at(id).keyframes.empty()) return failure(ErrorCode::refused, "the session has no keyframe yet");
   AttemptReport report;
   const Atlas& atlas = s.book.atlas_given_out();
   FrozenSession now = frozen_now(id, atlas, s.corrected.given_out(), s.sessions.frozen());
