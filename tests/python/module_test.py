@@ -13,6 +13,7 @@ from pathlib import Path
 
 import headframe
 import numpy as np
+from real_server import Server
 
 BIN, OUT, EXAMPLE = (Path(sys.argv.pop(1)).absolute() for _ in range(3))
 
@@ -50,26 +51,13 @@ class Waiting:
             return next(t for t in reversed(self.told) if condition(t))
 
 
-class Server:
-    def __init__(self, data, *options):
-        self.process = subprocess.Popen([BIN / "headframe-server", "--data", data, "--listen", "127.0.0.1:0", "--http",
-                                         "127.0.0.1:0", *options], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        ready = next(line for line in self.process.stdout if "ready" in line)
-        self.address, self.http = (ready.split(what)[1].split(",")[0] for what in ("robots on ", "http on "))
-
-    def stop(self):
-        self.process.terminate()
-        self.process.wait()
-        self.process.stdout.close()
-
-
 class Module(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         shutil.rmtree(OUT, ignore_errors=True)
         OUT.mkdir(parents=True)
         subprocess.run([BIN / "headframe-drawn-sessions", OUT / "drives"], check=True)
-        cls.server = Server(OUT / "data", "--insecure")
+        cls.server = Server(BIN, OUT / "data", "--insecure")
         cls.address = cls.server.address
 
     @classmethod
@@ -158,7 +146,7 @@ class Module(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
 
     def test_the_example_enrols_and_sends_a_recording(self):
-        server = Server(OUT / "guarded")
+        server = Server(BIN, OUT / "guarded")
         try:
             added = subprocess.run([BIN / "headframe", "--http", server.http, "--token-file", OUT / "guarded" / "operator.token",
                                     "robot", "add", "example"], check=True, capture_output=True, text=True).stdout
