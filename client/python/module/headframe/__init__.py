@@ -8,7 +8,7 @@ import pkgutil as _pkgutil
 
 __path__ = _pkgutil.extend_path(__path__, __name__)  # messages of the protocol (headframe.v1) may lie elsewhere
 __all__ = ["BadInput", "Coverage", "Error", "FREE", "Localization", "MapAround", "PATH", "Path", "Progress", "Robot", "Sensor",
-           "SessionKey", "Surroundings", "Trajectories", "Transforms", "WALL"]
+           "SessionKey", "Support", "Surroundings", "Trajectories", "Transforms", "WALL"]
 
 
 def __getattr__(name):

@@ -8,8 +8,8 @@ import atexit as _atexit
 import weakref as _weakref
 
 from . import _robot
-from ._robot import (BadInput, Coverage, Error, Localization, MapAround, Path, Progress, Sensor, SessionKey, Surroundings,
-                     Trajectories, Transforms)
+from ._robot import (BadInput, Coverage, Error, Localization, MapAround, Path, Progress, Sensor, SessionKey, Support,
+                     Surroundings, Trajectories, Transforms)
 
 FREE, WALL, PATH = 1, 2, 4  # what a cell of Coverage may hold, summed
 
