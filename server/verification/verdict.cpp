@@ -22,11 +22,13 @@ double missing_overlap(const Evidence& e) {
 }
 
 /// Each metre less costs 0.1, and no more than 1.5 in all: with more, right placements of 28 m among copies would wait.
-/// Of eight shorter ones that reached 0.9 among look-alikes two were copies (drives through a mine of equal pieces,
-/// many with many others), so the most that it costs grows by 0.3 for each metre below 28.
+/// Of eight shorter ones that reached 0.9 among many look-alikes two were copies, with 5 and 8 of them (drives through
+/// a mine of equal pieces, many with many others): so the most that it costs grows by 0.3 for each metre below 28, in
+/// full from five look-alikes on and not at all up to three.
 double short_among_look_alikes(const Evidence& e) {
   constexpr double told_m = 28;
-  const double most = 1.5 + 0.3 * std::max(0.0, told_m - e.overlap_m);
+  const double many = std::clamp((e.look_alikes - 3) / 2, 0.0, 1.0);
+  const double most = 1.5 + 0.3 * many * std::max(0.0, told_m - e.overlap_m);
   return std::max(-most, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
 }
 

@@ -183,6 +183,7 @@ TEST(Probability, AShortOverlapAmongManyLookAlikesIsNotBelieved) {
   EXPECT_LT(p(23.8, 5.3), 0.9) << "a copy";
   EXPECT_LT(p(12.7, 7.8), 0.5) << "a copy";
   EXPECT_GT(p(18.8, 1.1), 0.9) << "one look-alike is told apart";
+  EXPECT_GT(p(12, 2.6), 0.9) << "few look-alikes";
   EXPECT_NEAR(p(27.99, 8), p(28.01, 8), 1e-3) << "no cliff";
 }
 
