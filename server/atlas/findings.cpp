@@ -62,7 +62,8 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
        formatted("%.2f %% of the points do so up to 25 m away at one place: a copy would end there",
                  100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
-       copies(e), shared(e) + ": hardly any"}};
+       formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
+       shared(e) + ": hardly any"}};
 }
 
 /// The figure that moves a contribution, and how it reads.

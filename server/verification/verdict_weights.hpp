@@ -1,6 +1,6 @@
 #pragma once
 // Made by tests/bench/fit_verdict.py on 2026-11-22 from 232 right and 880 wrong placements in 139 mines of 13 kinds.
-// Set by hand on 2026-11-24, on some 950 newer rows (tests/bench/README.md, "How sure"): the bias, one unit more, which
+// Set by hand on 2026-11-24, on 1248 newer rows (tests/bench/README.md, "How sure"): the bias, one unit more, which
 // look-alikes take back, and the weights of one place that contradicts and of points that scatter.
 
 #include <array>
