@@ -149,6 +149,7 @@ Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, c
   if (!s.family) return failure(ErrorCode::invalid_argument, "add_scan with own descriptors: use add_keyframe");
   auto fresh = s.judge(stamp_s, T_local_sensor);
   if (!fresh || !*fresh) return fresh;
+  s.link.say_pose(stamp_s, T_local_sensor);
   const Points points = finite_points(points_sensor, s.config.min_range_m);
   if (points.empty()) return failure(ErrorCode::bad_input, "a scan without a usable point");
 
@@ -188,6 +189,7 @@ Result<bool> RobotClient::add_keyframe(double stamp_s, const Pose& T_local_senso
     return failure(ErrorCode::invalid_argument, "add_keyframe: q and w must have the sizes stated in own_descriptors");
   auto fresh = s.judge(stamp_s, T_local_sensor);
   if (!fresh || !*fresh) return fresh;
+  s.link.say_pose(stamp_s, T_local_sensor);
   const Points points = finite_points(points_sensor, s.config.min_range_m);
   Keyframe keyframe;
   keyframe.stamp_s = stamp_s;
@@ -221,6 +223,7 @@ Result<void> RobotClient::finish(std::chrono::milliseconds patience,
                                  const std::function<void(const Progress&)>& each_step) {
   using Clock = std::chrono::steady_clock;
   state_->finished = true;
+  state_->link.say(std::nullopt);
   auto last = progress();
   auto moved = Clock::now();
   while (true) {
@@ -261,6 +264,12 @@ void RobotClient::coverage(const std::function<void(const Coverage&)>& callback)
 void RobotClient::map_around(const MapQuestion& question, const std::function<void(const MapAround&)>& callback) {
   state_->link.on_map(callback);
   state_->uplink->map_around(question);
+}
+Result<void> RobotClient::live(const LiveState& state) {
+  if (auto sound = from_proto(to_proto(state)); !sound)
+    return failure(ErrorCode::invalid_argument, "live: " + sound.error().message);
+  if (!state_->finished) state_->link.say(state);
+  return {};
 }
 void RobotClient::trigger(const std::string& reason) { state_->uplink->trigger(reason); }
 SessionKey RobotClient::session() const { return state_->link.identity().session; }

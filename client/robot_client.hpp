@@ -21,6 +21,7 @@
 #include "common/result.hpp"
 #include "common/session/cloud_policy.hpp"
 #include "common/session/keyframe.hpp"
+#include "common/session/live_state.hpp"
 
 namespace headframe {
 
@@ -95,6 +96,12 @@ class RobotClient {
   /// local frame, on the link's thread: a map, or why there is none. One is asked for at a time: a later question takes
   /// the place of the one before, which is not answered any more.
   void map_around(const MapQuestion& question, const std::function<void(const MapAround&)>& callback);
+
+  /// What people at the base station see of the robot beside its map: where it is, its battery, a line on its health
+  /// (256 bytes). The newest state is sent, each second at most, every five where nothing changed, until finish();
+  /// nothing of it is stored. add_scan and add_keyframe say the pose by themselves, and a state without one leaves it.
+  /// invalid_argument: a number that is none, or a battery outside 0 to 1.
+  Result<void> live(const LiveState& state);
 
   /// Asks the server to merge now.
   void trigger(const std::string& reason);

@@ -1,6 +1,7 @@
 #include "client/spooled_link.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace headframe {
 
@@ -29,6 +30,26 @@ std::uint64_t SpooledLink::next_held_cloud(std::uint64_t from) const {
 Result<std::string> SpooledLink::cloud(std::uint64_t sequence) const {
   const Lock lock(mutex_);
   return spool_.cloud(sequence);
+}
+
+std::optional<LiveState> SpooledLink::live() const {
+  const Lock lock(mutex_);
+  return live_;
+}
+
+void SpooledLink::say(const std::optional<LiveState>& state) {
+  const Lock lock(mutex_);
+  const auto before = std::exchange(live_, state);
+  if (!live_ || live_->T_local_sensor || !before) return;
+  live_->T_local_sensor = before->T_local_sensor;
+  live_->stamp_s = before->stamp_s;
+}
+
+void SpooledLink::say_pose(double stamp_s, const Pose& T_local_sensor) {
+  const Lock lock(mutex_);
+  if (!live_) live_.emplace();
+  live_->stamp_s = stamp_s;
+  live_->T_local_sensor = T_local_sensor;
 }
 
 Result<void> SpooledLink::append(const Keyframe& keyframe, std::string_view encoded_cloud) {

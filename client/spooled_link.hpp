@@ -23,9 +23,15 @@ class SpooledLink final : public UplinkSource {
   bool holds_cloud(std::uint64_t sequence) const override;
   std::uint64_t next_held_cloud(std::uint64_t from) const override;
   Result<std::string> cloud(std::uint64_t sequence) const override;
+  std::optional<LiveState> live() const override;
 
   /// What the uplink tells.
   void on_event(const UplinkEvent& event);
+
+  /// What the uplink says of the robot from now on; a state without a pose leaves the pose as it is. None: nothing
+  /// more.
+  void say(const std::optional<LiveState>& state);
+  void say_pose(double stamp_s, const Pose& T_local_sensor);
 
   Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
   const Hello& identity() const { return spool_.identity(); }  // does not change
@@ -58,6 +64,7 @@ class SpooledLink final : public UplinkSource {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   Spool spool_;
+  std::optional<LiveState> live_;
   bool welcomed_ = false;
   std::uint64_t durable_keyframes_ = 0;  // as the last server said; it may hold fewer than were once acknowledged
   bool refused_ = false;

@@ -15,9 +15,27 @@ struct Transforms {
   std::uint64_t revision = 0;
   std::uint64_t component = 0;
   SessionKey anchor;  // its axes are the component's
+
+  /// How sure a placement is: by the surest way of merges from the anchor to the session, the one whose least sure
+  /// merge is the most probable.
+  struct Support {
+    double probability = 0;                                // of the least sure merge on that way
+    std::optional<SessionKey> merged_with = std::nullopt;  // the session before it on the way; none: it is the anchor
+    std::uint32_t merges = 0;                              // that hold the session, in all
+    double shared_m = 0;                                   // path shared with merged_with
+    bool confirmed = false;                                // the operator confirmed the merge with merged_with
+    double deviation_m = 0;    // standard deviation along each axis, of rock on that shared path, against the anchor
+    double deviation_rad = 0;  // and about each axis
+
+    /// Of a place of the session that lies `away_m` (in the component's axes) from the shared path: x, y, z in metres,
+    /// then rotations about the component's axes x, y, z in radians. The drift inside sessions is not in it.
+    Eigen::Matrix<double, 6, 6> covariance(const Eigen::Vector3d& away_m = Eigen::Vector3d::Zero()) const;
+  };
+
   struct Placement {
     SessionKey session;
     Pose T_component_session = Pose::Identity();
+    std::optional<Support> support = std::nullopt;  // none: the base station is older, or no merge holds it
   };
   std::vector<Placement> sessions;  // all of the component
 
@@ -47,6 +65,13 @@ struct Transforms {
     for (const auto& s : sessions)
       if (s.session == session) return s.T_component_session;
     return std::nullopt;
+  }
+
+  /// Null: nothing is known of it.
+  const Support* support(const SessionKey& session) const {
+    for (const auto& s : sessions)
+      if (s.session == session && s.support) return &*s.support;
+    return nullptr;
   }
 
   /// The other session's frame in mine: p_mine = T_mine_other * p_other. nullopt: one of them is not in the component.

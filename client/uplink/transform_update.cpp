@@ -31,7 +31,33 @@ class Reader {
   std::optional<Error> error_;
 };
 
+Transforms::Support support_from(const v1::TransformSupport& from, Reader& reader) {
+  Transforms::Support to;
+  reader.read_number(from.probability(), to.probability);
+  reader.read_number(from.shared_m(), to.shared_m);
+  reader.read_number(from.deviation_m(), to.deviation_m);
+  reader.read_number(from.deviation_rad(), to.deviation_rad);
+  to.merges = from.merges();
+  to.confirmed = from.confirmed();
+  if (from.has_merged_with()) reader.read(from.merged_with(), to.merged_with.emplace());
+  return to;
+}
+
 }  // namespace
+
+/// What is d away from where both were seen moves by the turn about there, too: p = p + turn x d.
+Eigen::Matrix<double, 6, 6> Transforms::Support::covariance(const Eigen::Vector3d& away_m) const {
+  Eigen::Matrix3d cross;
+  cross << 0, away_m.z(), -away_m.y(), -away_m.z(), 0, away_m.x(), away_m.y(), -away_m.x(), 0;
+  Eigen::Matrix<double, 6, 6> out = Eigen::Matrix<double, 6, 6>::Zero();
+  const double turned = deviation_rad * deviation_rad;
+  out.topLeftCorner<3, 3>() =
+      deviation_m * deviation_m * Eigen::Matrix3d::Identity() + turned * cross * cross.transpose();
+  out.topRightCorner<3, 3>() = turned * cross;
+  out.bottomLeftCorner<3, 3>() = turned * cross.transpose();
+  out.bottomRightCorner<3, 3>() = turned * Eigen::Matrix3d::Identity();
+  return out;
+}
 
 Result<Transforms> transforms_from(const v1::TransformUpdate& message) {
   Transforms out{message.revision(), message.component(), {}, {}};
@@ -41,6 +67,7 @@ Result<Transforms> transforms_from(const v1::TransformUpdate& message) {
     auto& to = out.sessions.emplace_back();
     reader.read(from.session(), to.session);
     reader.read(from.t_component_session(), to.T_component_session);
+    if (from.has_support()) to.support = support_from(from.support(), reader);
   }
   for (const auto& from : message.provisional()) {
     auto& to = out.provisional.emplace_back();

@@ -174,6 +174,7 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
   };
   localizes_ = knows(localize_capability);
   knows_around_ = knows(surroundings_capability);
+  takes_live_ = knows(live_capability);
   events.emplace_back(Welcomed{message.spares(), std::move(capabilities)});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
   for (const auto& range : message.durable_clouds())
@@ -252,6 +253,7 @@ std::optional<std::string> UplinkProtocol::next_frame(Time now, std::size_t chun
     return hello_frame();
   }
   if (!welcomed()) return std::nullopt;  // the hello alone may go before; triggers wait in the queue behind it
+  if (control_.empty() && carries_ && !said_goodbye_ && chunk_bytes > 0) queue_live(now);
   if (control_.empty() && carries_ && !said_goodbye_ && policy_.hold.empty())
     if (!queue_next_keyframe(events) && chunk_bytes > 0) queue_next_chunk(chunk_bytes, events);
   if (control_.empty()) return std::nullopt;

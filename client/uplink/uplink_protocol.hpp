@@ -31,6 +31,8 @@ class UplinkSource {
   virtual bool holds_cloud(std::uint64_t sequence) const = 0;
   virtual std::uint64_t next_held_cloud(std::uint64_t from) const = 0;  // 0: none at or after `from`
   virtual Result<std::string> cloud(std::uint64_t sequence) const = 0;
+  /// Where the robot is and how it is, as far as is known; none: nothing is to be said of it.
+  virtual std::optional<LiveState> live() const { return std::nullopt; }
 };
 
 // Events.
@@ -81,9 +83,9 @@ struct UplinkLimits {
 /// What a peer wrote, for people: cut, and without control characters.
 std::string printable_text(const std::string& peer_text);
 
-/// Not thread safe. Frames come by priority: control, keyframes, chunks of requested clouds, chunks of background
-/// clouds. A requested cloud overtakes one that is on its way in the background between two chunks; never are more than
-/// two clouds open.
+/// Not thread safe. Frames come by priority: control, how the robot is (each second at most), keyframes, chunks of
+/// requested clouds, chunks of background clouds. A requested cloud overtakes one that is on its way in the background
+/// between two chunks; never are more than two clouds open.
 class UplinkProtocol {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -152,6 +154,7 @@ class UplinkProtocol {
   std::string hello_frame() const;
   Result<v1::RobotMessage> next_keyframe() const;
   bool queue_next_keyframe(Events& events);
+  void queue_live(Time now);
   void queue_next_chunk(std::size_t chunk_bytes, Events& events);
   void expect_answer(Time now);
   std::uint64_t next_background();
@@ -176,11 +179,14 @@ class UplinkProtocol {
   Probed probed_ = Probed::no;
   bool localizes_ = false;     // the server knows the question
   bool knows_around_ = false;  // and those about others
+  bool takes_live_ = false;    // and how the robot is
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once
   std::set<std::uint64_t> clouds_in_flight_;  // wholly sent, not acknowledged
   std::uint64_t background_from_ = 1;         // clouds before it were sent or are gone
+  std::optional<Time> live_said_at_;
+  LiveState live_said_;
   std::optional<Transfer> requested_transfer_, background_transfer_;
   std::optional<Transforms> pages_;  // of an update whose other pages are still to come, from next_page_ on
   std::uint32_t next_page_ = 0;

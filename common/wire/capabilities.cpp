@@ -10,7 +10,8 @@ std::vector<std::string> robot_capabilities(bool provisional) {
                                  std::string(localize_capability),
                                  "spares",
                                  std::string(surroundings_capability),
-                                 std::string(transform_pages_capability)};
+                                 std::string(transform_pages_capability),
+                                 std::string(transform_support_capability)};
   if (provisional) names.emplace_back(provisional_capability);
   return names;
 }
@@ -18,10 +19,12 @@ std::vector<std::string> robot_capabilities(bool provisional) {
 std::vector<std::string> server_capabilities() {
   return {"cloud_form_1",
           "cloud_form_2",
+          std::string(live_capability),
           std::string(localize_capability),
           std::string(provisional_capability),
           "spares",
-          std::string(surroundings_capability)};
+          std::string(surroundings_capability),
+          std::string(transform_support_capability)};
 }
 
 std::vector<std::string> usable_capabilities(const std::vector<std::string>& listed) {

@@ -25,6 +25,12 @@ inline constexpr std::string_view localize_capability = "localize";
 /// A robot that lists it may ask a server that lists it what others know around it (SurroundingsRequest, MapRequest).
 inline constexpr std::string_view surroundings_capability = "surroundings";
 
+/// A robot says where it is and how it is (LiveState) to a server that lists it.
+inline constexpr std::string_view live_capability = "live";
+
+/// A robot that lists it is told how sure each transform is, and on what it rests (TransformSupport).
+inline constexpr std::string_view transform_support_capability = "transform_support";
+
 /// What the robot library lists in its hello, and this server in its welcome.
 std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();

@@ -9,6 +9,7 @@
 #include "common/result.hpp"
 #include "common/session/cloud_policy.hpp"
 #include "common/session/keyframe.hpp"
+#include "common/session/live_state.hpp"
 #include "headframe/v1/robot.pb.h"
 
 namespace headframe {
@@ -53,6 +54,9 @@ Result<FamilySpec> from_proto(const v1::Family& message);
 
 v1::Hello to_proto(const Hello& hello);  // states protocol_version
 Result<Hello> from_proto(const v1::Hello& message);
+
+v1::LiveState to_proto(const LiveState& state);  // of its health as much as fits
+Result<LiveState> from_proto(const v1::LiveState& message);
 
 /// q and w travel as binary16: a value beyond +-65504 is an error in both directions (invalid_argument, bad_input).
 /// Zeros at the end of q do not travel: the reader, who knows the family, puts them back with complete().

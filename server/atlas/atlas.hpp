@@ -27,12 +27,26 @@ struct ProvisionalPlacement {
   }
 };
 
+/// How sure a placement is, by the surest way of merges from the anchor to the session: the one whose least sure merge
+/// is the most probable.
+struct PlacementSupport {
+  SessionId session = 0;
+  SessionId merged_with = 0;  // the session before it on that way; 0: it is the anchor
+  double probability = 1;     // of the least sure merge on the way
+  int merges = 0;             // that hold the session, in all
+  double shared_m = 0;        // path shared with merged_with
+  bool confirmed = false;     // the operator confirmed the merge with merged_with
+  double deviation_m = 0;     // along each axis, of rock on that shared path, against the anchor
+  double deviation_rad = 0;   // about each axis
+};
+
 /// id is the anchor's session id; its placement is the identity. The anchor is the session that the operator chose last
 /// of those in the component; without a choice, the earliest. Placements are sorted by session.
 struct Component {
   SessionId id = 0;
   std::vector<Placement> placements;
   std::vector<ProvisionalPlacement> provisional = {};  // sorted by session; not part of a revision, and not stored
+  std::vector<PlacementSupport> supports = {};         // of what merges hold; as `provisional`
 };
 
 /// Null: the session is not in the component.
@@ -40,6 +54,13 @@ inline const Placement* placement_in(const Component& component, SessionId sessi
   const auto found = std::find_if(component.placements.begin(), component.placements.end(),
                                   [&](const Placement& p) { return p.session == session; });
   return found == component.placements.end() ? nullptr : &*found;
+}
+
+/// Null: no merge holds the session there.
+inline const PlacementSupport* support_in(const Component& component, SessionId session) {
+  const auto found = std::lower_bound(component.supports.begin(), component.supports.end(), session,
+                                      [](const PlacementSupport& s, SessionId id) { return s.session < id; });
+  return found == component.supports.end() || found->session != session ? nullptr : &*found;
 }
 
 /// A numbered state. The revision goes up whenever a transform between two sessions appears, changes or goes.

@@ -12,7 +12,7 @@ namespace headframe {
 namespace {
 
 constexpr double next_to_nothing = 0.25;  // log-odds
-constexpr std::size_t always_said = 5;    // of the terms; the others only where they apply
+constexpr std::size_t always_said = 6;    // of the terms; the others only where they apply
 
 std::string descriptors(const Evidence& e) {
   if (e.descriptors_compared == 0)
@@ -56,11 +56,13 @@ std::string violation(const Evidence& e) {
 std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) {
   return {
       {violation(e), formatted("%.2f %% do so at the place that contradicts most", 100 * worst_place_contradiction(e)),
-       formatted("the surfaces lie %.0f mm apart", 1000 * e.residual_m), places(e), hold(e), descriptors(e),
-       descriptors(e), copies(e), shared(e), places(e),
+       formatted("the surfaces lie %.0f mm apart", 1000 * e.residual_m),
+       formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m), places(e), hold(e),
+       descriptors(e), descriptors(e), copies(e), shared(e), places(e),
        formatted("%.2f %% of the points do so up to 25 m away at one place: a copy would end there",
                  100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
+       formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
        shared(e) + ": hardly any"}};
 }
 
@@ -83,6 +85,7 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
   return {{points,
            place,
            {&Evidence::residual_m, 0, "%.0f mm at most would suffice", 1000},
+           {&Evidence::rmse_m, 0, "%.0f mm at most would suffice", 1000},
            {&Evidence::places_agreeing, e.places, "%.1f places that agree would suffice"},
            {&Evidence::end_on_match, ends_meet, "%.1f %% that meet would suffice", 100},
            alike,
@@ -92,6 +95,7 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {},
            farther,
            {&Evidence::inlier_fraction, 1, "%.0f %% would suffice", 100},
+           {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
            path}};
 }
 

@@ -46,6 +46,15 @@ std::string state(const Json& session) {
 /// "-" of a robot that is not connected.
 std::string ago(const Json& seconds) { return seconds.is_number() ? fixed(seconds.get<double>(), 1) + " s ago" : "-"; }
 
+/// "1.2 s ago, 83 %, left track slips": what a robot said last of itself; "-": nothing.
+std::string live_text(const Json& live) {
+  if (!live.is_object()) return "-";
+  std::string text = ago(live.at("age_s"));
+  if (live.at("battery").is_number()) text += ", " + fixed(100 * live.at("battery").get<double>(), 0) + " %";
+  if (live.at("health").is_string()) text += ", " + printable(live.at("health").get<std::string>());
+  return text;
+}
+
 std::string component_table(const Json& component, std::size_t width) {
   Table table{{{"  session"}, {"x m", true}, {"y m", true}, {"z m", true}, {"yaw deg", true}}, {}};
   const auto add = [&](const std::string& who, const Json& T) {
@@ -194,17 +203,18 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
                {"distance", true, 6},
                {"component", true},
                {"merged in", true, 7},
+               {"says of itself", false, 1},
                {"sensor", false, 8}},
               {}};
   for (const Json& row : rows) {
     const Json& ms = row.at("trigger_to_transform_ms");
-    table.rows.push_back({labelled(row), state(row), row.at("keyframes").dump(), row.at("clouds").dump(),
-                          bytes_text(row.at("bytes_received").get<double>()), row.value("backlog", Json(0)).dump(),
-                          bytes_text(row.value("bytes_per_s", 0.0)) + "/s", ago(row.value("link_age_s", Json())),
-                          number(row.at("distance_m"), 0) + " m",
-                          row.at("component").is_null() ? "-" : row.at("component").dump(),
-                          ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-",
-                          printable(row.at("sensor").at("model").get<std::string>())});
+    table.rows.push_back(
+        {labelled(row), state(row), row.at("keyframes").dump(), row.at("clouds").dump(),
+         bytes_text(row.at("bytes_received").get<double>()), row.value("backlog", Json(0)).dump(),
+         bytes_text(row.value("bytes_per_s", 0.0)) + "/s", ago(row.value("link_age_s", Json())),
+         number(row.at("distance_m"), 0) + " m", row.at("component").is_null() ? "-" : row.at("component").dump(),
+         ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-", live_text(row.value("live", Json())),
+         printable(row.at("sensor").at("model").get<std::string>())});
   }
   return table.text(width) + families_text(rows);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "server/place/wall_search.hpp"
 #include "server/registration/registration_engine.hpp"
 #include "server/verification/evidence.hpp"
 
@@ -15,6 +16,8 @@ struct MergeConfig : VerdictThresholds {
   double look_alikes = 2;     // from so many on two sessions alone can not tell a copy: others are waited for too
   double provisional_m = 40;  // robots that ask for it are told when no more than so much is missing, ...
   double provisional_probability = 0.97;  // ... and it is so probable
+  int placements = 1000;                  // of the wall search that are refined, for each pair
+  WallSearchSteps wall_search;            // which are tried
   int hypotheses = 40;                    // of wall maps that hardly contradict each other, screened for each pair
   int partners = 16;         // an attempt ends when so many sessions came to nothing, those that look most alike first
   int searches = 4;          // pairs of sessions whose walls are searched anew in one attempt

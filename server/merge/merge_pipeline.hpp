@@ -46,7 +46,7 @@ class MergePipeline {
 
   /// Nothing moves the session any more, from where it lies now: others align to it, and its component is anchored to
   /// it, or to one that was frozen before. Until it is thawed, also when it was set aside meanwhile. not_found: no such
-  /// session; refused: it is frozen already, or it is not.
+  /// session; refused: it is frozen already, or it is not, or there is no keyframe to freeze.
   Result<AttemptReport> freeze(SessionId id);
   Result<AttemptReport> thaw(SessionId id);
   /// As they were stored; before restore().

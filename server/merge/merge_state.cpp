@@ -9,7 +9,9 @@ MergePipeline::State::State(const MergeConfig& c)
     : config(c),
       sessions(c),
       partners(c),
-      finder({.seats = {.coherent = static_cast<std::size_t>(c.hypotheses)},
+      finder({.seats = {.coherent = static_cast<std::size_t>(c.hypotheses),
+                        .coarse_matches = static_cast<std::size_t>(c.placements),
+                        .steps = c.wall_search},
               .walls_bytes = 1000000 * static_cast<std::size_t>(c.walls_mb),
               .threads = c.threads}),
       submaps(c, sessions),
@@ -85,6 +87,7 @@ Result<AttemptReport> MergePipeline::freeze(SessionId id) {
   State& s = *state_;
   if (!s.sessions.contains(id)) return failure(ErrorCode::not_found, "there is no session " + std::to_string(id));
   if (s.sessions.frozen().contains(id)) return failure(ErrorCode::refused, "the session is frozen already");
+  if (s.sessions.at(id).keyframes.empty()) return failure(ErrorCode::refused, "the session has no keyframe yet");
   AttemptReport report;
   const Atlas& atlas = s.book.atlas_given_out();
   FrozenSession now = frozen_now(id, atlas, s.corrected.given_out(), s.sessions.frozen());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/atlas/explain.hpp"
+#include "server/atlas/support.hpp"
 #include "server/merge_worker/merge_worker.hpp"
 #include "server/support/stopwatch.hpp"
 
@@ -57,6 +58,7 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
 
 void MergeWorker::published(const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
   const Atlas before = std::exchange(atlas_, pipeline_->atlas());
+  add_supports(atlas_, pipeline_->alignments());
   const auto changed = changed_components(before, atlas_);
   const std::vector<Withdrawal> withdrawn = withdrawn_by(report);
   if (report.atlas_changed) robots_->publish(atlas_, changed, withdrawn);

@@ -56,6 +56,10 @@ struct MapNextAsked {
   std::uint64_t id = 0;
   std::uint32_t offset = 0;
 };
+struct LiveReceived {
+  LiveState state;
+  std::uint64_t backlog = 0;  // as in KeyframeReceived
+};
 struct GoodbyeReceived {
   bool complete = false;
 };
@@ -65,7 +69,7 @@ struct ProbeReceived {  // to be answered by RobotProtocol::resume() before the 
 struct TakenOver {};  // this connection carries the session from now on
 using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused,
                                 CloudsUnavailable, TriggerRequested, WhereAsked, SurroundingsAsked, MapAsked,
-                                MapNextAsked, GoodbyeReceived, ProbeReceived, TakenOver>;
+                                MapNextAsked, LiveReceived, GoodbyeReceived, ProbeReceived, TakenOver>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {

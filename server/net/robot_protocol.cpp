@@ -75,6 +75,7 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
     case Body::kCoverageRequest: return asked(SurroundingsKind::coverage, message.coverage_request());
     case Body::kMapRequest: return asked(message.map_request());
     case Body::kMapNext: return MapNextAsked{message.map_next().id(), message.map_next().offset()};
+    case Body::kLive: return on_live(message.live(), message.backlog());
     case Body::kGoodbye: complete_ = message.goodbye().complete(); return GoodbyeReceived{complete_};
     case Body::kPing: outbox_.pong(message.ping().nonce()); return std::nullopt;
     case Body::kPong: return std::nullopt;
@@ -131,6 +132,17 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
     return out_of_order(name + "a hole in the sequence, " + std::to_string(received_ + 1) + " comes next");
   received_ = keyframe->sequence;
   return KeyframeReceived{std::move(*keyframe), backlog};
+}
+
+/// A spare's is passed over, and so is what comes more often than each second.
+std::optional<RobotEvent> RobotProtocol::on_live(const v1::LiveState& message, std::uint64_t backlog) {
+  auto state = from_proto(message);
+  if (!state) return bad_message("live state: " + state.error().message);
+  live_left_ = std::min(most_live_at_once, live_left_ + seconds(live_counted_, now_));
+  live_counted_ = now_;
+  if (spare_ || live_left_ < 1) return std::nullopt;
+  live_left_ -= 1;
+  return LiveReceived{std::move(*state), backlog};
 }
 
 std::optional<RobotEvent> RobotProtocol::on_chunk(const v1::CloudChunk& message) {

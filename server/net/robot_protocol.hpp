@@ -73,11 +73,13 @@ class RobotProtocol {
   const std::string& reason() const { return reason_; }
 
  private:
+  static constexpr double most_live_at_once = 10;  // what a link holds back comes in one go
   enum class State { hello_awaited, answer_awaited, welcomed, ended };
 
   std::optional<RobotEvent> handle(const v1::RobotMessage& message);
   std::optional<RobotEvent> on_hello(const v1::Hello& message);
   std::optional<RobotEvent> on_keyframe(const v1::Keyframe& message, std::uint64_t backlog);
+  std::optional<RobotEvent> on_live(const v1::LiveState& message, std::uint64_t backlog);
   std::optional<RobotEvent> on_chunk(const v1::CloudChunk& message);
   std::optional<RobotEvent> on_unavailable(const v1::SubmapUnavailable& message);
   std::optional<RobotEvent> refused(std::uint64_t sequence, const std::string& reason);
@@ -97,6 +99,8 @@ class RobotProtocol {
   bool spare_ = false;
   std::uint64_t received_ = 0, durable_ = 0;  // keyframes
   bool complete_ = false;
+  double live_left_ = most_live_at_once;  // states that may come now: one more each second
+  Time live_counted_{};
   std::string reason_;
 };
 

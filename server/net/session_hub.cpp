@@ -5,6 +5,8 @@
 #include <bit>
 #include <random>
 
+#include "server/atlas/support.hpp"
+
 namespace headframe {
 namespace {
 
@@ -54,6 +56,7 @@ Result<void> SessionHub::restore() {
   }
   for (const TroubleRecord& trouble : *troubles) sessions_[trouble.session].deleted = trouble.deleted;
   atlas_ = std::move(merge->atlas);
+  add_supports(atlas_, merge->alignments);
   for (const Component& component : atlas_.components)
     for (const Placement& placement : component.placements)
       if (component.placements.size() > 1) told_.insert(placement.session);
@@ -89,6 +92,7 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
+  if (auto* live = std::get_if<LiveReceived>(&event)) handle(session, std::move(*live), link);
   if (const auto* where = std::get_if<WhereAsked>(&event)) handle(session, *where, link);
   if (const auto* asked = std::get_if<SurroundingsAsked>(&event)) ask(session, *asked, link);
   if (const auto* asked = std::get_if<MapAsked>(&event)) ask(session, *asked, link);
@@ -117,6 +121,16 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
           news_.keyframes_durable(session, sequence);
           if (const auto robot = to.lock()) robot->keyframes_durable(sequence);
         });
+}
+
+/// Only over the connection that carries the session.
+void SessionHub::handle(SessionId session, LiveReceived event, const std::shared_ptr<RobotLink>& link) {
+  const std::lock_guard lock(mutex_);
+  Session& known = sessions_.at(session);
+  if (known.link.lock() != link) return;
+  known.backlog = event.backlog;
+  known.live = {std::move(event.state), 0, known.live ? known.live->news + 1 : 1};
+  known.live_came = Clock::now();
 }
 
 void SessionHub::handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link,
@@ -227,6 +241,8 @@ std::vector<SessionRow> SessionHub::sessions() const {
     row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;
     row.bytes_per_s = s.rate.at(now);
+    row.live = s.live;
+    if (row.live) row.live->age_s = std::chrono::duration<double>(now - s.live_came).count();
     if (row.connected) row.link_age_s = std::chrono::duration<double>(now - s.heard).count();
   }
   return rows;

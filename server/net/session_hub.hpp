@@ -125,12 +125,15 @@ class SessionHub : public Robots {
     std::uint64_t refused_clouds = 0;
     std::uint64_t backlog = 0;  // keyframes that the robot still holds, as it said last
     DataRate rate;
+    std::optional<LiveRow> live;  // without its age
+    Clock::time_point live_came;
     Clock::time_point heard;
     std::weak_ptr<RobotLink> link;
     std::vector<std::weak_ptr<RobotLink>> spares;  // the oldest first
     bool answers = false;                          // requests for clouds
     bool wants_provisional = false;                // merges that still wait for path
     bool takes_pages = false;                      // of transforms
+    bool takes_supports = false;                   // of transforms
     bool asks_where = false;                       // over the connection that carries it
     bool deleted = false;                          // nobody may go on with it
   };
@@ -148,6 +151,7 @@ class SessionHub : public Robots {
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
+  void handle(SessionId session, LiveReceived event, const std::shared_ptr<RobotLink>& link);
   void handle(SessionId session, const WhereAsked& event, const std::shared_ptr<RobotLink>& link);
   template <class Question>
   void ask(SessionId session, const Question& question, const std::shared_ptr<RobotLink>& link);
@@ -155,9 +159,13 @@ class SessionHub : public Robots {
   std::optional<Result<Admitted>> stand_by(const Hello& hello, const std::shared_ptr<RobotLink>& link);
   void take_over(SessionId session, const std::shared_ptr<RobotLink>& link);
   using PagesPtr = std::shared_ptr<const TransformPages>;
-  using MadePages = std::map<std::pair<bool, bool>, PagesPtr>;  // with what is provisional; in pages
+  struct Told {  // of a component's transforms; what a robot can take of it
+    bool provisional = false, supports = false, in_pages = false;
+    auto operator<=>(const Told&) const = default;
+  };
+  using MadePages = std::map<Told, PagesPtr>;
   PagesPtr transform_of(SessionId session) const;
-  v1::TransformUpdate update_of(const Component& component, bool provisional) const;
+  v1::TransformUpdate update_of(const Component& component, const Told& told) const;
   PagesPtr pages_for(SessionId receiver, const Component& component, MadePages& made) const;
   using Updates = std::vector<std::pair<std::shared_ptr<RobotLink>, PagesPtr>>;
   void add_updates(const Component& component, bool all, Updates& updates) const;

@@ -94,6 +94,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     };
     session.wants_provisional = lists(provisional_capability);
     session.takes_pages = lists(transform_pages_capability);
+    session.takes_supports = lists(transform_support_capability);
     session.asks_where = false;
     desk_.left(session.record.id);
     admitted = {

@@ -11,6 +11,18 @@ namespace {
 
 constexpr std::size_t comfortable_page_bytes = 16384;  // two seconds of a link of 64 kbit/s, for which an ack may wait
 
+/// Without the session that it was merged with.
+v1::TransformSupport support_message(const PlacementSupport& support) {
+  v1::TransformSupport message;
+  message.set_probability(support.probability);
+  message.set_merges(static_cast<std::uint32_t>(support.merges));
+  message.set_shared_m(static_cast<float>(support.shared_m));
+  message.set_confirmed(support.confirmed);
+  message.set_deviation_m(static_cast<float>(support.deviation_m));
+  message.set_deviation_rad(static_cast<float>(support.deviation_rad));
+  return message;
+}
+
 }  // namespace
 
 LinkPolicy SessionHub::policy() {
@@ -64,7 +76,7 @@ void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {
 }
 
 /// Under the lock.
-v1::TransformUpdate SessionHub::update_of(const Component& component, bool provisional) const {
+v1::TransformUpdate SessionHub::update_of(const Component& component, const Told& told) const {
   v1::TransformUpdate update;
   update.set_revision(atlas_.revision);
   update.set_component(static_cast<std::uint64_t>(component.id));
@@ -74,16 +86,20 @@ v1::TransformUpdate SessionHub::update_of(const Component& component, bool provi
     auto& transform = *update.add_sessions();
     *transform.mutable_session() = key_of(placement.session);
     *transform.mutable_t_component_session() = to_proto(placement.T_component_session);
+    const PlacementSupport* support = told.supports ? support_in(component, placement.session) : nullptr;
+    if (support) *transform.mutable_support() = support_message(*support);
+    if (support && support->merged_with != 0)
+      *transform.mutable_support()->mutable_merged_with() = key_of(support->merged_with);
   }
   for (const auto& [revision, w] : withdrawn_) {
     if (!placement_in(component, w.a) && !placement_in(component, w.b)) continue;
-    auto& told = *update.add_withdrawn();
-    told.set_revision(revision);
-    *told.mutable_a() = key_of(w.a);
-    *told.mutable_b() = key_of(w.b);
-    told.set_reason(w.reason);
+    auto& merge = *update.add_withdrawn();
+    merge.set_revision(revision);
+    *merge.mutable_a() = key_of(w.a);
+    *merge.mutable_b() = key_of(w.b);
+    merge.set_reason(w.reason);
   }
-  if (provisional)
+  if (told.provisional)
     for (const ProvisionalPlacement& placement : component.provisional) {
       auto& transform = *update.add_provisional();
       *transform.mutable_session() = key_of(placement.session);
@@ -99,15 +115,15 @@ v1::TransformUpdate SessionHub::update_of(const Component& component, bool provi
 SessionHub::PagesPtr SessionHub::pages_for(SessionId receiver, const Component& component, MadePages& made) const {
   const Session& session = sessions_.at(receiver);
   const std::size_t page_bytes = session.takes_pages ? comfortable_page_bytes : limits::frame_bytes;
-  PagesPtr& pages = made[{session.wants_provisional, session.takes_pages}];
-  if (!pages)
-    pages = std::make_shared<const TransformPages>(
-        transform_pages(update_of(component, session.wants_provisional), page_bytes));
+  const Told told{session.wants_provisional, session.takes_supports, session.takes_pages};
+  PagesPtr& pages = made[told];
+  if (!pages) pages = std::make_shared<const TransformPages>(transform_pages(update_of(component, told), page_bytes));
   if (session.takes_pages || pages->size() == 1) return pages;
-  Component part{component.id, {}};
+  Component part{component.id, {}, {}, component.supports};
   for (const Placement& placement : component.placements)
     if (placement.session == receiver || placement.session == component.id) part.placements.push_back(placement);
-  return std::make_shared<const TransformPages>(transform_pages(update_of(part, false), page_bytes));
+  return std::make_shared<const TransformPages>(
+      transform_pages(update_of(part, {false, told.supports, false}), page_bytes));
 }
 
 /// Under the lock. Null: the session has never been merged, and nothing that its robot asks for is provisional.

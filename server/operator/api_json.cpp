@@ -45,6 +45,16 @@ Json alignment_object(const AlignmentRow& row) {
           {"evidence", std::move(evidence)}};
 }
 
+Json live_object(const std::optional<LiveRow>& live) {
+  if (!live) return nullptr;
+  const LiveState& state = live->state;
+  return {{"age_s", number(live->age_s)},
+          {"stamp_s", number(state.stamp_s)},
+          {"T_session_sensor", state.T_local_sensor ? transform(*state.T_local_sensor) : Json()},
+          {"battery", state.battery ? number(*state.battery) : Json()},
+          {"health", state.health.empty() ? Json() : Json(state.health)}};
+}
+
 Json session_object(const SessionRow& row) {
   return {{"robot", row.key.robot},
           {"session", row.key.session},
@@ -69,6 +79,7 @@ Json session_object(const SessionRow& row) {
           {"backlog", row.backlog},
           {"bytes_per_s", number(row.bytes_per_s)},
           {"link_age_s", row.link_age_s >= 0 ? number(row.link_age_s) : Json()},
+          {"live", live_object(row.live)},
           {"distance_m", number(row.distance_m)},
           {"trigger_to_transform_ms", row.trigger_to_transform_ms >= 0 ? number(row.trigger_to_transform_ms) : Json()}};
 }

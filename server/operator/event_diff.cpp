@@ -28,6 +28,7 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
     if (known == was.end() || row.keyframes != old.keyframes || row.clouds != old.clouds ||
         row.complete != old.complete)
       events.push_back(session_event("keyframes", row));
+    if (row.live && (!old.live || row.live->news != old.live->news)) events.push_back(session_event("live", row));
     if (row.label != old.label || row.archived != old.archived || row.frozen != old.frozen || row.note != old.note)
       events.push_back(session_event("renamed", row));
   }

@@ -13,9 +13,8 @@
 namespace headframe {
 namespace {
 
-constexpr double roof_m = 0.5;     // above the sensor
-constexpr double margin_m = 1;     // at least, around what is shown
-constexpr double fine_mm = 0.127;  // of paper for a pixel: 200 to the inch
+constexpr double roof_m = 0.5;  // above the sensor
+constexpr double margin_m = 1;  // at least, around what is shown
 constexpr double most_px = 12e6;
 constexpr double png_px_per_mm = 6;
 // Stamps beyond the first are seconds since 1970, beyond the second of a year that has five digits, or of no calendar.
@@ -85,7 +84,7 @@ Result<void> Plan::choose() {
   auto paper = plan_paper(box_m_, request_.scale);
   if (!paper) return tl::unexpected(paper.error());
   paper_ = *paper;
-  mm_per_px_ = std::max(fine_mm, std::sqrt(paper_.map_width_mm * paper_.map_height_mm / most_px));
+  mm_per_px_ = std::max(request_.pixel_mm, std::sqrt(paper_.map_width_mm * paper_.map_height_mm / most_px));
   columns_ = static_cast<int>(paper_.map_width_mm / mm_per_px_),
   rows_ = static_cast<int>(paper_.map_height_mm / mm_per_px_);
   const std::size_t pixels = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);

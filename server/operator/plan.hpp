@@ -18,6 +18,7 @@ struct PlanRequest {
   int scale = 0;  // 1:scale; 0: what fits A3
   /// Heights in the frame between which points are shown.
   double low_m = -std::numeric_limits<double>::infinity(), high_m = std::numeric_limits<double>::infinity();
+  double pixel_mm = 0.127;  // of paper, at least: 200 to the inch
 };
 
 /// Reads every cloud twice, one for each call: for what the paper has to hold, and for the picture. Every point that is

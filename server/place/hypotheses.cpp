@@ -88,7 +88,8 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
 }
 
 const Found* HypothesisFinder::find_within(const SessionView& session) {
-  constexpr LeadSeats of_walls_alone{8, 0, 0, 0, 60};
+  const LeadSeats of_walls_alone{
+      8, 0, 0, 0, std::min<std::size_t>(60, config_.seats.coarse_matches), config_.seats.steps};
   Found& known = found_[{session.id, session.id}];
   known = {};
   if (!session.keyframes.empty())

@@ -73,19 +73,20 @@ Leads best_of(const Leads& leads, std::size_t most, Rank&& rank) {
   return kept;
 }
 
-Leads search(const SessionWalls& a, const SessionWalls& b, std::size_t most, int threads) {
+Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seats, int threads) {
+  const std::size_t most = seats.coarse_matches;
   Leads found;
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
       if (level_b.parts.size() <= laid_whole) {
-        for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, most, threads))
+        for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, most, seats.steps, threads))
           found.push_back(best_part(level_a, level_b, m));
         continue;
       }
       // Over hundreds of metres half a step of a turn, and drift, put a right placement's ends off the walls.
       for (const auto& part : level_b.parts)
         for (const WallMatch& m :
-             search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), threads))
+             search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads))
           found.push_back({&level_a, &part, m, {}});
     }
   std::erase_if(found, [](const Lead& l) { return l.part == nullptr; });
@@ -131,7 +132,7 @@ std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::
 
 std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const DescriptorAgreement& agreement,
                              const LeadSeats& seats, int threads) {
-  Leads found = search(a, b, seats.coarse_matches, threads);
+  Leads found = search(a, b, seats, threads);
   refine(found, WallField::Step::coarse, agreement, threads);
   Leads coherent = best_of(found, spare * seats.coherent, by_coherence),
         likely = best_of(found, spare * seats.walls, by_promise);

@@ -38,6 +38,7 @@ struct LeadSeats {
   /// Placements of the wall search that are refined. In mines made by others a right one that shared a fifth of the
   /// rock was found as far down as 720.
   std::size_t coarse_matches = 1000;
+  WallSearchSteps steps = {};
 };
 
 /// Leads of each source, refined to half a cell, best first, those of one source 4 m or 15 deg apart. Independent of

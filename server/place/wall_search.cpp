@@ -13,11 +13,8 @@
 namespace headframe {
 namespace {
 
-constexpr float coarse_m = 1.5F;
-constexpr float clear_m = 1;                 // free ground nearer to a wall says nothing in cells as coarse as that
-constexpr std::size_t quarter_turns = 45;    // 180 turns of 2 deg: each grid serves four, a right angle apart
-constexpr std::size_t peaks_per_turn = 200;  // a mine of parallel galleries fits at scores of shifts
-constexpr float side_share = 0.6F;           // of the grid, against both maps side by side
+constexpr float clear_m = 1;        // free ground nearer to a wall says nothing in cells of 1.5 m
+constexpr float side_share = 0.6F;  // of the grid, against both maps side by side
 
 float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
   float r2 = 0;
@@ -79,14 +76,15 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
 /// Walls and free ground travel as real and imaginary part, and two turns share each way back.
 class Correlator {
  public:
-  Correlator(const WallMap& a, const WallMap& b)
-      : b_(b),
+  Correlator(const WallMap& a, const WallMap& b, const WallSearchSteps& steps)
+      : steps_(steps),
+        b_(b),
         sketch_(every_fourth(b)),
         middle_a_(WallBox(a).middle()),
         middle_b_(WallBox(b).middle()),
         radius_a_(radius_m(a, middle_a_)),
         radius_b_(radius_m(b, middle_b_)),
-        n_(size_for(radius_a_, radius_b_)),
+        n_(size_for(radius_a_, radius_b_, steps.cell_m)),
         wall_(n_ * n_),
         free_(n_ * n_) {
     ComplexGrid grid(n_ * n_);
@@ -114,7 +112,7 @@ class Correlator {
   /// Of all placements that fall on the same cell of the cyclic grid, the one that brings most walls together.
   /// Contradictions count little: half a coarse cell off, a right placement has many.
   WallMatch unfolded(const WallMatch& m, const WallField& field) const {
-    const double side = static_cast<double>(n_) * static_cast<double>(coarse_m);
+    const double side = static_cast<double>(n_) * static_cast<double>(steps_.cell_m);
     const Eigen::Vector2d from_middle = middle_at(m, middle()) - middle_a_.cast<double>();
     WallMatch best = m;
     double most = std::numeric_limits<double>::lowest();
@@ -134,7 +132,7 @@ class Correlator {
   void search(std::size_t turn, std::vector<WallMatch>& found) const {
     Fft2 fft(n_);
     ComplexGrid spectrum(n_ * n_), product(n_ * n_);
-    const double yaw = static_cast<double>(turn) * std::numbers::pi / 2 / quarter_turns;
+    const double yaw = static_cast<double>(turn) * std::numbers::pi / 2 / static_cast<double>(steps_.quarter_turns);
     draw(b_, middle_b_, yaw, spectrum);
     fft.forward(spectrum);
     const Spectrum b = take_apart(spectrum);
@@ -147,9 +145,9 @@ class Correlator {
   }
 
  private:
-  static std::size_t size_for(float radius_a, float radius_b) {
+  static std::size_t size_for(float radius_a, float radius_b, float cell_m) {
     const float span = std::max(2 * std::max(radius_a, radius_b), side_share * 2 * (radius_a + radius_b));
-    return Fft2::size_for(static_cast<std::size_t>(span / coarse_m) + 4);
+    return Fft2::size_for(static_cast<std::size_t>(span / cell_m) + 4);
   }
   std::size_t mirrored(std::size_t i) const { return i == 0 ? 0 : n_ - i; }
   std::size_t cyclic(float cells) const {
@@ -161,8 +159,8 @@ class Correlator {
   void draw(const WallMap& map, const Eigen::Vector2f& middle, double yaw, ComplexGrid& grid) const {
     std::fill(grid.re.begin(), grid.re.end(), 0.0F);
     std::fill(grid.im.begin(), grid.im.end(), 0.0F);
-    const Eigen::Matrix2f turn = Eigen::Rotation2Df(static_cast<float>(yaw)).toRotationMatrix() / coarse_m;
-    const float share = map.cell_m / coarse_m;
+    const Eigen::Matrix2f turn = Eigen::Rotation2Df(static_cast<float>(yaw)).toRotationMatrix() / steps_.cell_m;
+    const float share = map.cell_m / steps_.cell_m;
     const auto add = [&](const Eigen::Vector2f& p, std::vector<float>& to, float value) {
       const Eigen::Vector2f c = turn * (p - middle);
       float& cell = to[cyclic(c.y()) * n_ + cyclic(c.x())];
@@ -235,7 +233,7 @@ class Correlator {
           s < scores[down * n_ + x])
         continue;
       peaks.emplace_back(s, i);
-      if (peaks.size() < 4 * peaks_per_turn) continue;
+      if (peaks.size() < 4 * steps_.peaks) continue;
       least = trim(peaks);
     }
     trim(peaks);
@@ -243,11 +241,11 @@ class Correlator {
     for (const auto& [s, i] : peaks) found.push_back(match_at(i, yaw, s / scale));
   }
 
-  static float trim(std::vector<std::pair<float, std::size_t>>& peaks) {
+  float trim(std::vector<std::pair<float, std::size_t>>& peaks) const {
     std::sort(peaks.begin(), peaks.end(), [](const auto& p, const auto& q) {
       return p.first > q.first || (p.first == q.first && p.second < q.second);
     });
-    if (peaks.size() > peaks_per_turn) peaks.resize(peaks_per_turn);
+    if (peaks.size() > steps_.peaks) peaks.resize(steps_.peaks);
     return peaks.empty() ? 0 : peaks.back().first;
   }
 
@@ -255,11 +253,12 @@ class Correlator {
     const auto signed_cell = [&](std::size_t c) {
       return static_cast<double>(c) - (c >= n_ / 2 ? static_cast<double>(n_) : 0);
     };
-    const Eigen::Vector2d at = middle_a_.cast<double>() + static_cast<double>(coarse_m) *
+    const Eigen::Vector2d at = middle_a_.cast<double>() + static_cast<double>(steps_.cell_m) *
                                                               Eigen::Vector2d(signed_cell(i % n_), signed_cell(i / n_));
     return {wrap_rad(yaw), at - Eigen::Rotation2Dd(yaw) * middle(), score};
   }
 
+  const WallSearchSteps steps_;
   const WallMap& b_;
   WallMap sketch_;  // every fourth cell of b
   Eigen::Vector2f middle_a_, middle_b_;
@@ -271,12 +270,12 @@ class Correlator {
 }  // namespace
 
 std::vector<WallMatch> search_walls(const WallMap& a, const WallField& field, const WallMap& b, std::size_t most,
-                                    int threads) {
+                                    const WallSearchSteps& steps, int threads) {
   if (a.walls.empty() || b.walls.empty()) return {};
   const WallMap clear_a = clear_of_walls(a), clear_b = clear_of_walls(b);
-  const Correlator correlator(clear_a, clear_b);
-  std::vector<std::vector<WallMatch>> found(quarter_turns);
-  for_blocks(quarter_turns, 1, threads,
+  const Correlator correlator(clear_a, clear_b, steps);
+  std::vector<std::vector<WallMatch>> found(steps.quarter_turns);
+  for_blocks(steps.quarter_turns, 1, threads,
              [&](std::size_t turn, std::size_t, std::size_t) { correlator.search(turn, found[turn]); });
   std::vector<WallMatch> matches;
   for (const auto& list : found) matches.insert(matches.end(), list.begin(), list.end());

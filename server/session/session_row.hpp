@@ -2,12 +2,21 @@
 // What a session is to everyone above, and what is still to be done for all of them.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/session/keyframe.hpp"
+#include "common/session/live_state.hpp"
 #include "server/session/ids.hpp"
 
 namespace headframe {
+
+/// What a robot said last of itself.
+struct LiveRow {
+  LiveState state;
+  double age_s = 0;        // since it was said
+  std::uint64_t news = 0;  // how often it was said: another number, another state
+};
 
 struct SessionRow {
   SessionId id = 0;
@@ -30,6 +39,7 @@ struct SessionRow {
   std::string why_aside = {};           // it is set aside, not merged, and why; empty: it is merged
   bool archived = false;                // kept, and left out of everything
   bool frozen = false;                  // reference: nothing moves it
+  std::optional<LiveRow> live = {};     // none: nothing since the server began
   std::string note = {};                // what the operator wants to be remembered of it; empty: nothing
   std::uint64_t let_go = 0;             // clouds that were stored and made room for others
 };

@@ -65,6 +65,10 @@ double farther_contradiction(const Evidence& e) {
   return e.farther_violation - excused_by_changes(e) * e.farther_explained;
 }
 
+double places_look_alike(const Evidence& e) {
+  return std::clamp(std::max(e.aliases, (e.look_alikes - 1) / 1.5), 0.0, 1.0);
+}
+
 double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, std::max(e.aliases, e.look_alikes)); }
 
 double asked_among_look_alikes_m(const Evidence& e) {

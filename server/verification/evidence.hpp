@@ -72,6 +72,11 @@ double freespace_contradiction(const Evidence& evidence);
 double worst_place_contradiction(const Evidence& evidence);
 double farther_contradiction(const Evidence& evidence);
 
+/// How far places look alike, 0 to 1: 0 up to one look-alike, 1 from two and a half on or with an alias. Where it is 0,
+/// what agrees is believed on less: of 340 wrong placements there none reached .85 then, and where it is 1 three had
+/// reached .9 before.
+double places_look_alike(const Evidence& evidence);
+
 /// How alike the descriptors have to be: .72; .85 where the mine repeats itself, or places look alike. At right
 /// placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of copies
 /// that were merged wrongly .62 to .69.

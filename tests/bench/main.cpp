@@ -43,7 +43,7 @@ nlohmann::json walls() {
   const auto a = test::drive(mine, {{2, 0}, {30, 0}, {30, 58}}, 0, 1), b = test::drive(mine, {{118, 0}, {2, 0}}, 1, 2);
   const WallMap map_a = draw_wall_map(a.keyframes, 1), map_b = draw_wall_map(b.keyframes, 1);
   const WallField field(map_a);
-  const double ms = median_ms(5, [&] { search_walls(map_a, field, map_b, 20, 2); });
+  const double ms = median_ms(5, [&] { search_walls(map_a, field, map_b, 20, {}, 2); });
   std::printf("places\n  one pair of wall maps over all shifts and turns: %.0f ms (2 threads)\n", ms);
   return {{"wall_search_ms", ms}};
 }

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstring>
+#include <limits>
 
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
@@ -24,6 +25,8 @@ using test::BoxMine;
 using test::Drive;
 
 constexpr std::size_t most_sessions = 4, most_keyframes = 8, most_attempts = 2;
+constexpr std::size_t export_every = 8;     // inputs: exports cost as much as all else, ...
+constexpr std::size_t closely_every = 256;  // ... and to search walls as closely as the product a hundred times
 
 template <class T>
 T take(std::string_view& bytes) {
@@ -53,7 +56,7 @@ const std::vector<Drive>& drives() {
     for (Drive& drive : made)
       for (KeyframeCloud& cloud : drive.clouds) {
         Points few;
-        for (std::size_t i = 0; i < cloud.sweeps[0].points.size(); i += 32) few.push_back(cloud.sweeps[0].points[i]);
+        for (std::size_t i = 0; i < cloud.sweeps[0].points.size(); i += 64) few.push_back(cloud.sweeps[0].points[i]);
         cloud.sweeps[0].points = few;
       }
     return made;
@@ -103,7 +106,7 @@ std::optional<KeyframeCloud> cloud_of(const KeyframeCloud& sound, std::string_vi
   }
   if (kind > 3) return sound;
   KeyframeCloud cloud{{{Eigen::Vector3f::Zero(), {}}}};
-  const std::size_t places = 1 + take_byte(bytes) % 4U, copies = 1 + take_byte(bytes);
+  const std::size_t places = 1 + take_byte(bytes) % 4U, copies = 1 + take_byte(bytes) % 64U;
   for (std::size_t i = 0; i < places; ++i) {
     Eigen::Vector3f p;
     for (int axis = 0; axis < 3; ++axis)
@@ -147,22 +150,32 @@ void drain(BodySource&& body) {
 
 class Base {
  public:
+  explicit Base(std::size_t turn) : turn_(turn), config_(small(turn % closely_every == 0)) {}
+
   void run(std::string_view bytes) {
-    const std::size_t size = bytes.size();
     while (!bytes.empty()) step(bytes);
     for (const auto& [id, session] : told_) pipeline_.complete_session(id);
-    export_all(size);
+    for (const Component& component : pipeline_.atlas().components)
+      for (const Placement& placement : component.placements)
+        require(placement.T_component_session.matrix().allFinite());
+    if (turn_ % export_every == 0) export_all(turn_ / export_every);
   }
 
  private:
-  /// Little work for each pair, and nothing that waits for path.
-  static MergeConfig small() {
+  /// Little work for each pair; nothing waits for path, and what fits somehow is merged. closely: walls are searched as
+  /// in the product.
+  static MergeConfig small(bool closely) {
     MergeConfig config;
     config.threads = 1;
     config.least_path_m = 0;
     config.shown_m = 0;
+    config.accept_probability = 0;
+    config.runner_up_share = std::numeric_limits<double>::infinity();
     config.hypotheses = 2;
     config.searches = 1;
+    if (closely) return config;
+    config.placements = 3;
+    config.wall_search = {.cell_m = 6, .quarter_turns = 3, .peaks = 4};
     return config;
   }
 
@@ -180,6 +193,7 @@ class Base {
       case 12: return (void)pipeline_.anchor(some_session(bytes));
       case 13: return set_aside_and_take_back(known(bytes));
       case 14: return restore();
+      case 15: return tend(known(bytes), take_byte(bytes));
       default: return grow(bytes, what);
     }
   }
@@ -220,8 +234,17 @@ class Base {
 
   void attempt(SessionId id) {
     if (++attempts_ > most_attempts) return;
-    for (int rounds = 0; rounds < 4; ++rounds)
+    for (int rounds = 0; rounds < 2; ++rounds)
       if (!pipeline_.attempt(id, shelf_).unfinished) return;
+  }
+
+  void tend(SessionId id, std::uint8_t what) {
+    switch (what % 4) {
+      case 0: return (void)pipeline_.freeze(id);
+      case 1: return (void)pipeline_.thaw(id);
+      case 2: return pipeline_.await_no_more(id);
+      default: (void)pipeline_.ask_where(id, what % 8 == 3), (void)pipeline_.localization(id);
+    }
   }
 
   void prepare_ahead(int times) {
@@ -246,15 +269,13 @@ class Base {
     require(next.alignments().size() == pipeline_.alignments().size());
   }
 
-  /// One format for each input, and few plans: the paper of one costs more than all else.
+  /// One format of points for each input, and a plan for each fourth.
   void export_all(std::size_t turn) {
     const PipelineStation station(pipeline_, told_, shelf_);
     for (const Component& component : pipeline_.atlas().components) {
       constexpr std::array formats{CloudFormat::ply, CloudFormat::pcd, CloudFormat::las};
       drain(MapExport(station, {component.id, formats[turn % formats.size()], 0.1, OutputFrame::component}));
-      if (turn % 64 == 0) drain(Plan(station, {.component = component.id, .format = PlanFormat::svg}));
-      for (const Placement& placement : component.placements)
-        require(placement.T_component_session.matrix().allFinite());
+      if (turn % 4 == 0) drain(Plan(station, {.component = component.id, .format = PlanFormat::svg, .pixel_mm = 5}));
     }
     for (const auto& [id, session] : told_) {
       drain(TrajectoryExport(station, {"robot" + std::to_string(id), "s"}));
@@ -265,7 +286,8 @@ class Base {
 
   const FamilySpec family_{ScanContext().id(), drives()[0].keyframes[0].descriptor.q.size(),
                            drives()[0].keyframes[0].descriptor.w.size()};
-  const MergeConfig config_ = small();
+  const std::size_t turn_;  // a number that the input has for its own
+  const MergeConfig config_;
   MergePipeline pipeline_{config_};
   test::Shelf shelf_;
   std::map<SessionId, Told> told_;
@@ -282,6 +304,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  headframe::fuzz::Base().run(headframe::fuzz::text(data, size));
+  const std::string_view bytes = headframe::fuzz::text(data, size);
+  headframe::fuzz::Base(std::hash<std::string_view>{}(bytes)).run(bytes);
   return 0;
 }

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import headframe
 import numpy as np
+from headframe.operator import BaseStation
+from real_server import Server
 
 BIN, OUT, EXAMPLE = (Path(sys.argv.pop(1)).absolute() for _ in range(3))
 
@@ -50,26 +52,13 @@ class Waiting:
             return next(t for t in reversed(self.told) if condition(t))
 
 
-class Server:
-    def __init__(self, data, *options):
-        self.process = subprocess.Popen([BIN / "headframe-server", "--data", data, "--listen", "127.0.0.1:0", "--http",
-                                         "127.0.0.1:0", *options], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        ready = next(line for line in self.process.stdout if "ready" in line)
-        self.address, self.http = (ready.split(what)[1].split(",")[0] for what in ("robots on ", "http on "))
-
-    def stop(self):
-        self.process.terminate()
-        self.process.wait()
-        self.process.stdout.close()
-
-
 class Module(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         shutil.rmtree(OUT, ignore_errors=True)
         OUT.mkdir(parents=True)
         subprocess.run([BIN / "headframe-drawn-sessions", OUT / "drives"], check=True)
-        cls.server = Server(OUT / "data", "--insecure")
+        cls.server = Server(BIN, OUT / "data", "--insecure")
         cls.address = cls.server.address
 
     @classmethod
@@ -99,6 +88,14 @@ class Module(unittest.TestCase):
             T = b.transforms.T_mine_other(b.session, a.session)
             np.testing.assert_allclose(T[:3, 3], T_b_a[:3, 3], atol=0.6)
             np.testing.assert_allclose(T[:2, :2], T_b_a[:2, :2], atol=0.02)
+            support = b.transforms.support(b.session)
+            self.assertEqual((support.merged_with, support.merges, support.confirmed), (a.session, 1, False))
+            self.assertGreater(support.probability, 0.9)
+            self.assertIsNone(b.transforms.support(a.session).merged_with)  # the anchor
+            near, far = support.covariance(), support.covariance([30, 0, 0])
+            self.assertLess(math.sqrt(near[0, 0]), 0.5)
+            self.assertGreater(far[1, 1], near[1, 1])  # what is turned moves what lies far off
+            np.linalg.cholesky(far)
             self.assertEqual(path.points.shape[1], 3)
             in_a = (np.linalg.inv(T_b_a) @ np.c_[path.points, np.ones(len(path.points))].T).T
             self.assertLess(np.abs(in_a[in_a[:, 0] < 26, 1]).max(), 0.7)  # it began along y = 0
@@ -125,6 +122,23 @@ class Module(unittest.TestCase):
             self.assertFalse(robot.add_scan(1, T, points.astype(np.float32)[::-1]))  # its stamp is not after the last
             robot.finish(60)
         robot.close()  # once more: harmless
+
+    def test_a_robot_that_stands_still_is_seen_to_live(self):
+        station = BaseStation(self.server.http)
+        with self.robot("still") as robot:
+            robot.add_scan(1, pose(0.5, 3, 4, 0), np.random.default_rng(2).uniform(2, 9, (500, 3)))
+            robot.live(battery=0.83, health="left track slips")
+            told = [e for e, _ in zip((e for e in station.events() if e["type"] == "live" and e["robot"] == "still"), range(2))][-1]
+            self.assertAlmostEqual(told["live"]["battery"], 0.83, 6)
+            self.assertEqual(told["live"]["health"], "left track slips")
+            self.assertEqual([round(told["live"]["T_session_sensor"][i], 6) for i in (3, 7, 11)], [3, 4, 0])
+            self.assertEqual(told["keyframes"], 1)  # none of it is stored
+            self.assertLess(station.session("still")["live"]["age_s"], 30)
+            table = subprocess.run([BIN / "headframe", "--http", self.server.http, "sessions"], capture_output=True, text=True)
+            self.assertRegex(table.stdout, r"still/.* s ago, 83 %, left track slips")
+            for bad in (1.5, -1, math.nan):
+                self.assertRaises(ValueError, robot.live, bad)
+            self.assertRaises(ValueError, robot.live, None, "", np.full((4, 4), np.nan))
 
     def test_what_can_not_be_opened_says_why(self):
         self.assertRaisesRegex(ValueError, "robot", self.robot, "a/b")
@@ -158,7 +172,7 @@ class Module(unittest.TestCase):
         self.assertEqual(done.returncode, 0)
 
     def test_the_example_enrols_and_sends_a_recording(self):
-        server = Server(OUT / "guarded")
+        server = Server(BIN, OUT / "guarded")
         try:
             added = subprocess.run([BIN / "headframe", "--http", server.http, "--token-file", OUT / "guarded" / "operator.token",
                                     "robot", "add", "example"], check=True, capture_output=True, text=True).stdout

@@ -83,5 +83,13 @@ TEST(Tending, WhatIsFrozenIsSoAfterARestart) {
   EXPECT_TRUE(placed_at(later.pipeline.atlas(), 1).isApprox(placed_at(base.pipeline.atlas(), 1), 1e-9));
 }
 
+TEST(Tending, ASessionWithoutKeyframesIsNotFrozen) {
+  MergePipeline pipeline{MergeConfig()};
+  pipeline.add_session(1, ScanContext().id());
+  const auto frozen = pipeline.freeze(1);
+  ASSERT_FALSE(frozen);
+  EXPECT_EQ(frozen.error().code, ErrorCode::refused);
+}
+
 }  // namespace
 }  // namespace headframe

@@ -14,6 +14,8 @@ class Table : public UplinkSource {
  public:
   std::uint64_t keyframes = 0;
   std::map<std::uint64_t, std::string> clouds;
+  std::optional<LiveState> state;
+  std::optional<LiveState> live() const override { return state; }
   std::uint64_t last_sequence() const override { return keyframes; }
   Result<Keyframe> keyframe(std::uint64_t sequence) const override {
     Keyframe k;
@@ -73,6 +75,7 @@ class UplinkProtocolTest : public testing::Test {
     if (m.has_trigger()) return "trigger";
     if (m.has_localize()) return m.localize().stop() ? "where no more" : "where?";
     if (m.has_coverage_request()) return "coverage?";
+    if (m.has_live()) return "live";
     if (m.has_goodbye()) return m.goodbye().complete() ? "goodbye complete" : "goodbye";
     return m.has_ping() ? "ping" : "pong";
   }

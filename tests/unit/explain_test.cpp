@@ -262,6 +262,15 @@ TEST(Explain, SessionsSayWhatTheyLack) {
   EXPECT_FALSE(says(explain(brief, away, nullptr, false, {}, name).missing, "clouds are here"));
 }
 
+TEST(Explain, AJumpOfTheOdometryIsSaidWithWhatToDo) {
+  ExplainedSession carried = session("ant/1");
+  EXPECT_FALSE(says(explain(carried, session("bee/1"), nullptr, false, {}, name).missing, "begin a new session"));
+  carried.why_cut = "its odometry jumps by 400 m";
+  const auto missing = explain(carried, session("bee/1"), nullptr, false, {}, name).missing;
+  EXPECT_TRUE(says(missing, "ant/1: its odometry jumps by 400 m; what comes after is not merged"));
+  EXPECT_TRUE(says(missing, "begin a new session"));
+}
+
 TEST(Explain, FamiliesThatDifferAreSaidWhereAMergeIsMissing) {
   ExplainedSession newer = session("bee/1");
   newer.family.version = 2;

@@ -239,7 +239,7 @@ TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
     WallMap turned = map;
     for (auto* list : {&turned.walls, &turned.free})
       for (auto& p : *list) p = Eigen::Rotation2Df(static_cast<float>(-yaw)) * (p - Eigen::Vector2f(5, 9));
-    const auto found = search_walls(map, WallField(map), turned, 1, 1);
+    const auto found = search_walls(map, WallField(map), turned, 1, {}, 1);
     ASSERT_EQ(found.size(), 1U);
     EXPECT_NEAR(wrap_rad(found[0].yaw_rad - yaw), 0, 2 * degree);
     EXPECT_LT((found[0].shift_m - Eigen::Vector2d(5, 9)).norm(), 2);
@@ -248,6 +248,19 @@ TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
                     fine = field.refine(turned, coarse, WallField::Step::fine);
     EXPECT_GE(fine.score, coarse.score);
     EXPECT_LT((fine.shift_m - Eigen::Vector2d(5, 9)).norm(), 1);
+  }
+}
+
+TEST(WallSearch, FindsWithinAStepHoweverCoarseItsStepsAre) {
+  const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40)});
+  const WallMap map = draw_wall_map(drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1).keyframes, 0.5F);
+  const WallField field(map);
+  for (const WallSearchSteps& steps : {WallSearchSteps{3, 15, 50}, WallSearchSteps{6, 3, 4}}) {
+    const auto found = search_walls(map, field, map, 1000, steps, 1);
+    ASSERT_FALSE(found.empty());
+    EXPECT_LE(found.size(), 4 * steps.quarter_turns * steps.peaks);
+    EXPECT_NEAR(found[0].yaw_rad, 0, 90 * degree / static_cast<double>(steps.quarter_turns));
+    EXPECT_LT(found[0].shift_m.norm(), 2 * steps.cell_m);
   }
 }
 
@@ -288,7 +301,7 @@ TEST(Hypotheses, ThreadsDoNotChangeThem) {
   const auto a = drive(mine, {{0, 0}, {58, 0}}, 0, 1), b = drive(mine, {{30, 28}, {30, 0}}, 1, 2);
   const WallMap map_a = draw_wall_map(a.keyframes, 1), map_b = draw_wall_map(b.keyframes, 1);
   const WallField field(map_a);
-  const auto one = search_walls(map_a, field, map_b, 5, 1), many = search_walls(map_a, field, map_b, 5, 7);
+  const auto one = search_walls(map_a, field, map_b, 5, {}, 1), many = search_walls(map_a, field, map_b, 5, {}, 7);
   ASSERT_EQ(one.size(), many.size());
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].score, many[i].score);
 }

@@ -31,7 +31,12 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_LT(with(&Evidence::worst_place_violation, 0.06), 0.5);
   EXPECT_LT(with(&Evidence::residual_m, 0.12), 0.5);
   EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.9);
-  EXPECT_LT(with(&Evidence::freespace_violation, 0.02), 0.5);
+  EXPECT_LT(with(&Evidence::rmse_m, 0.25), 0.5);
+  EXPECT_EQ(with(&Evidence::rmse_m, 0.13), p(good)) << "a lidar's noise, and dust";
+  EXPECT_LT(with(&Evidence::rmse_m, 0.14), p(good));
+  EXPECT_LT(with(&Evidence::freespace_violation, 0.03), 0.5);
+  EXPECT_LT(with(&Evidence::look_alikes, 2.5), p(good));
+  EXPECT_EQ(with(&Evidence::look_alikes, 1), p(good)) << "36 m are told from one";
   EXPECT_LT(with(&Evidence::aliases, 3), 0.5) << "36 m of a mine that repeats itself";
   EXPECT_EQ(with(&Evidence::tilt_deg, 3.1), 0);
   EXPECT_LT(with(&Evidence::overlap_m, 15), p(good));
@@ -41,7 +46,7 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   Evidence longer = good;
   longer.aliases = 3;
   longer.overlap_m = 101;
-  EXPECT_GE(p(longer), p(good)) << "a longer overlap makes up for copies";
+  EXPECT_GT(p(longer), 0.98) << "a longer overlap makes up for copies";
 }
 
 TEST(Probability, ALongOverlapOnWhichAllAgreeCounts) {
@@ -149,6 +154,37 @@ TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
   EXPECT_LT(p(12, 0.5), 0.9);
   EXPECT_GT(p(2, 0.5), p(12, 0.5)) << "two keyframes are few";
   EXPECT_EQ(p(10, 0.5), p(100, 0.5)) << "ten say it all";
+}
+
+TEST(Probability, AtACrossingWhereNothingLooksAlikeDescriptorsSayLittle) {
+  const auto p = [](double compared, double look_alikes) {
+    Evidence e = convincing();
+    e.overlap_m = 12;
+    e.descriptors_compared = compared;
+    e.look_alikes = look_alikes;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_GT(p(2, 0), 0.9) << "a surveyed mine: 12 m, both looked another way";
+  EXPECT_LT(p(2, 2.5), 0.9) << "among look-alikes it may be a copy";
+  EXPECT_LT(p(8, 0), 0.5) << "eight are many";
+  EXPECT_GT(p(3, 0), p(4, 0));
+}
+
+TEST(Probability, AShortOverlapAmongManyLookAlikesIsNotBelieved) {
+  const auto p = [](double overlap_m, double look_alikes) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.look_alikes = look_alikes;
+    e.descriptors_compared = 5;
+    e.descriptors_alike = 0.95;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_GT(p(28, 8), 0.9) << "as in tunnel-four";
+  EXPECT_LT(p(23.8, 5.3), 0.9) << "a copy";
+  EXPECT_LT(p(12.7, 7.8), 0.5) << "a copy";
+  EXPECT_GT(p(18.8, 1.1), 0.9) << "one look-alike is told apart";
+  EXPECT_GT(p(12, 2.6), 0.9) << "few look-alikes";
+  EXPECT_NEAR(p(27.99, 8), p(28.01, 8), 1e-3) << "no cliff";
 }
 
 TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {

@@ -107,6 +107,52 @@ TEST_F(Hub, WhatIsProvisionalIsToldToThoseWhoAskAlone) {
   EXPECT_EQ(comes_back(robot_hello("dog")), nullptr) << "nothing was merged";
 }
 
+TEST_F(Hub, HowSureATransformIsIsToldToThoseWhoListIt) {
+  const auto asks = std::make_shared<HeardLink>(), plain = std::make_shared<HeardLink>();
+  const SessionId cat = hub_.admit(asks_for_provisional(robot_hello("cat")), asks).value().session;
+  const SessionId dog = hub_.admit(robot_hello("dog"), plain).value().session;
+  atlas_.components = {{cat, {{cat, Pose::Identity()}, {dog, pose_from_yaw(0.5, {1, 2, 3})}}}};
+  atlas_.components[0].supports = {{.session = cat, .merges = 1},
+                                   {.session = dog,
+                                    .merged_with = cat,
+                                    .probability = 0.97,
+                                    .merges = 1,
+                                    .shared_m = 35,
+                                    .confirmed = true,
+                                    .deviation_m = 0.1,
+                                    .deviation_rad = 0.005}};
+  hub_.publish(atlas_, atlas_.components, {});
+  ASSERT_EQ(asks->update.sessions_size(), 2);
+  EXPECT_FALSE(asks->update.sessions(0).support().has_merged_with()) << "the anchor";
+  const auto& support = asks->update.sessions(1).support();
+  EXPECT_EQ(support.merged_with().robot(), "cat");
+  EXPECT_EQ(support.probability(), 0.97);
+  EXPECT_EQ(support.shared_m(), 35);
+  EXPECT_TRUE(support.confirmed());
+  EXPECT_EQ(support.deviation_m(), 0.1F);
+  ASSERT_EQ(plain->update.sessions_size(), 2);
+  EXPECT_FALSE(plain->update.sessions(1).has_support());
+}
+
+TEST_F(Hub, ARobotsStateIsKeptWithItsAgeAndASparesIsNot) {
+  const auto row = [&] {
+    for (const SessionRow& r : hub_.sessions())
+      if (r.id == id_) return r;
+    throw std::out_of_range("no row");
+  };
+  EXPECT_FALSE(row().live);
+  hub_.take(id_, LiveReceived{{5, std::nullopt, 0.5, "hot"}, 4}, first_);
+  hub_.take(id_, LiveReceived{{6, std::nullopt, 0.1, "a spare"}, 9}, spare_);
+  EXPECT_EQ(row().live->state.health, "hot");
+  EXPECT_EQ(row().live->news, 1U);
+  EXPECT_EQ(row().backlog, 4U);
+  EXPECT_GE(row().live->age_s, 0);
+  hub_.take(id_, LiveReceived{{7, std::nullopt, 0.5, "hot"}, 0}, first_);
+  EXPECT_EQ(row().live->news, 2U);
+  hub_.left(id_, first_.get());
+  EXPECT_EQ(row().live->state.stamp_s, 7) << "where it was seen last";
+}
+
 TEST_F(Hub, WhoLosesATransformHearsWhyAlsoWhenItComesBack) {
   const SessionId other = atlas_.components[0].placements[1].session;
   hub_.publish(atlas_, atlas_.components, {});

@@ -233,6 +233,28 @@ v1::RobotMessage chunk(std::uint64_t sequence, std::uint32_t total, std::uint32_
   return message;
 }
 
+Json live_states() {
+  const std::vector<std::pair<std::string, Change>> changes{
+      {"how the robot is", [](auto&) {}},
+      {"how it is, without a pose", [](auto& m) { m.mutable_live()->clear_t_local_sensor(); }},
+      {"a pose without a rotation", [](auto& m) { m.mutable_live()->mutable_t_local_sensor()->Clear(); }},
+      {"a battery of 1", [](auto& m) { m.mutable_live()->set_battery(1); }},
+      {"a battery beyond 1", [](auto& m) { m.mutable_live()->set_battery(1.5F); }},
+      {"health of 256 bytes", [](auto& m) { m.mutable_live()->set_health(std::string(256, 'h')); }},
+      {"health of 257 bytes", [](auto& m) { m.mutable_live()->set_health(std::string(257, 'h')); }}};
+  Json rows = Json::array();
+  for (const auto& [what, change] : changes) {
+    v1::RobotMessage message;
+    message.mutable_live()->set_stamp_s(12.5);
+    *message.mutable_live()->mutable_t_local_sensor() = good_keyframe(1).keyframe().t_local_sensor();
+    message.mutable_live()->set_health("well");
+    message.set_backlog(2);
+    change(message);
+    rows.push_back(row_of(what, {good_hello(), message}));
+  }
+  return rows;
+}
+
 Json other_messages() {
   v1::RobotMessage ping, goodbye, unknown, localize;
   (void)localize.mutable_localize();
@@ -264,7 +286,8 @@ std::vector<File> link_files() {
   return {frames(),
           names(),
           enrolments(),
-          {"messages", {{"hellos", hellos()}, {"keyframes", keyframes()}, {"others", other_messages()}}}};
+          {"messages",
+           {{"hellos", hellos()}, {"keyframes", keyframes()}, {"live", live_states()}, {"others", other_messages()}}}};
 }
 
 }  // namespace headframe::vectors

@@ -11,8 +11,11 @@ pybind11_add_module(headframe_python_module MODULE NO_EXTRAS python/module/headf
 target_link_libraries(headframe_python_module PRIVATE headframe_robot_client)
 set_target_properties(headframe_python_module PROPERTIES OUTPUT_NAME _robot UNITY_BUILD OFF CXX_VISIBILITY_PRESET hidden
   LIBRARY_OUTPUT_DIRECTORY ${python_module}/headframe)
-add_custom_command(TARGET headframe_python_module POST_BUILD COMMAND ${CMAKE_COMMAND} -E copy_if_different
-  ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.py ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.pyi
-  ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/py.typed ${python_module}/headframe)
-set_property(TARGET headframe_python_module APPEND PROPERTY LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.py
-  ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe/__init__.pyi)
+# What is Python lies beside it; headframe.operator works from where it is too.
+set(python_sources ${CMAKE_CURRENT_SOURCE_DIR}/python/module/headframe)
+file(GLOB python_files CONFIGURE_DEPENDS ${python_sources}/*.py ${python_sources}/*.pyi ${python_sources}/operator/*.py)
+add_custom_command(TARGET headframe_python_module POST_BUILD
+  COMMAND ${CMAKE_COMMAND} -E copy_if_different ${python_sources}/__init__.py ${python_sources}/__init__.pyi
+    ${python_sources}/robot.py ${python_sources}/py.typed ${python_module}/headframe
+  COMMAND ${CMAKE_COMMAND} -E copy_directory ${python_sources}/operator ${python_module}/headframe/operator)
+set_property(TARGET headframe_python_module APPEND PROPERTY LINK_DEPENDS ${python_files})

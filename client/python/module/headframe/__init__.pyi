@@ -35,6 +35,18 @@ class Progress:
     hold: str
     link_error: str
 
+class Support:
+    """How sure a transform is: by the surest way of merges from the anchor to the session."""
+    probability: float
+    merged_with: Optional[SessionKey]
+    merges: int
+    shared_m: float
+    confirmed: bool
+    deviation_m: float
+    deviation_rad: float
+    def covariance(self, away_m: ArrayLike = ...) -> NDArray[np.float64]:
+        """6 x 6, of a place that lies so far from the shared path: x, y, z in metres, rotations about them in radians."""
+
 class Transforms:
     """Where every session of the component lies."""
     revision: int
@@ -43,6 +55,8 @@ class Transforms:
     T_component_session: Dict[SessionKey, NDArray[np.float64]]  # 4 x 4 each
     def T_mine_other(self, mine: SessionKey, other: SessionKey) -> Optional[NDArray[np.float64]]:
         """p_mine = T_mine_other @ p_other; None: one of them is not in the component."""
+    def support(self, session: SessionKey) -> Optional[Support]:
+        """None: the base station is older, or no merge holds it."""
 
 class Localization:
     """Where the robot is in the map of others, if found; else what is missing."""
@@ -117,6 +131,9 @@ class Robot:
     def map_around(self, centre: ArrayLike, radius_m: float, resolution_m: float = 0.2,
                    since: Optional[MapAround] = None, *, callback: Callable[[MapAround], None]) -> None:
         """Asks once for the points of all robots in a sphere of the robot's local frame; since: only what came after."""
+    def live(self, battery: Optional[float] = None, health: str = "", T_local_sensor: Optional[ArrayLike] = None,
+             stamp_s: float = 0.0) -> None:
+        """What operators see of the robot, each second at most; battery 0 to 1. add_scan says the pose by itself."""
     def trigger(self, reason: str = "") -> None: ...
     def finish(self, patience_s: float = 30.0) -> None:
         """Waits until all is acknowledged. Error: nothing went on for so long; the spool keeps everything."""

@@ -82,6 +82,14 @@ bool add_scan(RobotClient& robot, double stamp_s, const Matrix4& T_local_sensor,
   return value_of(robot.add_scan(stamp_s, T, copied));
 }
 
+void say_live(RobotClient& robot, std::optional<double> battery, const std::string& health,
+              const std::optional<Matrix4>& T_local_sensor, double stamp_s) {
+  LiveState state{stamp_s, std::nullopt, battery, health};
+  if (T_local_sensor) state.T_local_sensor = pose_of(*T_local_sensor);
+  const py::gil_scoped_release others_run;
+  value_of(robot.live(state));
+}
+
 void finish(RobotClient& robot, double patience_s) {
   const py::gil_scoped_release others_run;
   value_of(robot.finish(milliseconds(patience_s)));
@@ -118,6 +126,15 @@ void describe_values(py::module_& m) {
       .def_readonly("refused", &Progress::refused)
       .def_readonly("hold", &Progress::hold)
       .def_readonly("link_error", &Progress::link_error);
+  py::class_<Transforms::Support>(m, "Support")
+      .def_readonly("probability", &Transforms::Support::probability)
+      .def_readonly("merged_with", &Transforms::Support::merged_with)
+      .def_readonly("merges", &Transforms::Support::merges)
+      .def_readonly("shared_m", &Transforms::Support::shared_m)
+      .def_readonly("confirmed", &Transforms::Support::confirmed)
+      .def_readonly("deviation_m", &Transforms::Support::deviation_m)
+      .def_readonly("deviation_rad", &Transforms::Support::deviation_rad)
+      .def("covariance", &Transforms::Support::covariance, py::arg("away_m") = Eigen::Vector3d(0, 0, 0));
   py::class_<Transforms>(m, "Transforms")
       .def_readonly("revision", &Transforms::revision)
       .def_readonly("component", &Transforms::component)
@@ -129,6 +146,11 @@ void describe_values(py::module_& m) {
                                  all[py::cast(s.session)] = matrix_of(s.T_component_session);
                                return all;
                              })
+      .def("support",
+           [](const Transforms& t, const SessionKey& session) -> py::object {
+             const auto* support = t.support(session);
+             return support ? py::cast(*support) : py::none();
+           })
       .def("T_mine_other", [](const Transforms& t, const SessionKey& mine, const SessionKey& other) -> py::object {
         const auto T = t.T_mine_other(mine, other);
         return T ? py::cast(matrix_of(*T)) : py::none();
@@ -224,6 +246,8 @@ PYBIND11_MODULE(_robot, m) {
       .def("coverage", subscription(&RobotClient::coverage), py::arg("callback"))
       .def("map_around", &ask_sphere, py::arg("centre"), py::arg("radius_m"), py::arg("resolution_m") = 0.2,
            py::arg("since") = std::nullopt, py::arg("callback"))
+      .def("live", &say_live, py::arg("battery") = std::nullopt, py::arg("health") = "",
+           py::arg("T_local_sensor") = std::nullopt, py::arg("stamp_s") = 0.0)
       .def("trigger", &RobotClient::trigger, py::arg("reason") = "", others_run)
       .def("finish", &finish, py::arg("patience_s") = 30.0)
       .def("close", &RobotClient::close, others_run)

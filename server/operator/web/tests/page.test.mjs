@@ -54,6 +54,7 @@ test('keyframes and points appear while a robot drives, and a merge brings two m
   const early = (await shown(page)).keyframes[0];
   await until('more of them', async () => (await shown(page)).keyframes[0] > early);
   await until('points', async () => (await shown(page)).points > 0);
+  await page.locator('.robot', { hasText: 'a' }).getByText(/^alive [0-9.]+ s ago/).waitFor();
   await picture(page, 'driving');
   // A robot that came after the page was opened, without a revision since.
   await press('Export');

@@ -1,10 +1,11 @@
 // Who is there, how well we hear them, how far behind they are.
 
+import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Desk } from '../context';
 import { routes } from '../actions/actions';
-import { bytes, compact, duration, metres } from '../parts/format';
+import { bytes, compact, duration, metres, percent } from '../parts/format';
 import { Icon } from '../parts/icons';
-import type { Session } from '../station/types';
+import type { Live, Session } from '../station/types';
 import { Fleet } from './fleet';
 import { People } from './people';
 
@@ -30,6 +31,23 @@ function LinkBar({ session }: { session: Session }) {
   );
 }
 
+/** Robots say every five seconds at least that they live. */
+const quiet_s = 12;
+
+/** What the robot says of itself, and how long ago that was: one that stands still is seen to live. */
+function Alive({ live }: { live: Live }) {
+  const [now_ms, look] = useState(Date.now());
+  const said = useRef({ live, at_ms: Date.now() - 1000 * live.age_s });
+  if (said.current.live !== live) said.current = { live, at_ms: Date.now() - 1000 * live.age_s };
+  useEffect(() => {
+    const timer = setInterval(() => look(Date.now()), 1000);
+    return () => clearInterval(timer);
+  }, []);
+  const age_s = Math.max(0, (now_ms - said.current.at_ms) / 1000);
+  const words = [`alive ${duration(age_s)} ago`, live.battery === null ? '' : `battery ${percent(live.battery)}`, live.health ?? ''];
+  return <span class={age_s > quiet_s ? 'robot-alive behind' : 'robot-alive'}>{words.filter(Boolean).join(', ')}</span>;
+}
+
 function Row({ desk, session }: { desk: Desk; session: Session }) {
   const { station, ui, colours } = desk;
   const open = ui.now.session === session.id;
@@ -53,6 +71,7 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
           {session.backlog > 0 ? <span class="behind">{compact(session.backlog)} behind</span> : <span>{session.complete ? 'finished' : session.connected ? 'up to date' : 'away'}</span>}
           <span class="end">{session.connected ? `${bytes(session.bytes_per_s ?? 0)}/s` : metres(session.distance_m ?? 0)}</span>
         </span>
+        {session.connected && session.live && <Alive live={session.live} />}
       </button>
       {open && (
         <div class="robot-more">

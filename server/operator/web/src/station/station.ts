@@ -276,6 +276,9 @@ export class Station {
       case 'renamed':
         this.takeSession(event);
         break;
+      case 'live':
+        this.sessions = new Map(this.sessions).set(event.id, { ...this.sessions.get(event.id), ...event });
+        break;
       case 'alignment':
         this.alignments = new Map(this.alignments).set(event.alignment.id, event.alignment);
         break;

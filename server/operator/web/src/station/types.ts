@@ -9,6 +9,16 @@ export interface SessionName {
   session: string;
 }
 
+/** What a robot said last of itself; never part of the map. */
+export interface Live {
+  age_s: number;
+  stamp_s: number;
+  T_session_sensor: Transform | null;
+  /** 0: empty, 1: full. */
+  battery: number | null;
+  health: string | null;
+}
+
 export interface Session extends SessionName {
   id: number;
   label?: string | null;
@@ -22,6 +32,7 @@ export interface Session extends SessionName {
   backlog: number;
   bytes_per_s: number | null;
   link_age_s: number | null;
+  live?: Live | null;
   distance_m: number | null;
   trigger_to_transform_ms: number | null;
   component?: number | null;
@@ -176,7 +187,7 @@ export interface Keyframe {
 
 export type StationEvent =
   | { type: 'snapshot'; sessions: { sessions: Session[] }; atlas: Atlas & { pending?: Pending } }
-  | ({ type: 'robot_connected' | 'robot_left' | 'keyframes' | 'renamed' } & Session)
+  | ({ type: 'robot_connected' | 'robot_left' | 'keyframes' | 'renamed' | 'live' } & Session)
   | { type: 'alignment'; alignment: Alignment }
   | { type: 'revision'; revision: number; components: number }
   | { type: 'pending'; pending: Pending }
