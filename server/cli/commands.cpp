@@ -105,7 +105,9 @@ Result<int> Commands::atlas(std::optional<double> wait_s) {
   return printed(fetched("/api/v1/atlas"), across_terminal(atlas_view));
 }
 
-Result<int> Commands::alignments() { return printed(fetched("/api/v1/alignments"), across_terminal(alignments_view)); }
+Result<int> Commands::alignments(int most_rejected) {
+  return printed(fetched("/api/v1/alignments?most=" + std::to_string(most_rejected)), across_terminal(alignments_view));
+}
 
 Result<int> Commands::changes(double since_s) {
   return printed(fetched("/api/v1/changes?since=" + fixed(since_s, 0)), across_terminal(changes_view));
@@ -114,7 +116,7 @@ Result<int> Commands::changes(double since_s) {
 /// Whether there is nothing against confirming it. One that is not known is the server's to refuse.
 Result<void> Commands::check_confirm(const std::string& alignment) {
   constexpr double doubtful = 0.5;
-  const auto body = fetched("/api/v1/alignments");
+  const auto body = fetched("/api/v1/alignments?id=" + percent_encoded(alignment));
   if (!body) return tl::unexpected(body.error());
   const Json all = Json::parse(*body);
   for (const Json& row : all.at("alignments")) {

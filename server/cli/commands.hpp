@@ -34,8 +34,8 @@ class Commands {
   Result<int> sessions();
   /// With wait_s: once nothing is pending; prints the atlas all the same when time runs out.
   Result<int> atlas(std::optional<double> wait_s);
-  /// Every alignment with its evidence.
-  Result<int> alignments();
+  /// Every alignment with its evidence; of pairs that came to nothing at most so many, the newest.
+  Result<int> alignments(int most_rejected);
   /// What changed in the mine since a date (seconds since 1970), as merged sessions tell.
   Result<int> changes(double since_s);
   /// "confirm", "refuse", "retract" or "undo" of the alignment with this id. refused: to confirm one that other

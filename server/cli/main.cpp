@@ -22,7 +22,7 @@ struct Options {
   std::optional<double> wait_s;
   std::optional<std::string> note;
   double every_s = 1;
-  int times = 0, most = 10000, mib = 0;
+  int times = 0, most = 10000, rejected = 1000, mib = 0;
   std::vector<double> at;
   headframe::MapRequest map;
   std::string person, role = "operate";
@@ -68,7 +68,9 @@ void add_commands(CLI::App& app, Options& options) {
       ->add_option("SHELL", options.shell, "bash (default), zsh or fish")
       ->check(CLI::IsMember(
           std::vector<std::string>(headframe::completed_shells.begin(), headframe::completed_shells.end())));
-  add("alignments", "Every alignment with its evidence", [](Commands& c) { return c.alignments(); });
+  add("alignments", "Every alignment with its evidence", [&](Commands& c) { return c.alignments(options.rejected); })
+      ->add_option("--most", options.rejected, "Of pairs that came to nothing, the newest (default 1000)")
+      ->check(CLI::Range(0, 1000000));
   add("changes", "What changed in the mine between sessions that are merged, the newest first",
       [&](Commands& c) { return c.changes(options.since_s); })
       ->add_option_function<std::string>(

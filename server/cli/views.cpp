@@ -120,8 +120,12 @@ std::string families_text(const Json& sessions) {
 
 std::string alignments_view(const Json& alignments, std::size_t width) {
   const Json& rows = alignments.at("alignments");
-  if (rows.empty()) return "no alignment yet: two sessions of one descriptor family are needed\n";
-  return alignment_table(rows, width).substr(1);
+  const auto left_out = alignments.value("left_out", 0);
+  const std::string more = left_out == 0 ? ""
+                                         : counted(left_out, "older pair") +
+                                               " that came to nothing left out: --most N shows more\n";
+  if (!rows.empty()) return alignment_table(rows, width).substr(1) + more;
+  return more.empty() ? "no alignment yet: two sessions of one descriptor family are needed\n" : more;
 }
 
 std::string decision_view(const Json& decided) {

@@ -6,7 +6,7 @@ namespace headframe::routes {
 
 /// POST /api/v1/alignments/{id}/{decision}
 Result<Reply> decide(const Query& query, const Context& context) {
-  const auto id = alignment_in_path(query);
+  const auto id = alignment_named(query);
   if (!id) return tl::unexpected(id.error());
   const std::string& name = query.at("decision");
   const auto decision = decision_from(name);

@@ -1,5 +1,6 @@
 #include "server/operator/api_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -83,6 +84,8 @@ Json session_object(const SessionRow& row) {
           {"distance_m", number(row.distance_m)},
           {"trigger_to_transform_ms", row.trigger_to_transform_ms >= 0 ? number(row.trigger_to_transform_ms) : Json()}};
 }
+
+bool came_to_nothing(const Alignment& k) { return k.state == AlignmentState::rejected && k.ruling == Ruling::none; }
 
 SessionId component_of(const Atlas& atlas, SessionId session_id) {
   for (const Component& component : atlas.components)
@@ -178,11 +181,25 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
   return text({{"sessions", std::move(rows)}});
 }
 
-std::string alignments_json(const AtlasView& view, std::optional<AlignmentState> state) {
+std::string alignments_json(const AtlasView& view, const AlignmentChoice& choice) {
+  std::vector<const AlignmentRow*> chosen;
+  std::size_t rejected = 0;
+  for (const AlignmentRow& row : view.alignments) {
+    if (choice.state && row.alignment.state != *choice.state) continue;
+    if (choice.id && row.alignment.id != *choice.id) continue;
+    chosen.push_back(&row);
+    rejected += came_to_nothing(row.alignment) ? 1 : 0;
+  }
+  const std::size_t left_out = rejected - std::min(rejected, choice.most_rejected);
+  std::size_t older = left_out;  // alignments are in the order in which they were first tried
   Json rows = Json::array();
-  for (const AlignmentRow& row : view.alignments)
-    if (!state || row.alignment.state == *state) rows.push_back(alignment_object(row));
-  return text({{"revision", view.atlas.revision}, {"alignments", std::move(rows)}});
+  for (const AlignmentRow* row : chosen) {
+    if (older > 0 && came_to_nothing(row->alignment))
+      --older;
+    else
+      rows.push_back(alignment_object(*row));
+  }
+  return text({{"revision", view.atlas.revision}, {"left_out", left_out}, {"alignments", std::move(rows)}});
 }
 
 std::string alignment_json(const AtlasView& view, AlignmentId id) {
@@ -246,8 +263,7 @@ std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& ses
   Json alignments = Json::array();
   std::size_t rejected = 0;
   for (const AlignmentRow& row : view.alignments) {
-    const Alignment& k = row.alignment;
-    if (k.state == AlignmentState::rejected && k.ruling == Ruling::none)
+    if (came_to_nothing(row.alignment))
       ++rejected;
     else
       alignments.push_back(alignment_object(row));

@@ -29,8 +29,15 @@ std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& 
 /// null.
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait);
 
-/// All alignments, or those in this state, with the revision they are of.
-std::string alignments_json(const AtlasView& view, std::optional<AlignmentState> state);
+/// Which alignments an answer has.
+struct AlignmentChoice {
+  std::optional<AlignmentState> state;  // those in this state alone
+  std::optional<AlignmentId> id;        // this one alone
+  std::size_t most_rejected = 0;        // of those that were rejected by the evidence alone, the newest
+};
+
+/// With the revision they are of, and how many were left out for most_rejected.
+std::string alignments_json(const AtlasView& view, const AlignmentChoice& choice);
 /// One of them; an error's JSON when it is not there.
 std::string alignment_json(const AtlasView& view, AlignmentId id);
 

@@ -48,8 +48,13 @@ void Overview::choose_sessions() {
   std::sort(rows.begin(), rows.end(), [](const SessionRow* s, const SessionRow* t) {
     return std::pair(s->connected, s->id) > std::pair(t->connected, t->id);
   });
-  if (rows.size() > most_sessions_) rows.resize(most_sessions_);
-  for (const SessionRow* row : rows) with_points_.insert(row->id);
+  std::size_t left = most_clouds_;
+  for (const SessionRow* row : rows) {
+    const std::size_t clouds = tiles_.has(row->id, level_) ? 0 : row->clouds;
+    if (clouds > left) continue;
+    left -= clouds;
+    with_points_.insert(row->id);
+  }
 }
 
 Result<std::string> Overview::session(SessionId id) const {

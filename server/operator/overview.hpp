@@ -13,11 +13,12 @@ namespace headframe {
 /// event comes first; then of each session in its order the keyframes as PathJson, and the first points as PointStream.
 class Overview : public BodySource {
  public:
-  /// most_points: of each of so many sessions, those that are connected and the newest; of the others there are none:
-  /// to read clouds of a thousand takes minutes.
+  /// most_points: of each session that has points. To read the clouds of a thousand sessions takes minutes: points have
+  /// those whose tiles are in memory, and of the others those that are connected and then the newest, while they have no
+  /// more than most_clouds together.
   Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points,
-           std::size_t most_sessions = 100)
-      : station_(station), tiles_(tiles), level_(level), most_points_(most_points), most_sessions_(most_sessions) {}
+           std::size_t most_clouds = 2000)
+      : station_(station), tiles_(tiles), level_(level), most_points_(most_points), most_clouds_(most_clouds) {}
 
   /// One session for each call.
   Result<std::optional<std::string>> next() override;
@@ -28,7 +29,7 @@ class Overview : public BodySource {
 
   const Station& station_;
   PointTiles& tiles_;
-  const std::size_t level_, most_points_, most_sessions_;
+  const std::size_t level_, most_points_, most_clouds_;
   std::set<SessionId> with_points_;
   std::optional<StationLook> look_;  // when the answer began
   std::size_t at_ = 0;

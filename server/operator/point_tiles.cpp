@@ -101,6 +101,13 @@ std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level
   return entries_.front().tile;
 }
 
+bool PointTiles::has(SessionId session, std::size_t level) {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) {
+    return e.key == std::pair(session, level) && e.tile->bytes() > 0;
+  });
+}
+
 Result<std::optional<std::string>> PointStream::next() {
   if (left_ == 0) return std::nullopt;
   auto block = tile_->block(next_++);

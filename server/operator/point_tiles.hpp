@@ -52,6 +52,8 @@ class PointTiles {
       : station_(station), most_bytes_(most_bytes) {}
 
   std::shared_ptr<PointTile> tile(SessionId session, std::size_t level);
+  /// Whether blocks of it are in memory.
+  bool has(SessionId session, std::size_t level);
 
  private:
   struct Entry {

@@ -28,7 +28,7 @@ constexpr std::array all_routes =
                           {"GET", "/api/v1/status", {}, status},
                           {"GET", "/api/v1/sessions", {}, sessions},
                           {"GET", "/api/v1/atlas", {"wait"}, atlas},
-                          {"GET", "/api/v1/alignments", {"state"}, alignments},
+                          {"GET", "/api/v1/alignments", {"state", "id", "most"}, alignments},
                           {"GET", "/api/v1/changes", {"since"}, changes},
                           {"POST", "/api/v1/alignments/{id}/{decision}", {}, decide},
                           {"GET", "/api/v1/explain", {"a", "b"}, explain_pair},

@@ -44,7 +44,7 @@ Result<SessionRow> session_with(const std::string& text, const Context& context)
   return failure(ErrorCode::not_found, "there is no session " + text + "; the list of sessions has those there are");
 }
 
-Result<AlignmentId> alignment_in_path(const Query& query) {
+Result<AlignmentId> alignment_named(const Query& query) {
   const std::string& text = query.at("id");
   if (const auto id = whole(text)) return *id;
   return failure(ErrorCode::invalid_argument,

@@ -34,8 +34,8 @@ Result<std::size_t> whole_number(const Query& query, const char* name, double ot
 Result<SessionRow> session_with(const std::string& id, const Context& context);
 /// The session whose id is in the path.
 Result<SessionRow> session_in_path(const Query& query, const Context& context);
-/// The id of the alignment in the path; whether there is one, the station knows.
-Result<AlignmentId> alignment_in_path(const Query& query);
+/// The id of the alignment in the path or the query; whether there is one, the station knows.
+Result<AlignmentId> alignment_named(const Query& query);
 
 // service_routes.cpp
 Result<Reply> page(const Query&, const Context&);

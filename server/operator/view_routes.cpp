@@ -39,15 +39,24 @@ Result<Reply> atlas(const Query& query, const Context& context) {
 }
 
 Result<Reply> alignments(const Query& query, const Context& context) {
-  std::optional<AlignmentState> state;
+  constexpr double most_rejected = 1000;
+  AlignmentChoice choice;
+  const auto most = whole_number(query, "most", most_rejected, 1e6);
+  if (!most) return tl::unexpected(most.error());
+  choice.most_rejected = *most;
+  if (query.contains("id")) {
+    const auto id = alignment_named(query);
+    if (!id) return tl::unexpected(id.error());
+    choice.id = *id;
+  }
   if (const auto asked = query.find("state"); asked != query.end()) {
-    state = alignment_state_from(asked->second);
-    if (!state)
+    choice.state = alignment_state_from(asked->second);
+    if (!choice.state)
       return failure(ErrorCode::invalid_argument, "there is no state \"" + asked->second + "\"" +
                                                       "; there are candidate, provisional, verified, published, "
                                                       "retracted, rejected");
   }
-  return json(alignments_json(context.station.atlas(), state));
+  return json(alignments_json(context.station.atlas(), choice));
 }
 
 Result<Reply> changes(const Query& query, const Context& context) {
@@ -97,7 +106,7 @@ Result<Reply> path(const Query& query, const Context& context) {
 }
 
 Result<Reply> overlay(const Query& query, const Context& context) {
-  const auto id = alignment_in_path(query);
+  const auto id = alignment_named(query);
   if (!id) return tl::unexpected(id.error());
   const auto most = whole_number(query, "most", 10000, 1e5);
   if (!most) return tl::unexpected(most.error());

@@ -53,6 +53,7 @@ class Merged(unittest.TestCase):
         self.assertEqual({s["robot"] for s in self.station.sessions()}, {"a", "b"})
         self.assertEqual(self.station.session("b")["robot"], "b")
         self.assertEqual([a["state"] for a in self.station.alignments("published")], ["published"])
+        self.assertEqual(self.station.alignments(id=999), [])
         self.assertIn("outcome", self.station.explain("a", "b"))
         self.assertEqual(self.station.get("/api/v1/changes", since=0)["changes"], [])
 
@@ -81,7 +82,7 @@ class Merged(unittest.TestCase):
     def test_a_doubtful_one_is_confirmed_all_the_same_only(self):
         row = {"id": 7, "state": "rejected", "evidence": {"probability": 0.2}}
         station = BaseStation(self.server.http, token_file=self.server.token_file)
-        station.alignments = lambda state=None: [row]
+        station.alignments = lambda id: [row]
         fault = fault_of(station.confirm, 7)
         self.assertEqual(fault.status, 403)
         self.assertIn("0.200", str(fault))

@@ -113,6 +113,9 @@ TEST_F(HeadframeCommand, DecisionsAreOneLine) {
   EXPECT_EQ(run("confirm --yes 2").out,
             "alignment 2, alpha/run/1 and gamma \"3\"/run/1: published, confirmed; revision 7\n");
   EXPECT_NE(run("alignments").out.find("published, confirmed"), std::string::npos);
+  server.station.change([&] { server.station.view.alignments[0].alignment.state = AlignmentState::rejected; });
+  EXPECT_NE(run("alignments --most 0").out.find("1 older pair that came to nothing left out"), std::string::npos);
+  expect_fault(run("alignments --most all"), 2, "all");
   EXPECT_EQ(run("undo 2").code, 0);
   EXPECT_EQ(server.station.decided.back(), std::pair(AlignmentId{2}, Decision::undo));
   EXPECT_EQ(Json::parse(run("refuse --json 2").out)["alignment"]["id"], 2);

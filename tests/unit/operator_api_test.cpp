@@ -68,9 +68,8 @@ TEST_F(OperatorApiTest, TheOverviewIsTheSnapshotThenPathAndPointsOfEverySession)
 }
 
 /// The lengths of the points of each session.
-std::vector<std::uint32_t> points_of_overview(const Station& station, std::size_t most_sessions) {
-  PointTiles tiles(station);
-  Overview overview(station, tiles, 4, 1000, most_sessions);
+std::vector<std::uint32_t> points_of_overview(const Station& station, PointTiles& tiles, std::size_t most_clouds) {
+  Overview overview(station, tiles, 4, 1000, most_clouds);
   std::string body;
   while (const auto piece = overview.next().value()) body += *piece;
   std::vector<std::uint32_t> lengths;
@@ -83,17 +82,31 @@ std::vector<std::uint32_t> points_of_overview(const Station& station, std::size_
   return points;
 }
 
-TEST(Overview, HasPointsOfTheConnectedAndTheNewestSessionsAlone) {
-  FakeStation station;  // sessions 2 and 3 are connected
-  const auto all = points_of_overview(station, 3);
+TEST(Overview, HasPointsOfAsManySessionsAsHaveFewClouds) {
+  FakeStation station;  // of two clouds each; sessions 2 and 3 are connected
+  const auto lengths = [&](std::size_t most_clouds) {
+    PointTiles tiles(station);
+    return points_of_overview(station, tiles, most_clouds);
+  };
+  const auto all = lengths(6);
   ASSERT_EQ(all.size(), 3U);
   for (const std::uint32_t bytes : all) EXPECT_GT(bytes, 0U);
   using Lengths = std::vector<std::uint32_t>;
-  EXPECT_EQ(points_of_overview(station, 2), (Lengths{0, all[1], all[2]}));
-  EXPECT_EQ(points_of_overview(station, 1), (Lengths{0, 0, all[2]}));
+  EXPECT_EQ(lengths(5), (Lengths{0, all[1], all[2]}));
+  EXPECT_EQ(lengths(3), (Lengths{0, 0, all[2]}));
   station.rows[2].connected = false;
-  EXPECT_EQ(points_of_overview(station, 1), (Lengths{0, all[1], 0}));
-  EXPECT_EQ(points_of_overview(station, 0), (Lengths{0, 0, 0}));
+  EXPECT_EQ(lengths(2), (Lengths{0, all[1], 0}));
+  EXPECT_EQ(lengths(1), (Lengths{0, 0, 0}));
+}
+
+TEST(Overview, HasThePointsThatAreInMemory) {
+  FakeStation station;
+  PointTiles tiles(station);
+  ASSERT_TRUE(tiles.tile(1, 4)->block(0));
+  ASSERT_TRUE(tiles.tile(3, 0)->block(0)) << "of another level";
+  const auto points = points_of_overview(station, tiles, 0);
+  EXPECT_GT(points[0], 0U);
+  EXPECT_EQ(points[1] + points[2], 0U);
 }
 
 TEST_F(OperatorApiTest, SessionsCarryTheirComponent) {
@@ -144,6 +157,38 @@ TEST_F(OperatorApiTest, AlignmentsAreAllOrThoseInOneState) {
   EXPECT_EQ(rejected[0]["state"], "rejected");
   EXPECT_TRUE(Json::parse(get("/api/v1/alignments?state=verified").body)["alignments"].empty());
   EXPECT_EQ(get("/api/v1/alignments?state=good").status, 400);
+  const Json second = Json::parse(get("/api/v1/alignments?id=2").body)["alignments"];
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0]["id"], 2);
+  EXPECT_TRUE(Json::parse(get("/api/v1/alignments?id=9").body)["alignments"].empty());
+  EXPECT_EQ(get("/api/v1/alignments?id=two").status, 400);
+}
+
+TEST_F(OperatorApiTest, OfPairsThatCameToNothingTheNewestAreSent) {
+  server.station.change([&] {
+    std::vector<AlignmentRow>& rows = server.station.view.alignments;  // 1 is published, 2 was rejected
+    AlignmentRow rejected = rows[1];
+    rows[1].alignment.ruling = Ruling::refused;
+    for (rejected.alignment.id = 3; rejected.alignment.id <= 2000; ++rejected.alignment.id) rows.push_back(rejected);
+  });
+  const auto ids = [&](const std::string& query, std::size_t left_out) {
+    const Json answer = Json::parse(get("/api/v1/alignments" + query).body);
+    EXPECT_EQ(answer["left_out"], left_out) << query;
+    std::vector<AlignmentId> out;
+    for (const Json& row : answer["alignments"]) out.push_back(row["id"]);
+    return out;
+  };
+  using Ids = std::vector<AlignmentId>;
+  EXPECT_EQ(ids("?most=0", 1998), (Ids{1, 2})) << "what an operator refused is no pair that came to nothing";
+  EXPECT_EQ(ids("?most=2", 1996), (Ids{1, 2, 1999, 2000}));
+  EXPECT_EQ(ids("?most=1&state=rejected", 1997), (Ids{2, 2000}));
+  EXPECT_EQ(ids("", 998).size(), 1002U);
+  EXPECT_EQ(ids("?most=1998", 0).size(), 2000U);
+  EXPECT_EQ(ids("?id=3", 0), Ids{3}) << "however old";
+  EXPECT_EQ(get("/api/v1/alignments?most=-1").status, 400);
+  const Json atlas = Json::parse(get("/api/v1/atlas").body);
+  EXPECT_EQ(atlas["alignments"].size(), 2U);
+  EXPECT_EQ(atlas["rejected"], 1998);
 }
 
 TEST_F(OperatorApiTest, NamesThatAreNoUtf8AreStillShown) {

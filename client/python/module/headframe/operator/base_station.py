@@ -76,9 +76,10 @@ class BaseStation:
             if not atlas["waited_out"] or left_s <= SLICE_S:
                 return atlas
 
-    def alignments(self, state: Optional[str] = None) -> List[Json]:
-        """All, or those in this state: "published", "verified", "rejected" and so on."""
-        return self.get("/api/v1/alignments", state=state)["alignments"]
+    def alignments(self, state: Optional[str] = None, most_rejected: int = 1000, id: Optional[int] = None) -> List[Json]:
+        """All, or those in this state ("published", "verified", "rejected" and so on), or this one; of pairs that came to
+        nothing at most so many, the newest."""
+        return self.get("/api/v1/alignments", state=state, id=id, most=most_rejected)["alignments"]
 
     def explain(self, a: str, b: str) -> Json:
         """Why two sessions are or are not merged."""
@@ -99,7 +100,7 @@ class BaseStation:
     def confirm(self, alignment: int, all_the_same: bool = False) -> Json:
         """Makes it a merge. One that is improbable, or that other sessions contradict, only all the same: a wrong merge
         sends robots wrong transforms."""
-        for row in [] if all_the_same else self.alignments():
+        for row in [] if all_the_same else self.alignments(id=alignment):
             probability = row["evidence"].get("probability") or 0.0
             if row["id"] == alignment and row["state"] != "published" and (row["state"] == "verified" or probability < 0.5):
                 why = "other sessions contradict it" if row["state"] == "verified" else f"its probability is {probability:.3f}"

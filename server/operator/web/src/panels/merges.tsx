@@ -3,6 +3,7 @@
 import type { Desk } from '../context';
 import { Chip } from '../parts/chip';
 import { sureness } from '../station/pairs';
+import { mostRejected } from '../station/station';
 import type { Alignment, State } from '../station/types';
 import { Evidence } from './evidence';
 import { MergeGraph } from './graph';
@@ -79,7 +80,7 @@ export function MergesPanel({ desk }: { desk: Desk }) {
       {rejected > 0 && (
         <label class="check">
           <input type="checkbox" checked={ui.now.showRejected} onChange={(event) => showRejected(event.currentTarget.checked)} />
-          Show {rejected} {rejected === 1 ? 'pair' : 'pairs'} without a match
+          Show {rejected > mostRejected ? `the newest ${mostRejected} of ${rejected}` : rejected} {rejected === 1 ? 'pair' : 'pairs'} without a match
         </label>
       )}
     </>

@@ -9,6 +9,7 @@ import type { Alignment, Atlas, Change, Component, Keyframe, Me, Note, Pending, 
 
 const lookAround_ms = 2000;
 const together_ms = 300; // changes of the atlas within it are one request
+export const mostRejected = 1000; // pairs that came to nothing, the newest: to show all of some years would take too long
 
 export interface Placed {
   component: number;
@@ -146,7 +147,7 @@ export class Station {
   }
 
   private async readRejected(): Promise<void> {
-    const { alignments } = await askJson<{ alignments: Alignment[] }>('/api/v1/alignments?state=rejected');
+    const { alignments } = await askJson<{ alignments: Alignment[] }>(`/api/v1/alignments?state=rejected&most=${mostRejected}`);
     this.alignments = new Map([...this.alignments, ...alignments.map((alignment) => [alignment.id, alignment] as const)]);
   }
 
