@@ -68,9 +68,6 @@ void add_commands(CLI::App& app, Options& options) {
       ->add_option("SHELL", options.shell, "bash (default), zsh or fish")
       ->check(CLI::IsMember(
           std::vector<std::string>(headframe::completed_shells.begin(), headframe::completed_shells.end())));
-  add("alignments", "Every alignment with its evidence", [&](Commands& c) { return c.alignments(options.rejected); })
-      ->add_option("--most", options.rejected, "Of pairs that came to nothing, the newest (default 1000)")
-      ->check(CLI::Range(0, 1000000));
   add("changes", "What changed in the mine between sessions that are merged, the newest first",
       [&](Commands& c) { return c.changes(options.since_s); })
       ->add_option_function<std::string>(
@@ -80,6 +77,16 @@ void add_commands(CLI::App& app, Options& options) {
       ->check([](const std::string& date) {
         return headframe::seconds_of(date) ? std::string() : date + " is no date; write YYYY-MM-DD, as in 2026-11-23";
       });
+  wait(add("merge", "Try to merge every session now, and wait for the outcome",
+           [&](Commands& c) { return c.merge(options.wait_s); }),
+       "Wait no longer than this; exit status 3 when work is still pending");
+}
+
+void add_pair_commands(CLI::App& app, Options& options) {
+  const auto add = adder(app, options);
+  add("alignments", "Every alignment with its evidence", [&](Commands& c) { return c.alignments(options.rejected); })
+      ->add_option("--most", options.rejected, "Of pairs that came to nothing, the newest (default 1000)")
+      ->check(CLI::Range(0, 1000000));
   const auto decision = [&](const char* name, const char* what) {
     CLI::App* sub = add(
         name, what, [&options, name](Commands& c) { return c.decide(name, options.alignment, options.all_the_same); });
@@ -104,9 +111,6 @@ void add_commands(CLI::App& app, Options& options) {
       ->type_name("X Y Z YAW");
   place->add_option("--pairs", options.file, "Three spots or more, a line each: x y z in A, then x y z in B")
       ->type_name("FILE");
-  wait(add("merge", "Try to merge every session now, and wait for the outcome",
-           [&](Commands& c) { return c.merge(options.wait_s); }),
-       "Wait no longer than this; exit status 3 when work is still pending");
 }
 
 constexpr const char* session_help = "robot/session, or the robot or the label when just one has it";
@@ -146,6 +150,18 @@ void add_export_commands(CLI::App& app, Options& options) {
       [&](Commands& c) { return c.backup(options.file); })
       ->add_option("FILE", options.file, "Where to write it; nobody else may read it")
       ->required();
+}
+
+void add_store_commands(CLI::App& app, Options& options) {
+  CLI::App* store = app.add_subcommand("store", "How much room there is for what robots send");
+  store->add_flag("--json", options.json, "Print JSON");
+  const auto add_store = adder(*store, options);
+  add_store("show", "How much is free, and which clouds would go for more", [](Commands& c) { return c.store(); });
+  CLI::App* let_go = add_store("let-go", "Delete clouds of rock that later sessions keep, the oldest first, for good",
+                               [&](Commands& c) { return c.let_go(options.mib, options.all_the_same); });
+  let_go->add_option("--mib", options.mib, "As many as free so much; default: all that may go")
+      ->check(CLI::Range(1, 1000000000));
+  let_go->add_flag("--yes", options.all_the_same, "Do it; without, only what would go is said");
 }
 
 void add_session_commands(CLI::App& app, Options& options) {
@@ -190,15 +206,6 @@ void add_session_commands(CLI::App& app, Options& options) {
   of_session(add_fate("delete", "Delete all that is stored of a session, for good", [&](Commands& c) {
     return c.remove_session(options.session, options.all_the_same);
   }))->add_flag("--yes", options.all_the_same, "Do it; without, only what hangs on it is said");
-  CLI::App* store = app.add_subcommand("store", "How much room there is for what robots send");
-  store->add_flag("--json", options.json, "Print JSON");
-  const auto add_store = adder(*store, options);
-  add_store("show", "How much is free, and which clouds would go for more", [](Commands& c) { return c.store(); });
-  CLI::App* let_go = add_store("let-go", "Delete clouds of rock that later sessions keep, the oldest first, for good",
-                               [&](Commands& c) { return c.let_go(options.mib, options.all_the_same); });
-  let_go->add_option("--mib", options.mib, "As many as free so much; default: all that may go")
-      ->check(CLI::Range(1, 1000000000));
-  let_go->add_flag("--yes", options.all_the_same, "Do it; without, only what would go is said");
   CLI::App* survey = app.add_subcommand("survey", "Where sessions lie in the mine's grid");
   survey->add_flag("--json", options.json, "Print JSON");
   const auto add_survey = adder(*survey, options);
@@ -293,8 +300,10 @@ int run(int argc, char** argv) {
   app.require_subcommand(0, 1);  // of 1, a misspelt one would be called a missing one
   app.fallthrough();
   add_commands(app, options);
+  add_pair_commands(app, options);
   add_export_commands(app, options);
   add_session_commands(app, options);
+  add_store_commands(app, options);
   add_robot_commands(app, options);
   add_operator_commands(app, options);
   try {

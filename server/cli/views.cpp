@@ -121,9 +121,8 @@ std::string families_text(const Json& sessions) {
 std::string alignments_view(const Json& alignments, std::size_t width) {
   const Json& rows = alignments.at("alignments");
   const auto left_out = alignments.value("left_out", 0);
-  const std::string more = left_out == 0 ? ""
-                                         : counted(left_out, "older pair") +
-                                               " that came to nothing left out: --most N shows more\n";
+  const std::string more =
+      left_out == 0 ? "" : counted(left_out, "older pair") + " that came to nothing left out: --most N shows more\n";
   if (!rows.empty()) return alignment_table(rows, width).substr(1) + more;
   return more.empty() ? "no alignment yet: two sessions of one descriptor family are needed\n" : more;
 }

@@ -119,7 +119,7 @@ class SessionHub : public Robots {
   using Clock = std::chrono::steady_clock;
   struct Session {
     SessionRecord record;
-    std::uint64_t keyframes = 0;  // durable
+    std::uint64_t keyframes = 0;             // durable
     std::set<std::uint64_t> clouds, let_go;  // that came; of them those that made room for others
     std::uint64_t bytes_received = 0, cloud_bytes = 0;
     std::uint64_t refused_clouds = 0;

@@ -15,10 +15,10 @@
 namespace headframe {
 
 struct LogEntry {
-  std::string kind;  // started, connected, left, finished, let_go, merged, withdrawn, held_back, unsure, no_match,
-                     // revision, operator, note
-  std::string text;           // one line for people; sessions are named "robot/session"
-  SessionId session = 0;      // what it is about; 0: no session
+  std::string kind;       // started, connected, left, finished, let_go, merged, withdrawn, held_back, unsure, no_match,
+                          // revision, operator, note
+  std::string text;       // one line for people; sessions are named "robot/session"
+  SessionId session = 0;  // what it is about; 0: no session
   AlignmentId alignment = 0;  // 0: no alignment
   std::string by = {};        // the operator's name; empty: nobody did it, or who shows the server's own token
   std::uint64_t id = 0;       // counts up from 1; the log gives it

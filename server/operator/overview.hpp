@@ -14,8 +14,8 @@ namespace headframe {
 class Overview : public BodySource {
  public:
   /// most_points: of each session that has points. To read the clouds of a thousand sessions takes minutes: points have
-  /// those whose tiles are in memory, and of the others those that are connected and then the newest, while they have no
-  /// more than most_clouds together.
+  /// those whose tiles are in memory, and of the others those that are connected and then the newest, while they have
+  /// no more than most_clouds together.
   Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points,
            std::size_t most_clouds = 2000)
       : station_(station), tiles_(tiles), level_(level), most_points_(most_points), most_clouds_(most_clouds) {}

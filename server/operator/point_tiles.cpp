@@ -103,9 +103,8 @@ std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level
 
 bool PointTiles::has(SessionId session, std::size_t level) {
   const std::lock_guard lock(mutex_);
-  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) {
-    return e.key == std::pair(session, level) && e.tile->bytes() > 0;
-  });
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const Entry& e) { return e.key == std::pair(session, level) && e.tile->bytes() > 0; });
 }
 
 Result<std::optional<std::string>> PointStream::next() {

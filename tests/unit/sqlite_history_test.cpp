@@ -17,7 +17,8 @@ constexpr const char* to_schema_3 =
     "ALTER TABLE sessions DROP COLUMN attempted_whole;"
     "DROP TABLE loop_closures;"
     "DROP TABLE changes;"
-    "ALTER TABLE sessions DROP COLUMN note; ALTER TABLE sessions DROP COLUMN archived; DROP TABLE frozen; DROP TABLE let_go;"
+    "ALTER TABLE sessions DROP COLUMN note; ALTER TABLE sessions DROP COLUMN archived; DROP TABLE frozen; DROP TABLE "
+    "let_go;"
     "PRAGMA user_version=3;";
 
 TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
