@@ -55,9 +55,9 @@ Result<Reply> let_go(const Query& query, const Context& context) {
   const auto bytes = whole_number(query, "bytes", most, most);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto act = [&station = context.station, bytes = *bytes](const std::function<void(Ready)>& answer) {
-    auto covered = station.covered_clouds();
+    const auto covered = station.covered_clouds();
     if (!covered) return answer(error_reply(covered.error()));
-    const std::vector<CoveredClouds> goes = first_bytes(std::move(*covered), bytes);
+    const std::vector<CoveredClouds> goes = first_bytes(*covered, bytes);
     station.let_go(goes, [&station, goes, answer](const Result<void>& done) {
       answer(done ? json(json_of(goes, station).dump() + "\n") : error_reply(done.error()));
     });

@@ -126,20 +126,4 @@ void let_go(Store& store, const std::vector<CoveredClouds>& clouds, LettingGo to
   portions->next();
 }
 
-std::vector<CoveredClouds> first_bytes(std::vector<CoveredClouds> covered, std::uint64_t bytes) {
-  std::vector<CoveredClouds> out;
-  std::uint64_t taken = 0;
-  for (CoveredClouds& of : covered) {
-    if (taken >= bytes) break;
-    CoveredClouds& some = out.emplace_back(CoveredClouds{of.session, {}, 0, of.stored});
-    for (const CloudSize& cloud : of.clouds) {
-      if (taken >= bytes) break;
-      some.clouds.push_back(cloud);
-      some.bytes += cloud.bytes;
-      taken += cloud.bytes;
-    }
-  }
-  return out;
-}
-
 }  // namespace headframe

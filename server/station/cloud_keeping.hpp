@@ -3,23 +3,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/correction.hpp"
 #include "server/session/session_row.hpp"
+#include "server/station/covered_clouds.hpp"
 #include "server/store/store.hpp"
 
 namespace headframe {
-
-/// What of a session may go.
-struct CoveredClouds {
-  SessionId session = 0;
-  std::vector<CloudSize> clouds;
-  std::uint64_t bytes = 0;   // of these
-  std::uint64_t stored = 0;  // clouds that the session has
-};
 
 /// What is known of the sessions, as of one moment.
 struct KeptSessions {
@@ -27,12 +19,6 @@ struct KeptSessions {
   Atlas atlas;
   Corrections corrections;
   std::vector<Alignment> alignments;
-};
-
-/// [store] keep: all; or newest: covered clouds go while less than free_bytes are left.
-struct KeepPolicy {
-  bool newest = false;
-  std::uint64_t free_bytes = 0;
 };
 
 constexpr double covered_share = 0.9;  // of the walls around a keyframe that later sessions have to have seen
@@ -51,8 +37,5 @@ struct LettingGo {
 /// Deletes them in portions, so that acknowledgements go on between; a failure ends it. Never blocks; calls back on the
 /// writer's thread.
 void let_go(Store& store, const std::vector<CoveredClouds>& clouds, LettingGo told);
-
-/// The first of them that make up so many bytes, or all.
-std::vector<CoveredClouds> first_bytes(std::vector<CoveredClouds> covered, std::uint64_t bytes);
 
 }  // namespace headframe

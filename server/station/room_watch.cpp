@@ -6,6 +6,11 @@
 #include <optional>
 
 namespace headframe {
+namespace {
+
+constexpr int pauses_in_vain = 30;  // to look for what may go reads all keyframes: less often while nothing may
+
+}  // namespace
 
 RoomWatch::~RoomWatch() {
   {
@@ -25,7 +30,7 @@ void RoomWatch::run() {
     lock.unlock();
     if (const auto gone = look(); !gone) spdlog::error("no room was made: {}", gone.error().message);
     lock.lock();
-    bell_->wake.wait_for(lock, pause_, [&] { return stopping_; });
+    bell_->wake.wait_for(lock, said_ ? pauses_in_vain * pause_ : pause_, [&] { return stopping_; });
   }
 }
 
@@ -37,10 +42,10 @@ Result<std::vector<CoveredClouds>> RoomWatch::look() {
   const bool is_short = policy.newest && *free_bytes && **free_bytes < policy.free_bytes;
   if (!is_short) said_ = false;
   if (!is_short) return none;
-  auto covered = station_.covered_clouds();
+  const auto covered = station_.covered_clouds();
   if (!covered) return tl::unexpected(covered.error());
-  std::vector<CoveredClouds> gone =
-      first_bytes(std::move(*covered), policy.free_bytes + policy.free_bytes / 2 - **free_bytes);
+  std::vector<CoveredClouds> gone = first_bytes(*covered, policy.free_bytes + policy.free_bytes / 2 - **free_bytes);
+  if (!gone.empty()) said_ = false;
   if (gone.empty() && !std::exchange(said_, true))
     spdlog::warn("{} MiB are free, less than the {} that [store] free_mib asks for, and no cloud may go",
                  **free_bytes >> 20, policy.free_bytes >> 20);

@@ -18,7 +18,7 @@
 #include "server/merge/merge_config.hpp"
 #include "server/net/link_health.hpp"
 #include "server/session/session_row.hpp"
-#include "server/station/cloud_keeping.hpp"
+#include "server/station/covered_clouds.hpp"
 #include "server/support/stage_times.hpp"
 
 namespace headframe {

@@ -5,6 +5,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "common/cloud/cloud_codec.hpp"
+#include "server/station/cloud_keeping.hpp"
 #include "server/support/stopwatch.hpp"
 
 namespace headframe {
