@@ -46,13 +46,17 @@ Result<Json> pairs_from(const std::string& path) {
 std::string placed_view(const Json& placed) {
   const Json& explanation = placed.at("explanation");
   const Json& alignment = explanation.at("alignment");
-  const std::string moved = "registration moved it by " + fixed(placed.at("moved_m").get<double>(), 2) + " m and " +
-                            fixed(placed.at("turned_deg").get<double>(), 1) + " deg\n";
+  constexpr double far_m = 5, far_deg = 25;
+  const auto moved_m = placed.at("moved_m").get<double>(), turned_deg = placed.at("turned_deg").get<double>();
+  const std::string moved =
+      "registration moved it by " + fixed(moved_m, 2) + " m and " + fixed(turned_deg, 1) + " deg\n";
   const std::string id = alignment.at("id").dump();
-  const std::string kept = placed.at("recorded").get<bool>()
-                               ? moved + "alignment " + id + " waits for you: headframe confirm " + id +
-                                     " merges the two, headframe undo " + id + " forgets it\n"
-                               : "not kept: it does not fit where you put it\n";
+  const std::string kept =
+      placed.at("recorded").get<bool>() ? moved + "alignment " + id + " waits for you: headframe confirm " + id +
+                                              " merges the two, headframe undo " + id + " forgets it\n"
+      : moved_m > far_m || turned_deg > far_deg
+          ? moved + "not kept: that is another placement than yours; lay it nearer if it is right\n"
+          : "not kept: it does not fit where you put it\n";
   return kept + explanation_view(explanation);
 }
 
