@@ -76,7 +76,7 @@ Result<int> Commands::place(const std::string& a, const std::string& b, const st
     return percent_encoded(row.at("robot").get<std::string>() + "/" + row.at("session").get<std::string>());
   };
   const auto answer = posted("/api/v1/place?a=" + full(*row_a) + "&b=" + full(*row_b), 200, body->dump());
-  const auto shown = printed(answer, placed_view);
+  auto shown = printed(answer, placed_view);
   if (!shown) return shown;
   return Json::parse(*answer).at("recorded").get<bool>() ? exit_ok : exit_failed;
 }
