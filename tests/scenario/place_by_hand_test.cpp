@@ -98,6 +98,7 @@ TEST(PlaceByHand, WhereNobodyHasCloudsItSaysSo) {
   EXPECT_EQ(waits.error().code, ErrorCode::unavailable);
   EXPECT_FALSE(base.report.wanted.empty()) << "they are asked for";
   base.pipeline.add_session(3, ScanContext().id());
+  base.report = {};
   EXPECT_EQ(base.pipeline.place(1, 3, Pose::Identity(), base.shelf, base.report).error().code, ErrorCode::refused)
       << "it has no keyframe yet";
   EXPECT_EQ(base.pipeline.place(1, 9, Pose::Identity(), base.shelf, base.report).error().code, ErrorCode::not_found);

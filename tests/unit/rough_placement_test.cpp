@@ -13,6 +13,7 @@ const Pose T_a_b = pose_from_yaw(2.5, {100, -40, 3});
 
 std::vector<PointPair> seen_at(const std::vector<Eigen::Vector3d>& in_b) {
   std::vector<PointPair> pairs;
+  pairs.reserve(in_b.size());
   for (const Eigen::Vector3d& p : in_b) pairs.push_back({T_a_b * p, p});
   return pairs;
 }
