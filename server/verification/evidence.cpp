@@ -6,7 +6,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 34> fields{{
+constexpr std::array<EvidenceField, 32> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -31,9 +31,7 @@ constexpr std::array<EvidenceField, 34> fields{{
     {"freespace_explained", &Evidence::freespace_explained},
     {"worst_place_explained", &Evidence::worst_place_explained},
     {"farther_explained", &Evidence::farther_explained},
-    {"own_violation", &Evidence::own_violation},
     {"weakest_hold", &Evidence::weakest_hold},
-    {"slide_ratio", &Evidence::slide_ratio},
     {"end_on_match", &Evidence::end_on_match},
     {"descriptors_compared", &Evidence::descriptors_compared},
     {"descriptors_alike", &Evidence::descriptors_alike},

@@ -26,7 +26,7 @@ struct Evidence {
   double rmse_m = 0;           // of the inliers, along the normals
   double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square
-  double overlap_m = 0;        // path along those, mean of both sessions
+  double overlap_m = 0;  // path along which the other passes, mean of both: in full within 4 m, fading out at 16 m
   double path_m = 0;           // of both sessions when the pair was last judged as a whole
   double awaited_m = 0;        // path that a session which still grows has to come along before the placement is told
   double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
@@ -43,9 +43,7 @@ struct Evidence {
   double freespace_explained = 0;  // of these, what changes of the mine explain: points that form patches with an edge,
   double worst_place_explained = 0;  // where the sessions were recorded more than an hour apart
   double farther_explained = 0;
-  double own_violation = 0;  // the same between halves of one session: how much dust, drift and sparse scans alone make
   double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
-  double slide_ratio = 0;  // best share of points on a surface after a slide of 2 or 4 m along the weakest axis / share
   double end_on_match = 0;  // share of surfaces that face along the weakest axis and meet one of the other's that does
   double descriptors_compared = 0;   // keyframes of the longer session within 3 m of one of the other's
   double descriptors_alike = 0;      // ... how alike they are, 0 to 1 (Agreement::mean)

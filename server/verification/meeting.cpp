@@ -1,21 +1,59 @@
 #include "server/verification/meeting.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace headframe {
 namespace {
 
-/// Path, in metres, along which these follow each other in their session. Between keyframes farther apart than any
-/// selection puts them the robot drove back over its own path.
-double shared_path_m(const std::vector<KeyframePosition>& near) {
+/// A straight piece of a path: from one keyframe to the next.
+struct Piece {
+  Eigen::Vector3d from, to;
+  Eigen::Vector3d middle() const { return (from + to) / 2; }
+  double length_m() const { return (to - from).norm(); }
+};
+
+/// Of keyframes farther apart than any selection puts them nothing is known of the path between.
+std::vector<Piece> pieces(std::span<const KeyframePosition> path, const Pose& T) {
   constexpr double farthest_m = 15;
-  double path = 0;
-  for (std::size_t i = 1; i < near.size(); ++i)
-    if (const double step_m = (near[i].p - near[i - 1].p).norm();
-        near[i].keyframe - near[i - 1].keyframe <= 2 && step_m < farthest_m)
-      path += step_m;
-  return path;
+  std::vector<Piece> out;
+  for (std::size_t i = 1; i < path.size(); ++i)
+    if (path[i].keyframe - path[i - 1].keyframe <= 2 && (path[i].p - path[i - 1].p).norm() < farthest_m)
+      out.push_back({T * path[i - 1].p, T * path[i].p});
+  return out;
+}
+
+double distance_m(const Piece& piece, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d along = piece.to - piece.from;
+  const double at = along.dot(p - piece.from) / std::max(along.squaredNorm(), 1e-12);
+  return (piece.from + std::clamp(at, 0.0, 1.0) * along - p).norm();
+}
+
+/// Metres of this piece along which others pass, looked at each metre.
+double shared_m(const Piece& piece, const std::vector<Piece>& others, const JudgeConfig& config) {
+  const int steps = static_cast<int>(std::ceil(piece.length_m()));
+  double out = 0;
+  for (int i = 0; i < steps; ++i) {
+    const Eigen::Vector3d p = piece.from + (i + 0.5) / steps * (piece.to - piece.from);
+    double nearest_m = config.parted_m;
+    for (const Piece& other : others) nearest_m = std::min(nearest_m, distance_m(other, p));
+    out += std::min(1.0, (config.parted_m - nearest_m) / (config.parted_m - config.shared_m));
+  }
+  return out * piece.length_m() / std::max(1, steps);
+}
+
+/// Metres of a path along which another passes.
+double shared_path_m(std::span<const Piece> path, std::span<const Piece> other, const JudgeConfig& config) {
+  double out = 0;
+  for (const Piece& piece : path) {
+    std::vector<Piece> near;
+    for (const Piece& o : other)
+      if ((o.middle() - piece.middle()).norm() < config.parted_m + (o.length_m() + piece.length_m()) / 2)
+        near.push_back(o);
+    out += shared_m(piece, near, config);
+  }
+  return out;
 }
 
 }  // namespace
@@ -45,7 +83,8 @@ void measure_overlap(Evidence& e, std::span<const KeyframePosition> a, std::span
     of_b = near_other(a, b, T_a_b, reach_m);
   }
   e.pairs = static_cast<double>(of_a.size() + of_b.size()) / 2;
-  e.overlap_m = (shared_path_m(of_a) + shared_path_m(of_b)) / 2;
+  const std::vector<Piece> path_a = pieces(a, Pose::Identity()), path_b = pieces(b, T_a_b);
+  e.overlap_m = (shared_path_m(path_a, path_b, config) + shared_path_m(path_b, path_a, config)) / 2;
 }
 
 std::optional<Meeting> first_meeting(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,

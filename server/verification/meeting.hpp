@@ -36,8 +36,8 @@ std::optional<Meeting> first_meeting(std::span<const KeyframePosition> a, std::s
 std::vector<KeyframePosition> near_other(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                                          const Pose& T_a_b, double reach_m);
 
-/// Sets Evidence::pairs and overlap_m: how many keyframes of a and b come near the other path, and how much path that
-/// is.
+/// Sets Evidence::pairs and overlap_m: how many keyframes of a and b come near the other path, and along how much of
+/// both paths the other passes.
 void measure_overlap(Evidence& evidence, std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                      const Pose& T_a_b, const JudgeConfig& config);
 

@@ -54,10 +54,6 @@ Submap make_submap(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p
   out.source = thinned(within(all, p, config.radius_m), config.source_points);
   out.views = views_near(clouds, p, config.view_reach_m);
   out.rock = without_transients(sphere(clouds, p, config.look_m, config.look_leaf_m), out.views, reach_m);
-  std::vector<PlacedCloud> every_other;
-  for (std::size_t i = 1; i < clouds.size(); i += 2) every_other.push_back(clouds[i]);
-  out.own = look_from(views_near(every_other, p, config.view_reach_m), out.rock, Pose::Identity(), reach_m,
-                      config.look_leaf_m);
   return out;
 }
 

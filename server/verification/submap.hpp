@@ -22,7 +22,6 @@ struct SubmapConfig {
   double look_m = 15;                // free space is asked of points nearer than this to the keyframe ...
   float look_leaf_m = 0.6F;          // ... one per cube of this edge ...
   double view_reach_m = 25;          // ... from sweeps that were taken nearer than this
-  double slide_m = 4;                // of the slide test, along the direction that holds least
   RegistrationEngine engine = RegistrationEngine::vgicp;
 };
 
@@ -33,7 +32,6 @@ struct Submap {
   VoxelMaps target;
   SurfelCloud rock;  // without what its own sweeps see through
   std::vector<PlacedView> views;
-  Visibility own;  // of the rock by every other cloud
   Recorded recorded;
 };
 using SubmapPtr = std::shared_ptr<const Submap>;

@@ -17,18 +17,6 @@ float plane_distance(const Voxel& v, const Eigen::Vector3f& p) {
   return std::sqrt(std::max(0.0F, squared));
 }
 
-/// Share of the points, every fourth asked, that lie within 0.3 m of a surface of the map.
-double share_on_surface(const VoxelMap& map, const Points& points, const Pose& T) {
-  const Eigen::Isometry3f T_f = T.cast<float>();
-  std::size_t on = 0, asked = 0;
-  for (std::size_t i = 0; i < points.size(); i += 4, ++asked) {
-    const Eigen::Vector3f q = T_f * points[i];
-    const Voxel* v = map.nearest(q);
-    on += v && plane_distance(*v, q) < 0.3F;
-  }
-  return asked == 0 ? 0 : static_cast<double>(on) / static_cast<double>(asked);
-}
-
 /// Both submaps summed up by cubes, b's within radius_m of p_b, so that a lidar's noise averages out and what is left
 /// is the shape of the rock: how far apart the sums lie along the normals, median.
 double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vector3d& p_b, double radius_m,
@@ -93,13 +81,6 @@ SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b
   if (out.registration.status == RegistrationStatus::too_little_overlap) return out;
   out.residual_m = median_residual_m(a.target.back(), b.target.back(), b.p, config.radius_m, T);
   out.matched = matched(a, b, T);
-  const double here = share_on_surface(a.target.back(), b.source.points, T);
-  double slid = 0;
-  for (const double way : {-1.0, -0.5, 0.5, 1.0})
-    slid = std::max(
-        slid, share_on_surface(a.target.back(), b.source.points,
-                               Eigen::Translation3d(way * config.slide_m * out.registration.weakest_direction) * T));
-  out.slide_ratio = here > 0 ? slid / here : 1;
   return out;
 }
 
@@ -116,8 +97,6 @@ void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, cons
              of_a = sights_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m);
   check.b_by_a = summed_up(of_b);
   check.a_by_b = summed_up(of_a);
-  check.own = a.own;
-  check.own += b.own;
   check.changes.clear();
   const auto dates = dates_of(a.recorded, b.recorded);
   if (!dates || check.between().violated == 0) return;

@@ -20,9 +20,7 @@ struct SubmapCheck {
   Registration registration;
   double residual_m = 1;   // median distance of b's surface from a's, in cubes of half a metre, along the normals
   Matched matched;         // where it was registered
-  double slide_ratio = 1;  // best share of points on a surface after a slide along the weakest direction / share here
   Visibility a_by_b, b_by_a;         // the rock of each from the sweeps of the other
-  Visibility own;                    // of each by itself, every other cloud
   std::vector<ChangePatch> changes;  // violations that time may explain, in a's frame
 
   Visibility between() const;  // both ways together

@@ -32,18 +32,20 @@ double short_among_look_alikes(const Evidence& e) {
   return std::max(-most, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
 }
 
+/// Two and a half at most: two lidars that look into the same rock from paths that never meet share no path at all, and
+/// where no place looks like another no wrong placement for which all else spoke was shorter than 10 m.
 double halvings_below(double metres, const Evidence& e) {
-  return std::clamp(std::log2(std::max(e.overlap_m, 1e-3) / metres), -6.0, 0.5);
+  return std::clamp(std::log2(std::max(e.overlap_m, 1e-3) / metres), -2.5, 0.5);
 }
 
 /// What was fitted on has too few copies of a single tile, and the shorter an overlap the likelier it is one: each
 /// halving below 30 m costs 0.5.
 double shared_path(const Evidence& e) { return 0.5 * halvings_below(30, e); }
 
-/// Below 10 m each halving costs 1 more, three quarters of it where no place looks like another. The fit does not know
-/// of it, or its bias would make up for it.
+/// Below 10 m each halving costs 1 more, half of it where no place looks like another. The fit does not know of it, or
+/// its bias would make up for it.
 double hardly_any_path(const Evidence& e) {
-  return (0.75 + 0.25 * places_look_alike(e)) * std::min(0.0, halvings_below(10, e));
+  return (0.5 + 0.5 * places_look_alike(e)) * std::min(0.0, halvings_below(10, e));
 }
 
 /// Places along a hundred metres that all agree, where the walls hold, are no chance.
@@ -64,6 +66,11 @@ double ends_farther_off(const Evidence& e) {
 double few_points_meet(const Evidence& e) {
   return -5 * std::max(0.0, std::log2(0.3 / std::max(e.inlier_fraction, 0.02)));
 }
+
+/// Both maps are level, and no registration is held to it at its end: what fits by chance leans. In worlds without copies
+/// 12 of 32 wrong placements that next to nothing contradicted leaned more than half a degree, and 2 of 112 right ones.
+/// Each doubling beyond that costs 3. No fit knows it.
+double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
 }  // namespace
 
@@ -99,7 +106,8 @@ LogOdds log_odds(const Evidence& e) {
   out.contributions[verdict_term_count + 3] = {"free space farther off contradicts", ends_farther_off(e)};
   out.contributions[verdict_term_count + 4] = {"few points meet", few_points_meet(e)};
   out.contributions[verdict_term_count + 5] = {"places look alike", -places_look_alike(e)};
-  out.contributions[verdict_term_count + 6] = {"hardly any path is shared", hardly_any_path(e)};
+  out.contributions[verdict_term_count + 6] = {"gravity disagrees", leans(e)};
+  out.contributions[verdict_term_count + 7] = {"hardly any path is shared", hardly_any_path(e)};
   return out;
 }
 

@@ -73,16 +73,15 @@ std::vector<Change> gather_changes(Evidence& e, const std::vector<SubmapCheck>& 
 }
 
 void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T) {
-  Visibility a_by_b, b_by_a, own;
+  Visibility a_by_b, b_by_a;
   std::vector<double> residuals;
-  double squared = 0, inliers = 0, slide = 0;
+  double squared = 0, inliers = 0;
   Matched matched;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const SubmapCheck& p = places[i];
     a_by_b += p.a_by_b;
     b_by_a += p.b_by_a;
     e.worst_place_violation = std::max(e.worst_place_violation, p.between().violation());
-    own += p.own;
     if (!agrees[i] && nothing_shared(p)) continue;
     e.places += 1;
     inliers += p.registration.inlier_fraction;
@@ -91,14 +90,12 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
     if (!agrees[i]) continue;
     e.places_agreeing += 1;
     residuals.push_back(p.residual_m);
-    slide += p.slide_ratio;
     squared += (T * p.p_b - p.p_a).squaredNorm();
     e.rmse_m += p.registration.rmse_m;
   }
   e.inlier_fraction = inliers / e.places;
   e.matched_share = matched.share();
   e.rmse_m /= e.places_agreeing;
-  e.slide_ratio = slide / e.places_agreeing;
   e.spread_m = std::sqrt(squared / e.places_agreeing);
   std::sort(residuals.begin(), residuals.end());
   e.residual_m = residuals[residuals.size() / 2];
@@ -106,7 +103,6 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
   between += b_by_a;
   e.seen_points = between.seen;
   e.freespace_violation = between.violation();
-  e.own_violation = own.violation();
   e.overlap_a = share(a_by_b.seen, a_by_b.all());
   e.overlap_b = share(b_by_a.seen, b_by_a.all());
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;

@@ -30,7 +30,6 @@ Alignment good() {
   e.residual_m = 0.03;
   e.overlap_m = 40;
   e.weakest_hold = 0.1;
-  e.slide_ratio = 0.7;
   e.descriptors_compared = 8;
   e.descriptors_alike = 0.75;
   e.tilt_deg = 0.2;

@@ -33,7 +33,7 @@ class PostgresMigration : public testing::Test {
     }
     ASSERT_TRUE(write_and_wait(store, LetGo{{{1, 4}, {1, 5}}}));
     Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
-    alignment.evidence.slide_ratio = std::numeric_limits<double>::quiet_NaN();
+    alignment.evidence.end_on_match = std::numeric_limits<double>::quiet_NaN();
     alignment.changes = {{ChangeKind::filled, {1, 2, 3}, 4, 5, 6, true, 1.7e9, 1.8e9}};
     const Atlas atlas{1, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
     const DecisionRecord decision{1, 1, Decision::confirm, Pose::Identity(), 10, false};
@@ -77,7 +77,7 @@ TEST_F(PostgresMigration, TakesAllOfItThereAndBack) {
     ASSERT_TRUE(store) << store.error().message;
     EXPECT_EQ(keyframes(**store, 1).size(), 30U);
     EXPECT_EQ((*store)->load().damaged_keyframes, 0U);
-    EXPECT_TRUE(std::isnan((*store)->merge()->alignments.at(0).evidence.slide_ratio));
+    EXPECT_TRUE(std::isnan((*store)->merge()->alignments.at(0).evidence.end_on_match));
     const Alignment next{2, 1, 3, AlignmentState::candidate, Pose::Identity(), {}};
     EXPECT_TRUE(write_and_wait(**store, PutMerge{0, 0, {next}, {}, {}})) << "and it is written to";
     EXPECT_TRUE(write_and_wait(**store, PutKeyframe{1, line_keyframe(31)}));

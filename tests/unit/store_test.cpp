@@ -83,7 +83,7 @@ TEST_P(StoreContract, KeepsTheAtlasWithItsEvidence) {
   const StoreHome dir(GetParam());
   Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
   alignment.evidence.probability = 0.97;
-  alignment.evidence.slide_ratio = std::numeric_limits<double>::quiet_NaN();
+  alignment.evidence.end_on_match = std::numeric_limits<double>::quiet_NaN();
   alignment.changes = {{ChangeKind::filled, {1, 2, 3}, 4, 5, 6, true, 1.7e9, 1.8e9},
                        {ChangeKind::excavated, {7, 8, 9}, 1, 1, 1, false, 1.71e9, 1.72e9}};
   const Atlas atlas{4, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
@@ -110,7 +110,7 @@ TEST_P(StoreContract, KeepsTheAtlasWithItsEvidence) {
   EXPECT_EQ(std::pair(change.older_s, change.newer_s), std::pair(1.7e9, 1.8e9));
   EXPECT_EQ(merge->alignments[0].T_a_b.matrix(), alignment.T_a_b.matrix());
   EXPECT_EQ(merge->alignments[0].evidence.probability, 0.97);
-  EXPECT_TRUE(std::isnan(merge->alignments[0].evidence.slide_ratio));
+  EXPECT_TRUE(std::isnan(merge->alignments[0].evidence.end_on_match));
   EXPECT_EQ(merge->atlas.revision, 4U);
   ASSERT_EQ(merge->atlas.components.size(), 1U);
   EXPECT_EQ(merge->atlas.components[0].placements[1].T_component_session.matrix(), alignment.T_a_b.matrix());
