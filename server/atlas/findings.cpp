@@ -63,8 +63,7 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
                  100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
        formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
-       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg),
-       shared(e) + ": hardly any"}};
+       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), shared(e) + ": hardly any"}};
 }
 
 /// The figure that moves a contribution, and how it reads.

@@ -35,9 +35,9 @@ bool hopeless_rival(double most_probable, const Verdict& judged) {
   return runner_up_share(e) < doubt;
 }
 
-/// How far another placement makes this one doubtful, 0 to 1: all speaks for it but that the mine repeats itself, and it
-/// fits as well. Copies of a tile match within 4 % of what the right placement does, as the rock around them is another;
-/// in a mine of pillars, rivals of a right placement that matched 7 and 14 % less made it wait.
+/// How far another placement makes this one doubtful, 0 to 1: all speaks for it but that the mine repeats itself, and
+/// it fits as well. Copies of a tile match within 4 % of what the right placement does, as the rock around them is
+/// another; in a mine of pillars, rivals of a right placement that matched 7 and 14 % less made it wait.
 double alias_of(const Evidence& e, const Evidence& other) {
   const double as_probable = std::clamp((other.probability_if_unique - 0.3) / 0.4, 0.0, 1.0),
                fits_worse = std::clamp((e.matched_share - other.matched_share - 0.04) / 0.04, 0.0, 1.0);

@@ -26,11 +26,11 @@ struct Evidence {
   double rmse_m = 0;           // of the inliers, along the normals
   double residual_m = 0;       // median distance from the other's surface, where each place was registered by itself
   double spread_m = 0;         // how far the places would have moved by themselves, root mean square
-  double overlap_m = 0;  // path along which the other passes, mean of both: in full within 4 m, fading out at 16 m
-  double path_m = 0;           // of both sessions when the pair was last judged as a whole
-  double awaited_m = 0;        // path that a session which still grows has to come along before the placement is told
-  double aliases = 0;          // other placements whose first place, taken alone, looks right: the mine repeats itself
-  double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
+  double overlap_m = 0;   // path along which the other passes, mean of both: in full within 4 m, fading out at 16 m
+  double path_m = 0;      // of both sessions when the pair was last judged as a whole
+  double awaited_m = 0;   // path that a session which still grows has to come along before the placement is told
+  double aliases = 0;     // other placements whose first place, taken alone, looks right: the mine repeats itself
+  double repetition = 0;  // copies that all sessions of the database show of themselves, per 100 m of their path
   /// Other placements at which a place fits, taken alone, as a copy of the rock would (likeness()): of the two on each
   /// other, and of each on itself. At right placements 0 in a cave, 1 in rough tunnels, .3 to 13 among equal tunnels.
   double look_alikes = 0;
@@ -43,7 +43,7 @@ struct Evidence {
   double freespace_explained = 0;  // of these, what changes of the mine explain: points that form patches with an edge,
   double worst_place_explained = 0;  // where the sessions were recorded more than an hour apart
   double farther_explained = 0;
-  double weakest_hold = 0;   // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
+  double weakest_hold = 0;  // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   double end_on_match = 0;  // share of surfaces that face along the weakest axis and meet one of the other's that does
   double descriptors_compared = 0;   // keyframes of the longer session within 3 m of one of the other's
   double descriptors_alike = 0;      // ... how alike they are, 0 to 1 (Agreement::mean)

@@ -18,9 +18,9 @@ struct Matched {
 struct SubmapCheck {
   Eigen::Vector3d p_a = Eigen::Vector3d::Zero(), p_b = Eigen::Vector3d::Zero();  // the place, in both local frames
   Registration registration;
-  double residual_m = 1;   // median distance of b's surface from a's, in cubes of half a metre, along the normals
-  Matched matched;         // where it was registered
-  Visibility a_by_b, b_by_a;         // the rock of each from the sweeps of the other
+  double residual_m = 1;      // median distance of b's surface from a's, in cubes of half a metre, along the normals
+  Matched matched;            // where it was registered
+  Visibility a_by_b, b_by_a;  // the rock of each from the sweeps of the other
   std::vector<ChangePatch> changes;  // violations that time may explain, in a's frame
 
   Visibility between() const;  // both ways together

@@ -67,9 +67,9 @@ double few_points_meet(const Evidence& e) {
   return -5 * std::max(0.0, std::log2(0.3 / std::max(e.inlier_fraction, 0.02)));
 }
 
-/// Both maps are level, and no registration is held to it at its end: what fits by chance leans. In worlds without copies
-/// 12 of 32 wrong placements that next to nothing contradicted leaned more than half a degree, and 2 of 112 right ones.
-/// Each doubling beyond that costs 3. No fit knows it.
+/// Both maps are level, and no registration is held to it at its end: what fits by chance leans. In worlds without
+/// copies 12 of 32 wrong placements that next to nothing contradicted leaned more than half a degree, and 2 of 112
+/// right ones. Each doubling beyond that costs 3. No fit knows it.
 double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
 }  // namespace

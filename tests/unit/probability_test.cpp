@@ -40,7 +40,11 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_LT(with(&Evidence::aliases, 3), 0.5) << "36 m of a mine that repeats itself";
   EXPECT_EQ(with(&Evidence::tilt_deg, 3.1), 0);
   EXPECT_LT(with(&Evidence::overlap_m, 15), p(good));
-  EXPECT_LT(with(&Evidence::overlap_m, 3), 0.9);
+  EXPECT_LT(with(&Evidence::overlap_m, 3), with(&Evidence::overlap_m, 15));
+  EXPECT_EQ(with(&Evidence::overlap_m, 1), with(&Evidence::overlap_m, 0)) << "two lidars that look into one hall";
+  EXPECT_EQ(with(&Evidence::tilt_deg, 0.5), p(good)) << "as level as sessions are";
+  EXPECT_LT(with(&Evidence::tilt_deg, 1.2), 0.9) << "it leans";
+  EXPECT_NEAR(with(&Evidence::tilt_deg, 0.99), with(&Evidence::tilt_deg, 1.01), 0.05) << "no cliff";
   EXPECT_LE(probability(RegistrationStatus::degenerate, good), 0.4) << "slides along the drift: at most a candidate";
   EXPECT_EQ(probability(RegistrationStatus::too_little_overlap, good), 0);
   Evidence longer = good;
