@@ -32,8 +32,8 @@ double short_among_look_alikes(const Evidence& e) {
   return std::max(-most, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
 }
 
-/// Two and a half at most: two lidars that look into the same rock from paths that never meet share no path at all, and
-/// where no place looks like another no wrong placement for which all else spoke was shorter than 10 m.
+/// Two and a half at most: two lidars that look into the same rock from paths that never meet share no path at all. The
+/// one wrong placement under 10 m for which all else spoke (7 m, in a cave) leans, see leans().
 double halvings_below(double metres, const Evidence& e) {
   return std::clamp(std::log2(std::max(e.overlap_m, 1e-3) / metres), -2.5, 0.5);
 }
