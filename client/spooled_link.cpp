@@ -71,10 +71,12 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     durable_keyframes_ = 0;
     link_error_.clear();
     hold_.clear();
+    cut_.clear();
     server_bytes_per_s_ = 0;
     written = spool_.run_welcomed();
   } else if (const auto* p = std::get_if<PolicyTold>(&event)) {
     hold_ = p->hold;
+    cut_ = p->cut;
     server_bytes_per_s_ = p->bytes_per_s;
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
     durable_keyframes_ = std::max(durable_keyframes_, k->up_to);
@@ -169,6 +171,7 @@ Progress SpooledLink::progress() const {
   p.refused = refused_;
   p.server_capabilities = server_capabilities_;
   p.hold = hold_;
+  p.cut = cut_;
   p.server_bytes_per_s = server_bytes_per_s_;
   p.link_error = link_error_;
   return p;

@@ -71,7 +71,7 @@ class SpooledLink final : public UplinkSource {
   std::uint64_t refused_clouds_ = 0;
   double server_bytes_per_s_ = 0;
   std::vector<std::string> server_capabilities_;
-  std::string hold_, link_error_, cloud_error_;
+  std::string hold_, cut_, link_error_, cloud_error_;
   std::optional<Transforms> transforms_;
   std::function<void(const Transforms&)> on_transform_;
   std::function<void(const Localization&)> on_localization_;

@@ -72,6 +72,9 @@ void ReplayReport::warning(const std::string& text) {
 }
 
 void ReplayReport::step(std::size_t scans_done, const Progress& progress) {
+  if (!progress.cut.empty() && progress.cut != cut_)
+    warning(progress.cut + "; what comes after is not merged with the rest: begin a new session there");
+  cut_ = progress.cut;
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto now = Clock::now();
   if (drawn_ != Clock::time_point{} &&

@@ -33,6 +33,7 @@ class ReplayReport {
   const bool terminal_;
   std::string bar_;     // as it stands on the terminal
   std::string status_;  // the last plain line
+  std::string cut_;     // why keyframes are left out of merging, as step() said it last
   std::chrono::steady_clock::time_point drawn_;
   std::uint64_t withdrawn_known_ = 0;  // the newest revision of those that were told
 };

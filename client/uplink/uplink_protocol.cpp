@@ -140,8 +140,8 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
       if (carries_) events.emplace_back(SurroundingsMessage{std::make_shared<const v1::ServerMessage>(message)});
       return;
     case Body::kLinkPolicy:
-      policy_ = {static_cast<double>(message.link_policy().bytes_per_s()),
-                 printable_text(message.link_policy().hold())};
+      policy_ = {static_cast<double>(message.link_policy().bytes_per_s()), printable_text(message.link_policy().hold()),
+                 printable_text(message.link_policy().cut())};
       if (carries_) events.emplace_back(policy_);
       return;
     case Body::kPing: {

@@ -57,6 +57,7 @@ struct CloudRefused {  // by the server, for good
 struct PolicyTold {
   double bytes_per_s = 0;  // 0: no limit
   std::string hold;        // not empty: why the server takes nothing for now
+  std::string cut = {};    // not empty: why the session's last keyframes are left out of merging
 };
 /// Of what others know around the robot; for the SurroundingsBook.
 struct SurroundingsMessage {

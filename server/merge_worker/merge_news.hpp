@@ -46,6 +46,8 @@ class Robots {
   virtual void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) = 0;
   /// To the robot of this session, which asks where it is.
   virtual void tell_localization(SessionId session, const SessionLocalization& localization) = 0;
+  /// Keyframes of this session are left out of merging, from where on and why; empty: none are any more.
+  virtual void tell_cut(SessionId session, const std::string& why) = 0;
 };
 
 /// Components of `now` that a robot has to hear of: other placements than before, or a session that was merged and

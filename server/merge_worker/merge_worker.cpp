@@ -222,6 +222,7 @@ void MergeWorker::feed(SessionId session, bool counts) {
   if (!why_cut.empty() && shown.why_cut.empty())
     spdlog::warn("session {}: {}; what comes after is not merged with the rest: begin a new session there", session,
                  why_cut);
+  if (why_cut != shown.why_cut) robots_->tell_cut(session, why_cut);
   shown.why_cut = why_cut;
   if (counts) schedule_.travelled(session, metres, Clock::now());
   if (counts && junction) schedule_.junction(session, Clock::now());

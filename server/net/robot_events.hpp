@@ -75,6 +75,7 @@ using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudArrived, C
 struct LinkPolicy {
   std::uint64_t bytes_per_s = 0;  // of each robot; 0: no limit
   std::string hold;               // not empty: no keyframes and clouds for now, and why
+  std::string cut = {};           // not empty: why the session's last keyframes are left out of merging
   bool operator==(const LinkPolicy&) const = default;
 };
 

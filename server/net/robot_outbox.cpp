@@ -88,6 +88,7 @@ std::string RobotOutbox::take() {
   if (policy_) {
     message.mutable_link_policy()->set_bytes_per_s(policy_->bytes_per_s);
     message.mutable_link_policy()->set_hold(policy_->hold);
+    message.mutable_link_policy()->set_cut(policy_->cut);
     append(out, message);
   }
   if (keyframe_ack_) {

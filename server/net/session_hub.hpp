@@ -85,6 +85,7 @@ class SessionHub : public Robots {
                const std::vector<Withdrawal>& withdrawn) override;
   void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) override;
   void tell_localization(SessionId session, const SessionLocalization& localization) override;
+  void tell_cut(SessionId session, const std::string& why) override;
 
   /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
   /// change while they are served.
@@ -95,7 +96,8 @@ class SessionHub : public Robots {
   /// As it is now: every robot's share of the budget, and a hold while the store waits for room on the disk or has half
   /// of its queue full. Its changes are logged.
   LinkPolicy policy();
-  /// The same for one session: its robot's own rate counts when it is the smaller.
+  /// The same for one session: its robot's own rate counts when it is the smaller, and what is left out of merging is
+  /// said.
   LinkPolicy policy_of(SessionId session);
   /// What this robot may send at most, in bytes per second; 0: no limit of its own. Told within a tick.
   void set_rate(const std::string& robot, std::uint64_t bytes_per_s);
@@ -136,6 +138,7 @@ class SessionHub : public Robots {
     bool takes_supports = false;                   // of transforms
     bool asks_where = false;                       // over the connection that carries it
     bool deleted = false;                          // nobody may go on with it
+    std::string cut;                               // why its last keyframes are left out of merging; empty: none are
   };
   static constexpr std::size_t most_withdrawn = 16;  // an update has to stay small
   using Applied = std::function<void()>;

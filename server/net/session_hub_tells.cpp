@@ -61,10 +61,18 @@ LinkPolicy SessionHub::policy() {
 LinkPolicy SessionHub::policy_of(SessionId session) {
   LinkPolicy told = policy();
   const std::lock_guard lock(mutex_);
-  const auto own = rates_bytes_per_s_.find(sessions_.at(session).record.key.robot);
+  const Session& known = sessions_.at(session);
+  told.cut = known.cut;
+  const auto own = rates_bytes_per_s_.find(known.record.key.robot);
   if (own != rates_bytes_per_s_.end() && (told.bytes_per_s == 0 || own->second < told.bytes_per_s))
     told.bytes_per_s = own->second;
   return told;
+}
+
+/// The next tick of its connection tells the robot.
+void SessionHub::tell_cut(SessionId session, const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  sessions_.at(session).cut = why;
 }
 
 void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {

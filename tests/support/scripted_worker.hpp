@@ -43,6 +43,7 @@ struct Script {
   Atlas atlas;
   std::vector<Alignment> alignments;
   std::vector<SessionId> anchors;
+  std::uint64_t cut_from = UINT64_MAX;  // a session with this keyframe is cut there
 
   std::size_t attempted() {
     const std::lock_guard lock(mutex);
@@ -57,6 +58,11 @@ class ScriptedPipeline : public Pipeline {
   void add_keyframe(SessionId id, Keyframe keyframe) override {
     const std::lock_guard lock(script_.mutex);
     script_.keyframes[id].push_back(keyframe.sequence);
+  }
+  std::string why_cut(SessionId id) const override {
+    const std::lock_guard lock(script_.mutex);
+    const auto& known = script_.keyframes[id];
+    return !known.empty() && known.back() >= script_.cut_from ? "its odometry jumps" : "";
   }
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource&) override {
     const std::lock_guard lock(script_.mutex);
@@ -122,6 +128,11 @@ struct FakeRobots : Robots {
   void tell_localization(SessionId session, const SessionLocalization& localization) override {
     const std::lock_guard lock(mutex);
     localizations.emplace_back(session, localization);
+  }
+  std::map<SessionId, std::string> cuts;
+  void tell_cut(SessionId session, const std::string& why) override {
+    const std::lock_guard lock(mutex);
+    cuts[session] = why;
   }
   std::vector<KeyframeRef> asked() {
     const std::lock_guard lock(mutex);

@@ -83,6 +83,19 @@ TEST_F(Worker, DistanceTriggersAndKeyframesComeInOrderOnce) {
   EXPECT_NEAR(worker->view()->sessions.at(1).distance_m, 14.0, 1e-9);
 }
 
+TEST_F(Worker, TheRobotIsToldFromWhereOnItIsLeftOutOfMerging) {
+  script.cut_from = 7;
+  start();
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_TRUE(robots.cuts.empty());
+  for (std::uint64_t i = 6; i <= 8; ++i) {
+    keep(PutKeyframe{1, line_keyframe(i)});
+    worker->keyframes_durable(1, i);
+  }
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(robots.cuts, (std::map<SessionId, std::string>{{1, "its odometry jumps"}}));
+}
+
 TEST_F(Worker, AJunctionTriggersBeforeTheDistanceDoes) {
   start();
   const auto drive = [&](std::uint64_t sequence, PlaceClass place_class) {

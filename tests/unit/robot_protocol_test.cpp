@@ -148,11 +148,12 @@ TEST_F(Protocol, AClockThatJumpsBackEndsNothing) {
 TEST_F(Protocol, ThePolicyIsToldOnceAndTheLatestCounts) {
   greet();
   protocol.tell_policy({1000, "full"});
-  protocol.tell_policy({500, ""});
+  protocol.tell_policy({500, "", "its odometry jumps"});
   const auto sent = messages(protocol.take_output());
   ASSERT_EQ(sent.size(), 1U);
   EXPECT_EQ(sent[0].link_policy().bytes_per_s(), 500U);
   EXPECT_EQ(sent[0].link_policy().hold(), "");
+  EXPECT_EQ(sent[0].link_policy().cut(), "its odometry jumps");
   EXPECT_TRUE(protocol.take_output().empty());
 }
 

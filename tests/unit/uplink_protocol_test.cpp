@@ -181,11 +181,13 @@ TEST_F(UplinkProtocolTest, OnHoldOnlyControlIsSent) {
   v1::ServerMessage policy, ping;
   policy.mutable_link_policy()->set_bytes_per_s(5000);
   policy.mutable_link_policy()->set_hold("the disk is\nfull");
+  policy.mutable_link_policy()->set_cut("between keyframes 7 and 8 its odometry jumps 400\nm");
   hear(policy);
   const auto* told = std::get_if<PolicyTold>(&events_.back());
   ASSERT_NE(told, nullptr);
   EXPECT_EQ(told->bytes_per_s, 5000);
   EXPECT_EQ(told->hold, "the disk is?full");
+  EXPECT_EQ(told->cut, "between keyframes 7 and 8 its odometry jumps 400?m");
   ping.mutable_ping();
   hear(ping);
   EXPECT_EQ(sent(), Words{"pong"});

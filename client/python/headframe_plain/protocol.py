@@ -84,7 +84,7 @@ class Session:
 
     def disconnected(self):
         """A new connection begins: nothing of the last one holds."""
-        self.welcomed, self.hold = False, ""
+        self.welcomed, self.hold, self.cut = False, "", ""
         self.bytes_per_s = 0
         self._reader, self._answers = FrameReader(), []
         self._sent = 0
@@ -262,7 +262,7 @@ class Session:
             self._on_transforms(update)
 
     def _on_link_policy(self, policy):
-        self.hold, self.bytes_per_s = policy.hold, policy.bytes_per_s
+        self.hold, self.bytes_per_s, self.cut = policy.hold, policy.bytes_per_s, policy.cut
 
     def _on_ping(self, ping):
         message = robot_pb2.RobotMessage()

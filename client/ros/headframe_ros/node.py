@@ -127,6 +127,8 @@ def diagnostics(robot, feed, pairing):
     level, text = DiagnosticStatus.OK, "connected"
     if not p.connected:
         level, text = DiagnosticStatus.WARN, "no link: what comes is kept in the spool"
+    if p.cut:
+        level, text = DiagnosticStatus.WARN, p.cut + "; begin a new session"
     if p.hold:
         level, text = DiagnosticStatus.WARN, p.hold
     if feed.scans == 0:

@@ -33,6 +33,7 @@ class Progress:
     connected: bool
     refused: bool
     hold: str
+    cut: str
     link_error: str
 
 class Support:

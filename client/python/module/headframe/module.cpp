@@ -125,6 +125,7 @@ void describe_values(py::module_& m) {
       .def_readonly("connected", &Progress::connected)
       .def_readonly("refused", &Progress::refused)
       .def_readonly("hold", &Progress::hold)
+      .def_readonly("cut", &Progress::cut)
       .def_readonly("link_error", &Progress::link_error);
   py::class_<Transforms::Support>(m, "Support")
       .def_readonly("probability", &Transforms::Support::probability)
