@@ -10,6 +10,9 @@ namespace headframe::bench {
 namespace {
 
 constexpr std::size_t every = 6;  // attacks between two trials without one
+// A p99 of one trial with nobody who attacks may be 1.4 times their median: what stands out is tried twice more, and
+// the middle of the three counts.
+constexpr double stands_out = 1.2;
 
 std::vector<Attack> attacks(const std::string& only) {
   std::vector<Attack> all;
@@ -49,24 +52,50 @@ const Row& worst_of(const std::vector<Row>& rows, double Row::*figure) {
   return *std::max_element(rows.begin(), rows.end(), [&](const Row& a, const Row& b) { return a.*figure < b.*figure; });
 }
 
+Result<void> try_again(Row& row, const Attack& attack, double seconds) {
+  std::vector<Row> three{row};
+  while (three.size() < 3) {
+    const auto again = measured(attack, seconds);
+    if (!again) return tl::unexpected(again.error());
+    three.push_back(*again);
+    if (row.death.empty()) row.death = again->death;
+  }
+  row.ack_p99_ms = median_of(three, &Row::ack_p99_ms);
+  row.merge_s = median_of(three, &Row::merge_s);
+  return {};
+}
+
+/// Trials of all attacks, and those without one between them.
+Result<std::pair<std::vector<Row>, std::vector<Row>>> measure_all(const std::vector<Attack>& all, double seconds) {
+  std::vector<Row> alone, beside;
+  const auto add = [&](std::vector<Row>& rows, const Attack& attack) -> Result<void> {
+    const auto row = measured(attack, seconds);
+    if (!row) return tl::unexpected(row.error());
+    rows.push_back(*row);
+    return {};
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % every == 0)
+      if (auto ok = add(alone, {"nobody attacks", {}}); !ok) return tl::unexpected(ok.error());
+    if (auto ok = add(beside, all[i]); !ok) return tl::unexpected(ok.error());
+  }
+  const double ack_ms = median_of(alone, &Row::ack_p99_ms), merge_s = median_of(alone, &Row::merge_s);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (beside[i].ack_p99_ms > stands_out * ack_ms || beside[i].merge_s > stands_out * merge_s)
+      if (auto ok = try_again(beside[i], all[i], seconds); !ok) return tl::unexpected(ok.error());
+  return std::pair(alone, beside);
+}
+
 }  // namespace
 
 nlohmann::json link_hostile(double seconds, const std::string& only) {
   const auto all = attacks(only);
-  std::vector<Row> alone, beside;
+  if (all.empty()) return std::fprintf(stderr, "link hostile: no attack has that name\n"), nlohmann::json();
   std::printf("link hostile (%.0f s each; six honest robots, ten keyframes a second each; two more that merge)\n",
               seconds);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i % every == 0) {
-      const auto row = measured({"nobody attacks", {}}, seconds);
-      if (!row) return std::fprintf(stderr, "link hostile: %s\n", row.error().message.c_str()), nlohmann::json();
-      alone.push_back(*row);
-    }
-    const auto row = measured(all[i], seconds);
-    if (!row) return std::fprintf(stderr, "link hostile: %s\n", row.error().message.c_str()), nlohmann::json();
-    beside.push_back(*row);
-  }
-  if (beside.empty()) return std::fprintf(stderr, "link hostile: no attack has that name\n"), nlohmann::json();
+  const auto rows = measure_all(all, seconds);
+  if (!rows) return std::fprintf(stderr, "link hostile: %s\n", rows.error().message.c_str()), nlohmann::json();
+  const auto& [alone, beside] = *rows;
   const double ack_ms = median_of(alone, &Row::ack_p99_ms), merge_s = median_of(alone, &Row::merge_s);
   const Row &slowest_ack = worst_of(beside, &Row::ack_p99_ms), &latest = worst_of(beside, &Row::merge_s);
   const auto deaths = std::count_if(beside.begin(), beside.end(), [](const Row& row) { return !row.death.empty(); });
