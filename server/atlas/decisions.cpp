@@ -50,6 +50,10 @@ std::optional<Pose> DecisionBook::confirmed_at(AlignmentId alignment) const {
   return newest->T_a_b;
 }
 
+void DecisionBook::rule(std::vector<Alignment>& alignments) const {
+  for (Alignment& alignment : alignments) alignment.ruling = ruling(alignment);
+}
+
 Ruling DecisionBook::ruling(const Alignment& alignment) const {
   const DecisionRecord* word = standing(alignment.id, alignment.T_a_b);
   if (!word) return Ruling::none;

@@ -57,6 +57,8 @@ class DecisionBook {
 
   /// The standing word on the alignment as it is now placed.
   Ruling ruling(const Alignment& alignment) const;
+  /// Each alignment's ruling; records and placements in the same frames.
+  void rule(std::vector<Alignment>& alignments) const;
   Proposal proposal(AlignmentId alignment, const Pose& T_a_b, double seen_points) const;
   /// The placement that the standing word confirms; none when it is another word.
   std::optional<Pose> confirmed_at(AlignmentId alignment) const;

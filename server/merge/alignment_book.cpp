@@ -27,7 +27,7 @@ void AlignmentBook::restore(std::vector<Alignment> alignments, std::vector<Decis
   for (DecisionRecord& record : decisions)
     if (const Alignment* of = find(record.alignment)) record.T_a_b = frames.local(of->a, of->b, record.T_a_b);
   decisions_.restore(std::move(decisions));
-  for (Alignment& alignment : alignments_) alignment.ruling = decisions_.ruling(alignment);
+  decisions_.rule(alignments_);
 }
 
 Alignment* AlignmentBook::find(SessionId one, SessionId other) {

@@ -13,6 +13,9 @@ Result<void> MergeWorker::restore() {
   if (auto known = restore_troubles(); !known) return known;
   auto merge = store_.merge();
   if (!merge) return tl::unexpected(merge.error());
+  DecisionBook decisions;
+  decisions.restore(merge->decisions);
+  decisions.rule(merge->alignments);
   stored_ = {std::move(*sessions), std::move(*merge)};
   for (const SessionRecord& session : stored_->sessions) {
     const auto trouble = troubles_.find(session.id);

@@ -59,6 +59,19 @@ TEST_F(Worker, ADecisionIsDurableAndToldBeforeItIsAnswered) {
   EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "an undo looks again";
 }
 
+TEST_F(Worker, WhatWasDecidedIsShownFromTheFirstMomentAfterARestart) {
+  const Alignment placed{7, 1, 2, AlignmentState::candidate, pose_from_yaw(0.5, {1, 2, 3}), {}};
+  PutMerge write;
+  write.changed = {placed};
+  write.decided = {{1, 7, Decision::place, placed.T_a_b, 10, false}};
+  keep(write);
+  worker = std::make_unique<MergeWorker>(std::make_unique<ScriptedPipeline>(script), *store, ScheduleConfig{});
+  ASSERT_TRUE(worker->restore());
+  const auto view = worker->view();
+  ASSERT_EQ(view->alignments.size(), 1U) << "before the pipeline has anything of it";
+  EXPECT_EQ(view->alignments[0].ruling, Ruling::placed);
+}
+
 TEST_F(Worker, AnAnchorIsDurableToldAndFoundAgain) {
   const Pose T = pose_from_yaw(0.5, {1, 2, 3});
   script.atlas = {3, {{1, {{1, Pose::Identity()}, {2, T}}}}};
