@@ -20,7 +20,7 @@ struct Progress {
   double server_bytes_per_s = 0;                 // what the server lets it send; 0: no limit
   std::vector<std::string> server_capabilities;  // as its last welcome listed them; empty: it is older than the list
   std::string hold;                              // why the server takes nothing for now (a full disk); empty: it does
-  std::string cut;  // from where on keyframes are left out of merging, and why: begin a new session; empty: none are
+  std::string cut;          // where the odometry jumped, and what became of what followed; empty: it did not
   std::string link_error;   // why the last connection ended; empty: none did
   std::string cloud_error;  // why the last cloud was dropped that was damaged or refused; empty: none was
 };

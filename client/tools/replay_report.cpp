@@ -72,8 +72,7 @@ void ReplayReport::warning(const std::string& text) {
 }
 
 void ReplayReport::step(std::size_t scans_done, const Progress& progress) {
-  if (!progress.cut.empty() && progress.cut != cut_)
-    warning(progress.cut + "; what comes after is not merged with the rest: begin a new session there");
+  if (!progress.cut.empty() && progress.cut != cut_) warning(progress.cut);
   cut_ = progress.cut;
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto now = Clock::now();

@@ -56,9 +56,7 @@ void add_troubles(const ExplainedSession& s, std::vector<std::string>& missing) 
   if (s.archived) missing.push_back(s.name + " is archived: headframe session restore brings it back");
   if (!s.why_aside.empty())
     missing.push_back(s.name + " is set aside (" + s.why_aside + "): headframe session release takes it back");
-  if (!s.why_cut.empty())
-    missing.push_back(s.name + ": " + s.why_cut +
-                      "; what comes after is not merged with the rest: begin a new session there");
+  if (!s.why_cut.empty()) missing.push_back(s.name + ": " + s.why_cut);
 }
 
 void add_lacks(const ExplainedSession& s, const VerdictThresholds& config, std::vector<std::string>& missing) {

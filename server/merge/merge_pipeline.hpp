@@ -11,6 +11,7 @@
 #include "server/merge/attempt.hpp"
 #include "server/merge/localization.hpp"
 #include "server/merge/merge_config.hpp"
+#include "server/session/session_cut.hpp"
 
 namespace headframe {
 
@@ -93,8 +94,8 @@ class MergePipeline {
   /// The verdict on a placement that is handed in, wherever it comes from; nothing is recorded. a < b.
   Judgement judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds);
 
-  /// Why keyframes of the session are left out of merging, from a jump of its odometry on; empty: they are not.
-  std::string why_cut(SessionId id) const;
+  /// Keyframes of the session that are left out of merging, from a jump of its odometry on.
+  SessionCut cut(SessionId id) const;
 
   const Atlas& atlas() const;
   /// Of the sessions that the pose graph bends, between the frames of the robots.

@@ -194,7 +194,7 @@ void MergePipeline::restore_closures(const PairClosures& known) {
   s.corrected.set(known);
 }
 
-std::string MergePipeline::why_cut(SessionId id) const { return state_->sessions.frames().why_cut(id); }
+SessionCut MergePipeline::cut(SessionId id) const { return state_->sessions.frames().cut(id); }
 
 const Corrections& MergePipeline::corrections() const { return state_->corrected.given_out(); }
 const Atlas& MergePipeline::atlas() const { return state_->book.atlas_given_out(); }

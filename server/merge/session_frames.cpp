@@ -65,9 +65,11 @@ void SessionFrames::come_anew(SessionId session) {
   frame.why.clear();
 }
 
-std::string SessionFrames::why_cut(SessionId session) const {
+SessionCut SessionFrames::cut(SessionId session) const {
   const auto found = frames_.find(session);
-  return found == frames_.end() || found->second.left_out == 0 ? std::string() : found->second.why;
+  if (found == frames_.end() || found->second.left_out == 0) return {};
+  const Frame& frame = found->second;
+  return {frame.last.sequence + 1, frame.left_out > forgiven, frame.why};
 }
 
 Eigen::Vector3d SessionFrames::origin_m(SessionId session) const {

@@ -8,6 +8,7 @@
 #include "common/session/keyframe.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
+#include "server/session/session_cut.hpp"
 
 namespace headframe {
 
@@ -29,8 +30,8 @@ class SessionFrames {
   /// Its keyframes will come anew, from the first on, which sets the same origin again.
   void come_anew(SessionId session);
 
-  /// Why the session's last keyframes are left out; empty: they are not.
-  std::string why_cut(SessionId session) const;
+  /// Of the session's last keyframes.
+  SessionCut cut(SessionId session) const;
 
   /// Of a session without keyframes: zero.
   Eigen::Vector3d origin_m(SessionId session) const;

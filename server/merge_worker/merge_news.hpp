@@ -8,6 +8,7 @@
 #include "server/atlas/atlas.hpp"
 #include "server/merge/localization.hpp"
 #include "server/merge_worker/merge_schedule.hpp"
+#include "server/session/session_cut.hpp"
 
 namespace headframe {
 
@@ -46,8 +47,8 @@ class Robots {
   virtual void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) = 0;
   /// To the robot of this session, which asks where it is.
   virtual void tell_localization(SessionId session, const SessionLocalization& localization) = 0;
-  /// Keyframes of this session are left out of merging, from where on and why; empty: none are any more.
-  virtual void tell_cut(SessionId session, const std::string& why) = 0;
+  /// Keyframes of this session are left out of merging from now on, or none are any more.
+  virtual void tell_cut(SessionId session, const SessionCut& cut) = 0;
 };
 
 /// Components of `now` that a robot has to hear of: other placements than before, or a session that was merged and

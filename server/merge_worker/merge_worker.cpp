@@ -218,12 +218,9 @@ void MergeWorker::feed(SessionId session, bool counts) {
   if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
   MergeView::Session& shown = draft_.sessions[session];
   shown.distance_m += metres;
-  const std::string why_cut = pipeline_->why_cut(session);
-  if (!why_cut.empty() && shown.why_cut.empty())
-    spdlog::warn("session {}: {}; what comes after is not merged with the rest: begin a new session there", session,
-                 why_cut);
-  if (why_cut != shown.why_cut) robots_->tell_cut(session, why_cut);
-  shown.why_cut = why_cut;
+  const SessionCut cut = pipeline_->cut(session);
+  if (cut != known.cut) robots_->tell_cut(session, cut);
+  known.cut = cut;
   if (counts) schedule_.travelled(session, metres, Clock::now());
   if (counts && junction) schedule_.junction(session, Clock::now());
 }

@@ -22,7 +22,6 @@ struct MergeView {
     double trigger_to_transform_ms = -1;  // from the trigger of the attempt that placed it; -1: none has
     std::string why_aside = {};           // it is not merged, and why; empty: it is
     bool deleted = false;
-    std::string why_cut = {};  // keyframes from here on are left out of merging, and why; empty: none are
     bool archived = false, frozen = false;
   };
   Atlas atlas;  // every session is in it that is neither archived nor deleted
@@ -109,6 +108,7 @@ class MergeWorker : public MergeNews, private CloudSource {
     std::set<std::uint64_t> stored, without_cloud, let_go;
     bool answers = false;
     bool asks_where = false;
+    SessionCut cut = {};
     bool more_to_try = false;  // its last attempt has not looked at all that it could lie on
     std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; none: nothing
   };

@@ -28,7 +28,7 @@ class RealPipeline : public Pipeline {
                               AttemptReport& report) override {
     return pipeline_.place(a, b, T_a_b, clouds, report);
   }
-  std::string why_cut(SessionId id) const override { return pipeline_.why_cut(id); }
+  SessionCut cut(SessionId id) const override { return pipeline_.cut(id); }
   AttemptReport set_aside(SessionId id) override { return pipeline_.set_aside(id); }
   AttemptReport come_back(SessionId id) override { return pipeline_.come_back(id); }
   Result<AttemptReport> freeze(SessionId id) override { return pipeline_.freeze(id); }

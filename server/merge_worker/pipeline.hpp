@@ -26,7 +26,7 @@ class Pipeline {
                                       AttemptReport& /*report*/) {
     return HandPlacement();
   }
-  virtual std::string why_cut(SessionId /*id*/) const { return {}; }
+  virtual SessionCut cut(SessionId /*id*/) const { return {}; }
   virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
   virtual AttemptReport come_back(SessionId /*id*/) { return {}; }
   virtual Result<AttemptReport> freeze(SessionId /*id*/) { return AttemptReport(); }

@@ -62,12 +62,13 @@ Result<void> SessionHub::restore() {
       if (component.placements.size() > 1) told_.insert(placement.session);
   for (const Alignment& alignment : merge->alignments)
     if (alignment.state == AlignmentState::retracted) told_.insert({alignment.a, alignment.b});
+  find_parts();
   return {};
 }
 
 std::uint64_t SessionHub::durable_keyframes(SessionId session) const {
   const std::lock_guard lock(mutex_);
-  return sessions_.at(session).keyframes;
+  return durable_of(session).keyframes;
 }
 
 std::size_t SessionHub::stored_bytes(const RobotEvent& event) {
@@ -90,7 +91,7 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   if (auto* keyframe = std::get_if<KeyframeReceived>(&event)) handle(session, std::move(*keyframe), link, bytes);
   if (auto* cloud = std::get_if<CloudReceived>(&event)) handle(session, std::move(*cloud), link, bytes);
   if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
-  if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) news_.clouds_unavailable(session, gone->sequences);
+  if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) tell_unavailable(session, gone->sequences);
   if (const auto* goodbye = std::get_if<GoodbyeReceived>(&event)) handle(session, *goodbye, link);
   if (auto* live = std::get_if<LiveReceived>(&event)) handle(session, std::move(*live), link);
   if (const auto* where = std::get_if<WhereAsked>(&event)) handle(session, *where, link);
@@ -99,26 +100,34 @@ void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr
   if (const auto* asked = std::get_if<MapNextAsked>(&event)) ask(session, *asked, link);
   if (std::holds_alternative<TakenOver>(event)) take_over(session, link);
   if (std::holds_alternative<TriggerRequested>(event))  // an empty write: all that came before is durable then
-    write(PutMerge{}, link, 0, [this, session] { news_.trigger(session, Trigger::request); });
+    write(PutMerge{}, link, 0, [this, session] {
+      const std::lock_guard lock(mutex_);
+      news_.trigger(last_part(session), Trigger::request);
+    });
 }
 
 void SessionHub::handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
   const std::uint64_t sequence = event.keyframe.sequence;
+  KeyframeRef keyframe;
   {
     const std::lock_guard lock(mutex_);
-    sessions_.at(session).backlog = event.backlog;
+    carrier(session).backlog = event.backlog;
+    keyframe = stored_as(session, sequence);
   }
   if (over_quota(session, 1, link, bytes)) return;
-  write(PutKeyframe{session, std::move(event.keyframe)}, link, bytes,
+  event.keyframe.sequence = keyframe.sequence;
+  write(PutKeyframe{keyframe.session, std::move(event.keyframe)}, link, bytes,
         [this, session, sequence, to = std::weak_ptr(link)] {
+          KeyframeRef now;  // the session may have been split since
           {
             const std::lock_guard lock(mutex_);
-            auto& durable = sessions_.at(session).keyframes;
-            durable = std::max(durable, sequence);
+            now = stored_as(session, sequence);
+            auto& durable = sessions_.at(now.session).keyframes;
+            durable = std::max(durable, now.sequence);
           }
           desk_.changed();
-          news_.keyframes_durable(session, sequence);
+          news_.keyframes_durable(now.session, now.sequence);
           if (const auto robot = to.lock()) robot->keyframes_durable(sequence);
         });
 }
@@ -126,7 +135,7 @@ void SessionHub::handle(SessionId session, KeyframeReceived event, const std::sh
 /// Only over the connection that carries the session.
 void SessionHub::handle(SessionId session, LiveReceived event, const std::shared_ptr<RobotLink>& link) {
   const std::lock_guard lock(mutex_);
-  Session& known = sessions_.at(session);
+  Session& known = carrier(session);
   if (known.link.lock() != link) return;
   known.backlog = event.backlog;
   known.live = {std::move(event.state), 0, known.live ? known.live->news + 1 : 1};
@@ -135,23 +144,27 @@ void SessionHub::handle(SessionId session, LiveReceived event, const std::shared
 
 void SessionHub::handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link,
                         std::size_t bytes) {
-  const KeyframeRef cloud{session, event.sequence};
+  const std::uint64_t sent = event.sequence;
   if (over_quota(session, 0, link, bytes)) return;
+  KeyframeRef cloud;
   {
     const std::lock_guard lock(mutex_);
-    sessions_.at(session).cloud_bytes += event.encoded.size();
+    cloud = stored_as(session, sent);
+    sessions_.at(cloud.session).cloud_bytes += event.encoded.size();
   }
-  const auto durable = [this, cloud, to = std::weak_ptr(link)] {
+  const auto durable = [this, session, sent, to = std::weak_ptr(link)] {
+    KeyframeRef now;  // the session may have been split since
     {
       const std::lock_guard lock(mutex_);
-      sessions_.at(cloud.session).clouds.insert(cloud.sequence);
+      now = stored_as(session, sent);
+      sessions_.at(now.session).clouds.insert(now.sequence);
     }
-    news_.cloud_durable(cloud);
-    if (const auto robot = to.lock()) robot->cloud_durable(cloud.sequence);
+    news_.cloud_durable(now);
+    if (const auto robot = to.lock()) robot->cloud_durable(sent);
   };
-  const auto rejected = [this, cloud, to = std::weak_ptr(link)](const Error& why) {
-    note_refusal(cloud.session, {cloud.sequence, why.message});
-    if (const auto robot = to.lock()) robot->cloud_refused(cloud.sequence, why.message);
+  const auto rejected = [this, session, sent, to = std::weak_ptr(link)](const Error& why) {
+    note_refusal(session, {sent, why.message});
+    if (const auto robot = to.lock()) robot->cloud_refused(sent, why.message);
   };
   write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, durable, rejected);
 }
@@ -173,22 +186,30 @@ void SessionHub::note_refusal(SessionId session, const CloudRefused& cloud) {
   ++counts_.refused_clouds;
   {
     const std::lock_guard lock(mutex_);
-    Session& known = sessions_.at(session);
+    Session& known = carrier(session);
     if (std::has_single_bit(++known.refused_clouds))
       spdlog::warn("robot {}: the cloud of keyframe {} was refused: {} ({} so far)", name_of(known.record.key),
                    cloud.sequence, cloud.reason, known.refused_clouds);
   }
-  news_.clouds_unavailable(session, {cloud.sequence});
+  tell_unavailable(session, {cloud.sequence});
 }
 
 void SessionHub::handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link) {
   if (!event.complete) return;
-  write(CompleteSession{session}, link, 0, [this, session] {
+  SessionId last = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    last = last_part(session);
+  }
+  write(CompleteSession{last}, link, 0, [this, session, last] {
+    bool was_split = false;
     {
       const std::lock_guard lock(mutex_);
-      sessions_.at(session).record.complete = true;
+      sessions_.at(last).record.complete = true;
+      was_split = last_part(session) != last;
     }
-    news_.trigger(session, Trigger::goodbye);
+    news_.trigger(last, Trigger::goodbye);
+    if (was_split) handle(session, GoodbyeReceived{true}, nullptr);
   });
 }
 
@@ -209,7 +230,7 @@ void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std:
 void SessionHub::received(SessionId session, std::size_t bytes) {
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  Session& known = sessions_.at(session);
+  Session& known = carrier(session);
   known.bytes_received += bytes;
   known.rate.add(static_cast<double>(bytes), now);
   known.heard = now;
@@ -217,13 +238,17 @@ void SessionHub::received(SessionId session, std::size_t bytes) {
 
 std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {
   const std::lock_guard lock(mutex_);
-  const auto it = sessions_.find(session);
-  return it == sessions_.end() ? nullptr : it->second.link.lock();
+  return sessions_.contains(session) ? carrier(session).link.lock() : nullptr;
 }
 
 void SessionHub::request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) {
+  std::vector<std::uint64_t> as_sent = sequences;
+  {
+    const std::lock_guard lock(mutex_);
+    for (std::uint64_t& sequence : as_sent) sequence += sessions_[session].from - 1;
+  }
   if (const auto robot = link_of(session))
-    robot->request_submap(sequences);
+    robot->request_submap(as_sent);
   else
     news_.clouds_unavailable(session, sequences);  // it left between the question and this call
 }
@@ -240,6 +265,7 @@ std::vector<SessionRow> SessionHub::sessions() const {
     row.let_go = s.let_go.size();
     row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;
+    row.why_cut = cut_text(id, 0);
     row.bytes_per_s = s.rate.at(now);
     row.live = s.live;
     if (row.live) row.live->age_s = std::chrono::duration<double>(now - s.live_came).count();

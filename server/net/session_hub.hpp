@@ -85,7 +85,10 @@ class SessionHub : public Robots {
                const std::vector<Withdrawal>& withdrawn) override;
   void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) override;
   void tell_localization(SessionId session, const SessionLocalization& localization) override;
-  void tell_cut(SessionId session, const std::string& why) override;
+  /// For good: what follows is a session of its own from now on, in everything but the robot's eyes. It is named
+  /// NAME~N for the robot's N-th keyframe, its first; at most most_parts of one session are made.
+  void tell_cut(SessionId session, const SessionCut& cut) override;
+  static constexpr std::size_t most_parts = 8;
 
   /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
   /// change while they are served.
@@ -138,11 +141,35 @@ class SessionHub : public Robots {
     bool takes_supports = false;                   // of transforms
     bool asks_where = false;                       // over the connection that carries it
     bool deleted = false;                          // nobody may go on with it
-    std::string cut;                               // why its last keyframes are left out of merging; empty: none are
+    SessionCut cut;
+    SessionId whole = 0;           // the session that this is a part of, as its robot has it; 0: it is none
+    std::uint64_t from = 1;        // the robot's number of its first keyframe
+    std::vector<SessionId> parts;  // that follow a whole, in order
+    bool split_waits = false;      // its beginning is still to be stored
   };
   static constexpr std::size_t most_withdrawn = 16;  // an update has to stay small
   using Applied = std::function<void()>;
   using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written
+
+  // session_hub_parts.cpp: what carries the connection of a session is its last part. Under the lock.
+  std::vector<SessionId> with_parts(SessionId session) const;
+  SessionId last_part(SessionId session) const { return with_parts(session).back(); }
+  SessionId before(SessionId part) const;
+  Session& carrier(SessionId session) { return sessions_.at(last_part(session)); }
+  const Session& carrier(SessionId session) const { return sessions_.at(last_part(session)); }
+  KeyframeRef stored_as(SessionId session, std::uint64_t sent) const;
+  Durable durable_of(SessionId session) const;
+  void tell_came(SessionId session);
+  void tell_left(SessionId session);
+  void tell_unavailable(SessionId session, const std::vector<std::uint64_t>& sent);
+  void split(SessionId session);
+  SessionId new_part(SessionId session, const SessionKey& key);
+  void store_split(SessionId part);
+  void split_stored(SessionId part, bool stored);
+  void find_parts();
+  std::string cut_text(SessionId session, std::uint64_t counted_before) const;
+  std::string cut_text_for_robot(SessionId session) const;
+  SessionKey key_for(SessionId receiver, SessionId session) const;
 
   Session& session_of(const Hello& hello);
   /// Why there is none for this robot; empty: there is.
@@ -164,6 +191,7 @@ class SessionHub : public Robots {
   using PagesPtr = std::shared_ptr<const TransformPages>;
   struct Told {  // of a component's transforms; what a robot can take of it
     bool provisional = false, supports = false, in_pages = false;
+    SessionId part = 0;  // the robot's, who knows its whole alone; 0: it has no parts
     auto operator<=>(const Told&) const = default;
   };
   using MadePages = std::map<Told, PagesPtr>;

@@ -35,9 +35,9 @@ bool same_run(const SessionRecord& record, const Hello& hello) {
 
 }  // namespace
 
-/// The hello's session, made when it is new. Under the lock.
+/// The hello's session, made when it is new; of one with parts the last. Under the lock.
 SessionHub::Session& SessionHub::session_of(const Hello& hello) {
-  if (const auto known = ids_.find(hello.session); known != ids_.end()) return sessions_.at(known->second);
+  if (const auto known = ids_.find(hello.session); known != ids_.end()) return carrier(known->second);
   quota_.began_session(hello.session.robot, Clock::now());
   const SessionId id = sessions_.empty() ? 1 : sessions_.rbegin()->first + 1;
   ids_[hello.session] = id;
@@ -56,12 +56,14 @@ SessionHub::Session& SessionHub::session_of(const Hello& hello) {
 /// so, and not that others have. Under the lock.
 std::string SessionHub::want_of_room(const Hello& hello) const {
   int all = 0, own = 0;
+  const auto known = ids_.find(hello.session);
+  const SessionId replaced = known == ids_.end() ? 0 : last_part(known->second);
   for (const auto& [id, session] : sessions_) {
-    if (session.link.expired() || session.record.key == hello.session) continue;
+    if (session.link.expired() || id == replaced) continue;
     ++all;
     own += session.record.key.robot == hello.session.robot ? 1 : 0;
   }
-  if (auto why = quota_.objection(hello.session.robot, own, !ids_.contains(hello.session), Clock::now()); !why.empty())
+  if (auto why = quota_.objection(hello.session.robot, own, known == ids_.end(), Clock::now()); !why.empty())
     return why;
   if (all < limits_.robots) return "";
   return "the server serves " + std::to_string(limits_.robots) +
@@ -77,6 +79,10 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     const std::lock_guard lock(mutex_);
     if (const auto beside = stand_by(hello, link)) return *beside;
     if (const std::string why = want_of_room(hello); !why.empty()) return failure(ErrorCode::unavailable, why);
+    if (const auto known = ids_.find(hello.session); known != ids_.end() && sessions_.at(known->second).whole != 0)
+      return failure(ErrorCode::refused, "session " + name_of(hello.session) + " was made by the server, of " +
+                                             name_of(sessions_.at(sessions_.at(known->second).whole).record.key) +
+                                             "; choose another session name");
     Session& session = session_of(hello);
     if (session.deleted)
       return failure(ErrorCode::refused, "session " + name_of(hello.session) +
@@ -96,12 +102,11 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     session.takes_pages = lists(transform_pages_capability);
     session.takes_supports = lists(transform_support_capability);
     session.asks_where = false;
-    desk_.left(session.record.id);
-    admitted = {
-        record.id, {session.keyframes, {session.clouds.begin(), session.clouds.end()}}, transform_of(record.id)};
+    desk_.left(with_parts(session.record.id).front());
+    admitted = {with_parts(record.id).front(), durable_of(record.id), transform_of(record.id)};
     news_.session_added(record.id, record.key.robot, record.family);
-    if (replaced) news_.robot_left(record.id);  // what was asked of the old connection has to be asked again
-    news_.robot_came(record.id, session.answers);
+    if (replaced) tell_left(record.id);  // what was asked of the old connection has to be asked again
+    tell_came(record.id);
     news_.trigger(record.id, Trigger::link);
   }
   if (replaced) ++counts_.replaced;
@@ -118,8 +123,8 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
 std::optional<Result<SessionHub::Admitted>> SessionHub::stand_by(const Hello& hello,
                                                                  const std::shared_ptr<RobotLink>& link) {
   const auto known = ids_.find(hello.session);
-  if (!hello.spare || known == ids_.end() || sessions_.at(known->second).link.expired()) return std::nullopt;
-  Session& session = sessions_.at(known->second);
+  if (!hello.spare || known == ids_.end() || carrier(known->second).link.expired()) return std::nullopt;
+  Session& session = carrier(known->second);
   if (const std::string why = objection(session.record, hello); !why.empty()) return failure(ErrorCode::refused, why);
   if (!same_run(session.record, hello))
     return failure(ErrorCode::unavailable, "a spare of another run of its spool: begin with a hello that is none");
@@ -134,13 +139,13 @@ std::optional<Result<SessionHub::Admitted>> SessionHub::stand_by(const Hello& he
     spares.erase(spares.begin());
   }
   spares.push_back(link);
-  return Admitted{known->second, {session.keyframes, {}}, nullptr};
+  return Admitted{known->second, {durable_of(known->second).keyframes, {}}, nullptr};
 }
 
 /// From a spare; one that was closed meanwhile is not in the list.
 void SessionHub::take_over(SessionId id, const std::shared_ptr<RobotLink>& link) {
   const std::lock_guard lock(mutex_);
-  Session& session = sessions_.at(id);
+  Session& session = carrier(id);
   const auto before = session.link.lock();
   const auto same = [&](const auto& spare) { return spare.lock() == link; };
   if (before != link && std::erase_if(session.spares, same) == 0) return;
@@ -149,21 +154,21 @@ void SessionHub::take_over(SessionId id, const std::shared_ptr<RobotLink>& link)
     session.spares.push_back(before);
   }
   session.link = link;
-  news_.robot_left(id);  // what was asked of the other has to be asked again
-  news_.robot_came(id, session.answers);
-  if (session.asks_where) news_.asks_where(id, true);
-  if (const auto transform = transform_of(id)) link->update_transform(transform);
+  tell_left(id);  // what was asked of the other has to be asked again
+  tell_came(id);
+  if (session.asks_where) news_.asks_where(session.record.id, true);
+  if (const auto transform = transform_of(session.record.id)) link->update_transform(transform);
 }
 
 void SessionHub::left(SessionId session, const RobotLink* link) {
   const std::lock_guard lock(mutex_);
-  Session& known = sessions_.at(session);
+  Session& known = carrier(session);
   std::erase_if(known.spares, [&](const auto& spare) { return spare.expired() || spare.lock().get() == link; });
   if (known.link.lock().get() != link) return;  // replaced before
   known.link.reset();
   known.asks_where = false;
   desk_.left(session);
-  news_.robot_left(session);
+  tell_left(session);
   spdlog::info("robot {} left", name_of(known.record.key));
 }
 

@@ -10,13 +10,13 @@ namespace headframe {
 void SessionHub::handle(SessionId session, const WhereAsked& event, const std::shared_ptr<RobotLink>& link) {
   {
     const std::lock_guard lock(mutex_);
-    Session& known = sessions_.at(session);
+    Session& known = carrier(session);
     if (known.link.lock() != link || known.asks_where == event.asks) return;  // a spare's, or said before
     known.asks_where = event.asks;
   }
   write(PutMerge{}, link, 0, [this, session] {
     const std::lock_guard lock(mutex_);
-    news_.asks_where(session, sessions_.at(session).asks_where);
+    news_.asks_where(last_part(session), carrier(session).asks_where);
   });
 }
 
@@ -24,7 +24,6 @@ void SessionHub::tell_localization(SessionId session, const SessionLocalization&
   v1::ServerMessage message;
   auto& told = *message.mutable_localization();
   told.set_found(l.found);
-  told.set_keyframe(l.keyframe);
   told.set_merged(l.merged);
   told.set_probability(l.probability);
   told.set_shared_m(l.shared_m);
@@ -35,11 +34,12 @@ void SessionHub::tell_localization(SessionId session, const SessionLocalization&
   {
     const std::lock_guard lock(mutex_);
     const Session& asking = sessions_.at(session);
+    told.set_keyframe(l.keyframe + (l.keyframe == 0 ? 0 : asking.from - 1));
     if (asking.asks_where) robot = asking.link.lock();
     if (l.found) {
       told.set_component(static_cast<std::uint64_t>(l.component));
-      *told.mutable_anchor() = to_proto(sessions_.at(l.component).record.key);
-      *told.mutable_session() = to_proto(sessions_.at(l.on).record.key);
+      *told.mutable_anchor() = to_proto(key_for(session, l.component));
+      *told.mutable_session() = to_proto(key_for(session, l.on));
     }
   }
   if (l.found) {

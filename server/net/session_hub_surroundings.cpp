@@ -9,7 +9,7 @@ template <class Question>
 void SessionHub::ask(SessionId session, const Question& question, const std::shared_ptr<RobotLink>& link) {
   {
     const std::lock_guard lock(mutex_);
-    if (sessions_.at(session).link.lock() != link) return;
+    if (carrier(session).link.lock() != link) return;
   }
   desk_.ask(session, question);
 }
@@ -20,7 +20,7 @@ template void SessionHub::ask(SessionId, const MapNextAsked&, const std::shared_
 void SessionHub::look_around(SessionId session, const RobotLink* link) {
   {
     const std::lock_guard lock(mutex_);
-    if (sessions_.at(session).link.lock().get() != link) return;
+    if (carrier(session).link.lock().get() != link) return;
   }
   desk_.look(session, policy_of(session).bytes_per_s);
 }
@@ -30,12 +30,13 @@ SessionSurroundings SessionHub::surroundings_of(SessionId session) const {
   const std::lock_guard lock(mutex_);
   SessionSurroundings around;
   around.revision = atlas_.revision;
+  around.receiver = last_part(session);
   for (const Component& component : atlas_.components)
-    if (placement_in(component, session) != nullptr) around.component = {component.id, component.placements};
+    if (placement_in(component, around.receiver) != nullptr) around.component = {component.id, component.placements};
   for (const Placement& placement : around.component.placements) {
     const auto known = sessions_.find(placement.session);
     if (known == sessions_.end()) continue;
-    around.keys[placement.session] = known->second.record.key;
+    around.keys[placement.session] = key_for(around.receiver, placement.session);
     around.durable[placement.session] = known->second.keyframes;
   }
   return around;

@@ -61,8 +61,9 @@ LinkPolicy SessionHub::policy() {
 LinkPolicy SessionHub::policy_of(SessionId session) {
   LinkPolicy told = policy();
   const std::lock_guard lock(mutex_);
-  const Session& known = sessions_.at(session);
-  told.cut = known.cut;
+  if (carrier(session).split_waits) store_split(last_part(session));
+  told.cut = cut_text_for_robot(session);
+  const Session& known = carrier(session);
   const auto own = rates_bytes_per_s_.find(known.record.key.robot);
   if (own != rates_bytes_per_s_.end() && (told.bytes_per_s == 0 || own->second < told.bytes_per_s))
     told.bytes_per_s = own->second;
@@ -70,9 +71,10 @@ LinkPolicy SessionHub::policy_of(SessionId session) {
 }
 
 /// The next tick of its connection tells the robot.
-void SessionHub::tell_cut(SessionId session, const std::string& why) {
+void SessionHub::tell_cut(SessionId session, const SessionCut& cut) {
   const std::lock_guard lock(mutex_);
-  sessions_.at(session).cut = why;
+  sessions_.at(session).cut = cut;
+  if (cut.for_good) split(session);
 }
 
 void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {
@@ -88,7 +90,7 @@ v1::TransformUpdate SessionHub::update_of(const Component& component, const Told
   v1::TransformUpdate update;
   update.set_revision(atlas_.revision);
   update.set_component(static_cast<std::uint64_t>(component.id));
-  const auto key_of = [&](SessionId id) { return to_proto(sessions_.at(id).record.key); };
+  const auto key_of = [&](SessionId id) { return to_proto(key_for(told.part, id)); };
   *update.mutable_anchor() = key_of(component.id);
   for (const Placement& placement : component.placements) {
     auto& transform = *update.add_sessions();
@@ -123,7 +125,8 @@ v1::TransformUpdate SessionHub::update_of(const Component& component, const Told
 SessionHub::PagesPtr SessionHub::pages_for(SessionId receiver, const Component& component, MadePages& made) const {
   const Session& session = sessions_.at(receiver);
   const std::size_t page_bytes = session.takes_pages ? comfortable_page_bytes : limits::frame_bytes;
-  const Told told{session.wants_provisional, session.takes_supports, session.takes_pages};
+  const Told told{session.wants_provisional, session.takes_supports, session.takes_pages,
+                  session.whole == 0 ? 0 : receiver};
   PagesPtr& pages = made[told];
   if (!pages) pages = std::make_shared<const TransformPages>(transform_pages(update_of(component, told), page_bytes));
   if (session.takes_pages || pages->size() == 1) return pages;
@@ -131,10 +134,11 @@ SessionHub::PagesPtr SessionHub::pages_for(SessionId receiver, const Component& 
   for (const Placement& placement : component.placements)
     if (placement.session == receiver || placement.session == component.id) part.placements.push_back(placement);
   return std::make_shared<const TransformPages>(
-      transform_pages(update_of(part, {false, told.supports, false}), page_bytes));
+      transform_pages(update_of(part, {false, told.supports, false, told.part}), page_bytes));
 }
 
-/// Under the lock. Null: the session has never been merged, and nothing that its robot asks for is provisional.
+/// Under the lock. Null: the session has never been merged, and nothing that its robot asks for is provisional. What
+/// was told before a part began means nothing there.
 SessionHub::PagesPtr SessionHub::transform_of(SessionId session) const {
   MadePages made;
   const bool provisional = sessions_.at(session).wants_provisional;
@@ -142,7 +146,8 @@ SessionHub::PagesPtr SessionHub::transform_of(SessionId session) const {
     if (placement_in(component, session) &&
         (told_.contains(session) || (provisional && !component.provisional.empty())))
       return pages_for(session, component, made);
-  return nullptr;
+  if (sessions_.at(session).whole == 0 || !told_.contains(session)) return nullptr;
+  return pages_for(session, Component{session, {{session, Pose::Identity()}}}, made);
 }
 
 /// Under the lock: for the connected robots of the component, or for those alone that ask for what is provisional.

@@ -207,14 +207,14 @@ SurroundingsDesk::Payload SurroundingsDesk::page(SessionId session, Kind kind, c
   const auto known = maps_.refreshed(around, now_());
   if (!known) return held == told_busy ? nullptr : no_page(kind, told_busy, known.error().message);
   const std::uint64_t from = held.epoch == known->epoch ? held.version : 0;
-  const auto piece = kind == Kind::trajectories ? known->map->paths_after(from, session, page_bytes)
+  const auto piece = kind == Kind::trajectories ? known->map->paths_after(from, around.receiver, page_bytes)
                                                 : known->map->coverage_after(from, page_bytes);
   if (!piece) return nullptr;
   if (kind == Kind::trajectories)
     return payload_of(&v1::ServerMessage::set_allocated_trajectories,
-                      trajectories_page(around, session, held, *known, *piece, time_of_day_s()));
+                      trajectories_page(around, held, *known, *piece, time_of_day_s()));
   return payload_of(&v1::ServerMessage::set_allocated_coverage,
-                    coverage_page(around, session, held, *known, *piece, time_of_day_s()));
+                    coverage_page(around, held, *known, *piece, time_of_day_s()));
 }
 
 void SurroundingsDesk::make_map(SessionId session, const MapAsked& question) {
@@ -223,8 +223,7 @@ void SurroundingsDesk::make_map(SessionId session, const MapAsked& question) {
   std::string encoded;
   if (around.component.placements.size() < 2) {
     head.set_refused(alone);
-  } else if (auto made =
-                 maps_.map_of(around, session, question.region, question.resolution_m, question.since, now_())) {
+  } else if (auto made = maps_.map_of(around, question.region, question.resolution_m, question.since, now_())) {
     head = map_head(question.id, around.revision, *made);
     encoded = std::move(made->encoded);
   } else {

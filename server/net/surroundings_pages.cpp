@@ -11,8 +11,8 @@ namespace {
 constexpr double least_time_of_day_s =
     1e9;  // a stamp beyond counts from the epoch: a clock that was never set counts from 0
 
-v1::SurroundingsPage page_of(const SessionSurroundings& around, SessionId receiver, const HeldVersion& held,
-                             std::uint64_t epoch, const ComponentMap::Piece& piece) {
+v1::SurroundingsPage page_of(const SessionSurroundings& around, const HeldVersion& held, std::uint64_t epoch,
+                             const ComponentMap::Piece& piece) {
   v1::SurroundingsPage page;
   page.set_epoch(epoch);
   page.set_version(piece.version);
@@ -22,7 +22,7 @@ v1::SurroundingsPage page_of(const SessionSurroundings& around, SessionId receiv
   page.set_component(static_cast<std::uint64_t>(around.component.id));
   if (const auto anchor = around.keys.find(around.component.id); anchor != around.keys.end())
     *page.mutable_anchor() = to_proto(anchor->second);
-  if (const Placement* own = placement_in(around.component, receiver))
+  if (const Placement* own = placement_in(around.component, around.receiver))
     *page.mutable_t_component_session() = to_proto(own->T_component_session);
   return page;
 }
@@ -50,10 +50,10 @@ v1::SurroundingsPage nothing_to_tell(const HeldVersion& held, const std::string&
   return page;
 }
 
-v1::Trajectories trajectories_page(const SessionSurroundings& around, SessionId receiver, const HeldVersion& held,
+v1::Trajectories trajectories_page(const SessionSurroundings& around, const HeldVersion& held,
                                    const ComponentMaps::Known& known, const ComponentMap::Piece& piece, double now_s) {
   v1::Trajectories out;
-  *out.mutable_page() = page_of(around, receiver, held, known.epoch, piece);
+  *out.mutable_page() = page_of(around, held, known.epoch, piece);
   std::set<SessionId> named(piece.placed.begin(), piece.placed.end());
   for (const SessionId session : named) number(around, session, true, *known.map, now_s, *out.mutable_sessions());
   for (const ComponentMap::PathPiece& path : piece.paths) {
@@ -72,10 +72,10 @@ v1::Trajectories trajectories_page(const SessionSurroundings& around, SessionId 
   return out;
 }
 
-v1::Coverage coverage_page(const SessionSurroundings& around, SessionId receiver, const HeldVersion& held,
+v1::Coverage coverage_page(const SessionSurroundings& around, const HeldVersion& held,
                            const ComponentMaps::Known& known, const ComponentMap::Piece& piece, double now_s) {
   v1::Coverage out;
-  *out.mutable_page() = page_of(around, receiver, held, known.epoch, piece);
+  *out.mutable_page() = page_of(around, held, known.epoch, piece);
   for (const SessionId session : piece.placed)
     number(around, session, true, *known.map, now_s, *out.mutable_sessions());
   out.set_cell_m(static_cast<float>(coverage_cell_m));

@@ -11,9 +11,9 @@ namespace headframe {
 v1::SurroundingsPage nothing_to_tell(const HeldVersion& held, const std::string& why);
 
 /// now_s: the time of day, for ages.
-v1::Trajectories trajectories_page(const SessionSurroundings& around, SessionId receiver, const HeldVersion& held,
+v1::Trajectories trajectories_page(const SessionSurroundings& around, const HeldVersion& held,
                                    const ComponentMaps::Known& known, const ComponentMap::Piece& piece, double now_s);
-v1::Coverage coverage_page(const SessionSurroundings& around, SessionId receiver, const HeldVersion& held,
+v1::Coverage coverage_page(const SessionSurroundings& around, const HeldVersion& held,
                            const ComponentMaps::Known& known, const ComponentMap::Piece& piece, double now_s);
 
 /// A map's first part, without any of its data.

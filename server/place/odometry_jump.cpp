@@ -40,8 +40,7 @@ std::optional<std::string> jump_between(const Keyframe& before, const Keyframe& 
                                         std::span<const Keyframe> earlier) {
   const Eigen::Vector3d step = after.T_local_sensor.translation() - before.T_local_sensor.translation();
   const double step_m = step.norm(), climb_m = std::abs(step.z()), time_s = after.stamp_s - before.stamp_s;
-  const std::string where = "between keyframes " + std::to_string(before.sequence) + " and " +
-                            std::to_string(after.sequence) + " its odometry jumps ";
+  const std::string where = "its odometry jumps ";
   if (time_s > 0 && step_m > least_fast_m && step_m > fastest_m_s * time_s) return where + whole(step_m) + " m at once";
   const bool far = step_m > farthest_m, up = climbs(step) && !flown(climb_m, time_s);
   if ((!far && !up) || beside_one_of(earlier, after)) return std::nullopt;

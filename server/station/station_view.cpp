@@ -45,7 +45,6 @@ std::vector<SessionRow> StationView::sessions() const {
     if (it == view->sessions.end()) continue;
     row.distance_m = it->second.distance_m;
     row.why_aside = it->second.why_aside;
-    row.why_cut = it->second.why_cut;
     row.archived = it->second.archived;
     row.frozen = it->second.frozen;
     row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;

@@ -55,6 +55,13 @@ struct RobotRecord {
 struct PutSession {
   SessionRecord session;
 };
+/// The session ends before its keyframe `from`. What is stored of it from there on, which may be nothing, becomes the
+/// part's, counted from 1; merges are of what stays.
+struct SplitSession {
+  SessionId session = 0;
+  std::uint64_t from = 0;
+  SessionRecord part;
+};
 struct PutKeyframe {
   SessionId session = 0;
   Keyframe keyframe;
@@ -125,8 +132,8 @@ struct DropSurvey {
 struct PutRobot {
   RobotRecord robot;
 };
-using Write = std::variant<PutSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot, PutLabel, PutSurvey,
-                           DropSurvey, PutTrouble, PutSessionNote, LetGo>;
+using Write = std::variant<PutSession, SplitSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot,
+                           PutLabel, PutSurvey, DropSurvey, PutTrouble, PutSessionNote, LetGo>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;

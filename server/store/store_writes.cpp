@@ -6,20 +6,10 @@
 #include "server/store/columns.hpp"
 #include "server/store/constraint_blob.hpp"
 #include "server/store/keyframe_row.hpp"
+#include "server/store/session_writes.hpp"
 
 namespace headframe {
 namespace {
-
-Result<void> put(Database& db, const PutSession& write) {
-  const SessionRecord& s = write.session;
-  return db.run(
-      "INSERT INTO sessions (id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-      " family_version, q_size, w_size, spool_id, complete, spool_run) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
-      " ON CONFLICT (id) DO UPDATE SET spool_run=excluded.spool_run",
-      s.id, s.key.robot, s.key.session, s.sensor.model, s.sensor.beams, double{s.sensor.fov_up_deg},
-      double{s.sensor.fov_down_deg}, double{s.sensor.max_range_m}, s.family.name, s.family.version, s.q_size, s.w_size,
-      s.spool_id, int{s.complete}, s.spool_run);
-}
 
 Result<void> put(Database& db, const PutKeyframe& write, const Database::Changed& stored) {
   return insert_keyframe(db, write.session, write.keyframe, stored);
@@ -101,10 +91,6 @@ Result<void> put(Database& db, const PutRobot& write) {
       " code_digest=excluded.code_digest, code_expires_s=excluded.code_expires_s, enrolled_s=excluded.enrolled_s,"
       " revoked=excluded.revoked, rate_kib_s=excluded.rate_kib_s",
       r.name, Blob{r.token_digest}, Blob{r.code_digest}, r.code_expires_s, r.enrolled_s, int{r.revoked}, r.rate_kib_s);
-}
-
-Result<void> put(Database& db, const CompleteSession& write) {
-  return db.run("UPDATE sessions SET complete=1 WHERE id=?", write.session);
 }
 
 Result<void> put_changes(Database& db, const Alignment& alignment) {
@@ -190,14 +176,6 @@ Result<void> put_self_likeness(Database& db, SessionId session, const SelfLikene
       "INSERT INTO self_likeness VALUES (?,?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET path_m=excluded.path_m,"
       " clouds=excluded.clouds, aliases=excluded.aliases, look_alikes=excluded.look_alikes, wanted=excluded.wanted",
       session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences});
-}
-
-Result<void> put(Database& db, const PutLabel& write) {
-  return db.run("UPDATE sessions SET label=? WHERE id=?", write.label, write.session);
-}
-
-Result<void> put(Database& db, const PutSessionNote& write) {
-  return db.run("UPDATE sessions SET note=? WHERE id=?", write.note, write.session);
 }
 
 Result<void> put(Database& db, const DropSurvey& write) {

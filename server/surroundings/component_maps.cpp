@@ -34,9 +34,8 @@ Result<ComponentMaps::Known> ComponentMaps::refreshed(const SessionSurroundings&
   return Known{&entry->map, entry->epoch};
 }
 
-Result<ComponentMaps::MapAnswer> ComponentMaps::map_of(const SessionSurroundings& around, SessionId receiver,
-                                                       const Region& region, double resolution_m,
-                                                       const HeldVersion& since, Time now) {
+Result<ComponentMaps::MapAnswer> ComponentMaps::map_of(const SessionSurroundings& around, const Region& region,
+                                                       double resolution_m, const HeldVersion& since, Time now) {
   if (const std::string why = objection(region, resolution_m, limits_); !why.empty())
     return failure(ErrorCode::invalid_argument, why);
   const auto known = refreshed(around, now);
@@ -44,7 +43,7 @@ Result<ComponentMaps::MapAnswer> ComponentMaps::map_of(const SessionSurroundings
   ComponentMap& map = *known->map;
   MapAnswer answer;
   answer.since = since.epoch == known->epoch && since.version >= map.redrawn();
-  const Pose T_mine_component = placement_in(around.component, receiver)->T_component_session.inverse();
+  const Pose T_mine_component = placement_in(around.component, around.receiver)->T_component_session.inverse();
   std::vector<RegionCloud> all;
   for (const Placement& placement : around.component.placements) {
     const auto* keyframes = map.keyframes(placement.session);

@@ -13,6 +13,7 @@ namespace headframe {
 
 /// The component of one session as the atlas has it now.
 struct SessionSurroundings {
+  SessionId receiver = 0;  // who asks
   std::uint64_t revision = 0;
   Component component;
   std::map<SessionId, SessionKey> keys;
@@ -42,9 +43,9 @@ class ComponentMaps {
     bool since = false;
     HeldVersion held;
   };
-  /// The region is in the local frame of `receiver`. invalid_argument: too much, and what to do.
-  Result<MapAnswer> map_of(const SessionSurroundings& around, SessionId receiver, const Region& region,
-                           double resolution_m, const HeldVersion& since, Time now);
+  /// The region is in the local frame of who asks. invalid_argument: too much, and what to do.
+  Result<MapAnswer> map_of(const SessionSurroundings& around, const Region& region, double resolution_m,
+                           const HeldVersion& since, Time now);
 
   /// What runs ends soon, and so does all that is asked for later.
   void stop() { stopping_ = true; }

@@ -29,7 +29,7 @@ double path_m(const std::vector<Keyframe>& keyframes) {
 class Mine {
  public:
   explicit Mine(const Drives& drives) : drives_(drives) {
-    around_.component.id = 1;
+    around_.component.id = around_.receiver = 1;
     for (std::size_t i = 0; i < drives.size(); ++i) {
       const auto id = static_cast<SessionId>(i + 1);
       const double turn_rad = 0.7 * static_cast<double>(i);
@@ -56,11 +56,11 @@ class Mine {
     Told told;
     const ComponentMaps::Known known{&map_, 1ULL << 63};
     while (const auto piece = map_.coverage_after(coverage_.version, SurroundingsDesk::least_page_bytes)) {
-      told.coverage_bytes += coverage_page(around_, 1, coverage_, known, *piece, 0).ByteSizeLong();
+      told.coverage_bytes += coverage_page(around_, coverage_, known, *piece, 0).ByteSizeLong();
       coverage_ = {known.epoch, piece->version};
     }
     while (const auto piece = map_.paths_after(paths_.version, 1, SurroundingsDesk::least_page_bytes)) {
-      told.path_bytes += trajectories_page(around_, 1, paths_, known, *piece, 0).ByteSizeLong();
+      told.path_bytes += trajectories_page(around_, paths_, known, *piece, 0).ByteSizeLong();
       paths_ = {known.epoch, piece->version};
     }
     return told;

@@ -5,35 +5,16 @@
 
 #include "server/place/odometry_jump.hpp"
 #include "tests/scenario/drawn_base.hpp"
+#include "tests/support/drawn_session.hpp"
 
 namespace headframe {
 namespace {
 
 using test::Base;
 using test::BoxMine;
+using test::carried;
 using test::Drive;
-
-const BoxMine& other_mine() {
-  static const BoxMine mine(
-      {BoxMine::drift(0, 0, 80, 0, 5), BoxMine::drift(20, -35, 20, 0), BoxMine::drift(55, 0, 55, 30, 6)});
-  return mine;
-}
-
-/// Goes on with `after` as it would be told by a robot that was carried so far.
-Drive carried(Drive drive, const Drive& after, const Eigen::Vector3d& by_m, double rest_s = 1) {
-  const Pose T_first = drive.keyframes.back().T_local_sensor;
-  const Pose T = Eigen::Translation3d(T_first.translation() + by_m) * after.keyframes.front().T_local_sensor.inverse();
-  const double shift_s = drive.keyframes.back().stamp_s + rest_s - after.keyframes.front().stamp_s;
-  for (std::size_t i = 0; i < after.keyframes.size(); ++i) {
-    Keyframe keyframe = after.keyframes[i];
-    keyframe.sequence = drive.keyframes.size() + 1;
-    keyframe.stamp_s += shift_s;
-    keyframe.T_local_sensor = T * keyframe.T_local_sensor;
-    drive.keyframes.push_back(keyframe);
-    drive.clouds.push_back(after.clouds[i]);
-  }
-  return drive;
-}
+using test::other_mine;
 
 void settle(Base& base) {
   for (int round = 0; round < 2; ++round)
@@ -63,8 +44,8 @@ TEST(Jumps, ARobotThatWasCarriedDoesNotJoinTwoMines) {
     settle(base);
     EXPECT_FALSE(together(base, 2, 3)) << by_m.transpose();
     EXPECT_TRUE(together(base, 1, 2)) << "what came before the jump is as good as ever, " << by_m.transpose();
-    EXPECT_NE(base.pipeline.why_cut(1), "");
-    EXPECT_EQ(base.pipeline.why_cut(2), "");
+    EXPECT_NE(base.pipeline.cut(1).why, "");
+    EXPECT_EQ(base.pipeline.cut(2).why, "");
   }
 }
 
@@ -74,7 +55,7 @@ TEST(Jumps, AKeyframeOffThePathIsForgiven) {
   Base base({glitched, test::drive_b_to_a(3)});
   settle(base);
   EXPECT_TRUE(together(base, 1, 2));
-  EXPECT_EQ(base.pipeline.why_cut(1), "");
+  EXPECT_EQ(base.pipeline.cut(1).why, "");
   EXPECT_LT(base.error_m(), 0.15);
 }
 
@@ -109,7 +90,7 @@ TEST(Jumps, WhoDrivesBackOverItsPathIsNotCut) {
   config.shown_more_m = config.shown_doubt_m = 0;  // the second drive is short, and this mine is all alike
   Base base({back, test::drive(other_mine(), {{20, -33}, {20, 0}}, 0.7, 7)}, config);
   settle(base);
-  EXPECT_EQ(base.pipeline.why_cut(1), "");
+  EXPECT_EQ(base.pipeline.cut(1).why, "");
   EXPECT_TRUE(together(base, 1, 2)) << "by what came after the way back";
   EXPECT_LT(base.error_m(), 0.15);
 }
@@ -133,7 +114,7 @@ TEST(Jumps, OfWhoJumpsToAndFroOnlyTheFirstPlaceCounts) {
     jumper.keyframes[i].T_local_sensor.translation() += Eigen::Vector3d(i % 2 == 0 ? 0 : 340, i % 4 < 2 ? 0 : 340, 0);
   Base base({test::drive_b_to_a(3), jumper});
   settle(base);
-  EXPECT_NE(base.pipeline.why_cut(2), "");
+  EXPECT_NE(base.pipeline.cut(2).why, "");
   EXPECT_LT(base.error_m(), 0.5) << "what stands where it began may merge, what lies elsewhere is not looked at";
 }
 

@@ -43,4 +43,25 @@ Drive drive_b_to_c_driven_on(double spacing_m) {
   return drive(later, {{88, 0}, {30, 0}, {30, 50}}, 0.8, 4, spacing_m);
 }
 
+const BoxMine& other_mine() {
+  static const BoxMine mine(
+      {BoxMine::drift(0, 0, 80, 0, 5), BoxMine::drift(20, -35, 20, 0), BoxMine::drift(55, 0, 55, 30, 6)});
+  return mine;
+}
+
+Drive carried(Drive drive, const Drive& after, const Eigen::Vector3d& by_m, double rest_s) {
+  const Pose T_first = drive.keyframes.back().T_local_sensor;
+  const Pose T = Eigen::Translation3d(T_first.translation() + by_m) * after.keyframes.front().T_local_sensor.inverse();
+  const double shift_s = drive.keyframes.back().stamp_s + rest_s - after.keyframes.front().stamp_s;
+  for (std::size_t i = 0; i < after.keyframes.size(); ++i) {
+    Keyframe keyframe = after.keyframes[i];
+    keyframe.sequence = drive.keyframes.size() + 1;
+    keyframe.stamp_s += shift_s;
+    keyframe.T_local_sensor = T * keyframe.T_local_sensor;
+    drive.keyframes.push_back(keyframe);
+    drive.clouds.push_back(after.clouds[i]);
+  }
+  return drive;
+}
+
 }  // namespace headframe::test

@@ -24,4 +24,9 @@ Drive drive_d_to_b(double spacing_m = 2);
 /// From B to C in the same mine when C has been driven on by 12 m.
 Drive drive_b_to_c_driven_on(double spacing_m = 2);
 
+/// Another mine: a drift of 80 m with two branches.
+const BoxMine& other_mine();
+/// Goes on with `after` as it would be told by a robot that was carried so far.
+Drive carried(Drive drive, const Drive& after, const Eigen::Vector3d& by_m, double rest_s = 1);
+
 }  // namespace headframe::test

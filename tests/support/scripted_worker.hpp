@@ -59,10 +59,12 @@ class ScriptedPipeline : public Pipeline {
     const std::lock_guard lock(script_.mutex);
     script_.keyframes[id].push_back(keyframe.sequence);
   }
-  std::string why_cut(SessionId id) const override {
+  SessionCut cut(SessionId id) const override {
     const std::lock_guard lock(script_.mutex);
     const auto& known = script_.keyframes[id];
-    return !known.empty() && known.back() >= script_.cut_from ? "its odometry jumps" : "";
+    return !known.empty() && known.back() >= script_.cut_from
+               ? SessionCut{script_.cut_from, false, "its odometry jumps"}
+               : SessionCut();
   }
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource&) override {
     const std::lock_guard lock(script_.mutex);
@@ -129,10 +131,10 @@ struct FakeRobots : Robots {
     const std::lock_guard lock(mutex);
     localizations.emplace_back(session, localization);
   }
-  std::map<SessionId, std::string> cuts;
-  void tell_cut(SessionId session, const std::string& why) override {
+  std::map<SessionId, SessionCut> cuts;
+  void tell_cut(SessionId session, const SessionCut& cut) override {
     const std::lock_guard lock(mutex);
-    cuts[session] = why;
+    cuts[session] = cut;
   }
   std::vector<KeyframeRef> asked() {
     const std::lock_guard lock(mutex);

@@ -66,7 +66,7 @@ class LoggingPipeline : public Pipeline {
 
 struct NoRobots : Robots {
   void tell_localization(SessionId, const SessionLocalization&) override {}
-  void tell_cut(SessionId, const std::string&) override {}
+  void tell_cut(SessionId, const SessionCut&) override {}
   void request_submap(SessionId, const std::vector<std::uint64_t>&) override {}
   void publish(const Atlas&, const std::vector<Component>&, const std::vector<Withdrawal>&) override {}
   void tell_provisional(const Atlas&, const std::vector<Component>&) override {}

@@ -93,7 +93,7 @@ TEST_F(Worker, TheRobotIsToldFromWhereOnItIsLeftOutOfMerging) {
     worker->keyframes_durable(1, i);
   }
   ASSERT_TRUE(eventually([&] { return idle(); }));
-  EXPECT_EQ(robots.cuts, (std::map<SessionId, std::string>{{1, "its odometry jumps"}}));
+  EXPECT_EQ(robots.cuts, (std::map<SessionId, SessionCut>{{1, {7, false, "its odometry jumps"}}}));
 }
 
 TEST_F(Worker, AJunctionTriggersBeforeTheDistanceDoes) {

@@ -241,15 +241,6 @@ TEST_F(Hub, WhoAskedIsAnsweredAndNobodyElse) {
   EXPECT_EQ(again->heard, Words{}) << "a new connection asks anew";
 }
 
-TEST_F(Hub, WhatIsLeftOutOfMergingIsSaidAsLongAsItIs) {
-  EXPECT_EQ(hub_.policy_of(id_).cut, "");
-  hub_.tell_cut(id_, "its odometry jumps by 400 m");
-  EXPECT_EQ(hub_.policy_of(id_).cut, "its odometry jumps by 400 m");
-  EXPECT_EQ(hub_.policy().cut, "") << "nobody else is meant";
-  hub_.tell_cut(id_, "");
-  EXPECT_EQ(hub_.policy_of(id_).cut, "");
-}
-
 TEST_F(Hub, TheSpareHearsNothingUntilItTakesOverAndThenAllThatCounts) {
   hub_.publish(atlas_, atlas_.components, {});
   hub_.request_submap(id_, {1});

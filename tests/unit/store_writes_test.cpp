@@ -60,6 +60,46 @@ TEST_P(StoreWrites, AnotherKeyframeOfTheSameNumberFails) {
   EXPECT_TRUE(write_and_wait(*store, PutKeyframe{1, rounded}));
 }
 
+TEST_P(StoreWrites, ASplitSessionGoesOnAsAnotherOne) {
+  const StoreHome dir(GetParam());
+  auto store = open(dir);
+  ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+  for (std::uint64_t i = 1; i <= 6; ++i) {
+    ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(i)}));
+    ASSERT_TRUE(write_and_wait(*store, PutCloud{{1, i}, "cloud " + std::to_string(i)}));
+  }
+  ASSERT_TRUE(write_and_wait(*store, LetGo{{{1, 2}, {1, 5}}}));
+  store.reset();  // one of its rows is damaged meanwhile
+  ASSERT_TRUE(dir.database()->execute("UPDATE keyframes SET spaciousness_m=77 WHERE sequence=4"));
+  store = open(dir);
+  SessionRecord part = session_record(2, "ant");
+  part.key.session = "s1~3";
+  part.spool_run = 9;
+  for (int twice = 0; twice < 2; ++twice) {
+    ASSERT_TRUE(write_and_wait(*store, SplitSession{1, 3, part}));
+    EXPECT_EQ(keyframes(*store, 1).size(), 2U);
+    const auto moved = keyframes(*store, 2);
+    ASSERT_EQ(moved.size(), 4U);
+    for (const std::uint64_t i : {1, 3, 4}) {
+      EXPECT_EQ(moved[i - 1].sequence, i);
+      EXPECT_EQ(moved[i - 1].descriptor.q, line_keyframe(i + 2).descriptor.q);
+    }
+    EXPECT_TRUE(moved[1].descriptor.q.empty()) << "damaged before, damaged now";
+    EXPECT_EQ(store->cloud_sequences(1).value(), (std::vector<std::uint64_t>{1}));
+    EXPECT_EQ(store->cloud_sequences(2).value(), (std::vector<std::uint64_t>{1, 2, 4}));
+    EXPECT_EQ(store->let_go(1).value(), (std::vector<std::uint64_t>{2}));
+    EXPECT_EQ(store->let_go(2).value(), (std::vector<std::uint64_t>{3}));
+    EXPECT_EQ(store->cloud({2, 4}).value(), "cloud 6");
+    const auto sessions = store->sessions().value();
+    ASSERT_EQ(sessions.size(), 2U);
+    EXPECT_TRUE(sessions[0].complete);
+    EXPECT_FALSE(sessions[1].complete);
+    EXPECT_EQ(sessions[1].key.session, "s1~3");
+    EXPECT_EQ(sessions[1].spool_run, 9U);
+  }
+  EXPECT_TRUE(write_and_wait(*store, PutKeyframe{2, line_keyframe(5)}));
+}
+
 TEST_P(StoreWrites, WrongKeyframesDoNotSplitTheCommitThatTheyCameWith) {
   const StoreHome dir(GetParam());
   const auto store = open(dir, {.group_ms = 500});

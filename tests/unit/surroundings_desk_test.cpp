@@ -91,8 +91,9 @@ class Desk : public Protocol {
   std::atomic<std::chrono::steady_clock::duration> time_{1h};
   SurroundingsBook book_;
   SurroundingsDesk desk_{*store_, 1ULL << 63,
-                         [this](SessionId) {
+                         [this](SessionId receiver) {
                            const std::lock_guard lock(mutex_);
+                           around_.receiver = receiver;
                            return around_;
                          },
                          [this](SessionId, Kind kind, SurroundingsDesk::Payload payload) {

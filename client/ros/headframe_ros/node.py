@@ -128,7 +128,7 @@ def diagnostics(robot, feed, pairing):
     if not p.connected:
         level, text = DiagnosticStatus.WARN, "no link: what comes is kept in the spool"
     if p.cut:
-        level, text = DiagnosticStatus.WARN, p.cut + "; begin a new session"
+        level, text = DiagnosticStatus.WARN, p.cut
     if p.hold:
         level, text = DiagnosticStatus.WARN, p.hold
     if feed.scans == 0:

@@ -61,7 +61,7 @@ class NoRobots : public Robots {
   void publish(const Atlas&, const std::vector<Component>&, const std::vector<Withdrawal>&) override {}
   void tell_provisional(const Atlas&, const std::vector<Component>&) override {}
   void tell_localization(SessionId, const SessionLocalization&) override {}
-  void tell_cut(SessionId, const std::string&) override {}
+  void tell_cut(SessionId, const SessionCut&) override {}
 };
 
 /// A database that grows over the run, and is found again by the next.
