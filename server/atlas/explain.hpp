@@ -18,7 +18,7 @@ struct ExplainedSession {
   std::uint64_t clouds = 0;  // stored
   bool complete = false;     // no keyframe follows
   bool connected = false;
-  std::string why_cut = {};    // where its odometry jumped, and what became of what followed; empty: it did not
+  std::string why_cut = {};    // where its odometry jumped, and what became of the rest; empty: it did not
   std::string why_aside = {};  // it is set aside, and why; empty: it is not
   bool archived = false;
 };

@@ -70,6 +70,7 @@ Json session_object(const SessionRow& row) {
             {"max_range_m", number(row.sensor.max_range_m)}}},
           {"connected", row.connected},
           {"complete", row.complete},
+          {"why_cut", row.why_cut.empty() ? Json() : Json(row.why_cut)},
           {"why_aside", row.why_aside.empty() ? Json() : Json(row.why_aside)},
           {"archived", row.archived},
           {"frozen", row.frozen},

@@ -62,7 +62,9 @@ Result<std::string> Overview::session(SessionId id) const {
   PathJson path_body(station_, id, 1);
   if (auto read = drain(path_body, path); !read) return tl::unexpected(read.error());
   if (with_points_.contains(id)) {
-    PointStream points_body(tiles_.tile(id, level_), 0, most_points_);
+    const auto row =
+        std::find_if(look_->sessions.begin(), look_->sessions.end(), [&](const SessionRow& s) { return s.id == id; });
+    PointStream points_body(tiles_.tile(id, level_, row->keyframes), 0, most_points_);
     if (auto read = drain(points_body, points); !read) return tl::unexpected(read.error());
   }
   append_part(out, path);

@@ -58,6 +58,7 @@ Result<bool> PointTile::make_block() {
     if (!cloud && cloud.error().code == ErrorCode::not_found) continue;  // it may still come
     if (!cloud) return tl::unexpected(cloud.error());
     done_.insert(keyframe.sequence);
+    newest_ = std::max(newest_.load(), keyframe.sequence);
     const std::size_t filled_before = filled_.size();
     blocks_.push_back(encoded(keyframe, *cloud));
     bytes_ += blocks_.back().size() + (filled_.size() - filled_before) * filled_bytes;
@@ -85,7 +86,7 @@ std::string PointTile::encoded(const Keyframe& keyframe, const KeyframeCloud& cl
   return out + points;
 }
 
-std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level) {
+std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level, std::uint64_t keyframes) {
   const std::lock_guard lock(mutex_);
   const std::pair key(session, level);
   const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
@@ -93,6 +94,8 @@ std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level
     entries_.splice(entries_.begin(), entries_, known);
   else
     entries_.push_front({key, std::make_shared<PointTile>(station_, session, level)});
+  auto& tile = entries_.front().tile;
+  if (tile->newest() > keyframes) tile = std::make_shared<PointTile>(station_, session, level);
   std::size_t bytes = 0;
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     bytes += entry->tile->bytes();

@@ -29,6 +29,8 @@ class PointTile {
   Result<std::optional<std::string>> block(std::size_t index);
   /// Of memory, about; never waits.
   std::size_t bytes() const { return bytes_; }
+  /// The newest keyframe of which there is a block; never waits.
+  std::uint64_t newest() const { return newest_; }
 
  private:
   Result<bool> make_block();
@@ -43,6 +45,7 @@ class PointTile {
   std::unordered_set<std::uint64_t> done_, filled_;
   std::vector<std::string> blocks_;
   std::atomic<std::size_t> bytes_ = 0;
+  std::atomic<std::uint64_t> newest_ = 0;
 };
 
 /// The tiles asked for last, as many as fit most_bytes. Thread safe.
@@ -51,7 +54,8 @@ class PointTiles {
   explicit PointTiles(const Station& station, std::size_t most_bytes = 256UL << 20)
       : station_(station), most_bytes_(most_bytes) {}
 
-  std::shared_ptr<PointTile> tile(SessionId session, std::size_t level);
+  /// Begun anew where it holds more than the session's keyframes: a session that was split has become shorter.
+  std::shared_ptr<PointTile> tile(SessionId session, std::size_t level, std::uint64_t keyframes);
   /// Whether blocks of it are in memory.
   bool has(SessionId session, std::size_t level);
 

@@ -94,7 +94,7 @@ Result<Reply> points(const Query& query, const Context& context) {
   for (const auto* number : {&level, &first, &most})
     if (!*number) return tl::unexpected(number->error());
   return Stream{"application/octet-stream",
-                std::make_unique<PointStream>(context.tiles.tile(row->id, *level), *first, *most)};
+                std::make_unique<PointStream>(context.tiles.tile(row->id, *level, row->keyframes), *first, *most)};
 }
 
 Result<Reply> path(const Query& query, const Context& context) {

@@ -35,7 +35,7 @@ struct SessionRow {
   double trigger_to_transform_ms = -1;  // from the trigger of the attempt that placed it; -1: none has
   std::uint64_t cloud_bytes = 0;        // of bytes_received: encoded clouds
   std::string label = {};               // the operator's name for it; empty: none
-  std::string why_cut = {};             // where its odometry jumped, and what became of what followed; empty: it did not
+  std::string why_cut = {};             // where its odometry jumped, and what became of the rest; empty: it did not
   std::string why_aside = {};           // it is set aside, not merged, and why; empty: it is merged
   bool archived = false;                // kept, and left out of everything
   bool frozen = false;                  // reference: nothing moves it

@@ -50,8 +50,16 @@ void ComponentMap::place(Path& path, const Pose& T_component_session) {
   for (auto& [sequence, version] : path.clouds) version = version_;
 }
 
+/// A session that was split ends where its odometry jumped.
+bool ComponentMap::shortened(Path& path, std::uint64_t keyframes) {
+  if (path.keyframes.size() <= keyframes) return false;
+  path.keyframes.resize(keyframes);
+  path.clouds.erase(path.clouds.upper_bound(keyframes), path.clouds.end());
+  return true;
+}
+
 /// True: what is drawn does not hold any more.
-bool ComponentMap::settle(const Component& component) {
+bool ComponentMap::settle(const Component& component, const std::map<SessionId, std::uint64_t>& durable) {
   bool changed = false;
   for (auto& [id, path] : paths_) {
     if (path.gone || placement_in(component, id) != nullptr) continue;
@@ -61,7 +69,10 @@ bool ComponentMap::settle(const Component& component) {
   }
   for (const Placement& placement : component.placements) {
     const auto [known, fresh] = paths_.try_emplace(placement.session);
-    if (!fresh && !known->second.gone && !moved_away(known->second, placement.T_component_session)) continue;
+    const auto there = durable.find(placement.session);
+    const bool is_shorter = there != durable.end() && shortened(known->second, there->second);
+    if (!fresh && !known->second.gone && !is_shorter && !moved_away(known->second, placement.T_component_session))
+      continue;
     changed = changed || !known->second.keyframes.empty();
     place(known->second, placement.T_component_session);
   }
@@ -83,7 +94,7 @@ void ComponentMap::draw(SessionId id, const Path& path, const Keyframe& keyframe
 
 Result<void> ComponentMap::refresh(const Component& component, const std::map<SessionId, std::uint64_t>& durable,
                                    const ReadKeyframes& read, const std::function<bool()>& stop) {
-  const bool anew = settle(component);
+  const bool anew = settle(component, durable);
   if (anew) {
     grid_ = CoverageGrid(most_tiles_);
     redrawn_ = version_;

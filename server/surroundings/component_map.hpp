@@ -103,7 +103,8 @@ class ComponentMap {
     const TileIndex* tile = nullptr;
   };
 
-  bool settle(const Component& component);
+  static bool shortened(Path& path, std::uint64_t keyframes);
+  bool settle(const Component& component, const std::map<SessionId, std::uint64_t>& durable);
   static bool moved_away(const Path& path, const Pose& T_component_session);
   void place(Path& path, const Pose& T_component_session);
   void add_point(Path& path, const PlacedKeyframe& keyframe);

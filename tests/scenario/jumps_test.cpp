@@ -11,7 +11,6 @@ namespace headframe {
 namespace {
 
 using test::Base;
-using test::BoxMine;
 using test::carried;
 using test::Drive;
 using test::other_mine;

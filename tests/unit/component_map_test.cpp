@@ -130,6 +130,32 @@ TEST_F(MadeComponent, AnUpdateHoldsWhatIsNewAndReadsNoMore) {
   EXPECT_FALSE(map_.paths_after(paths.version, 2, one_page)) << "its own path is no news for it";
 }
 
+TEST_F(MadeComponent, ASessionThatWasSplitEndsWhereItsOdometryJumped) {
+  for (const SessionId session : {1, 2}) {
+    drive(session, 200);
+    place(session, {0, 0, 0});
+  }
+  refresh();
+  Reader paths, coverage;
+  take_paths(paths, 1);
+  take_coverage(coverage);
+  const std::size_t before = paths.paths.at(2).size();
+  driven_[2].resize(50);
+  durable_[2] = 50;
+  refresh();
+  take_paths(paths, 1);
+  take_coverage(coverage);
+  EXPECT_LT(paths.paths.at(2).size(), before / 3);
+  EXPECT_EQ(map_.keyframes(2)->size(), 50U);
+  Reader fresh, fresh_coverage;
+  take_paths(fresh, 1);
+  take_coverage(fresh_coverage);
+  EXPECT_EQ(paths.paths, fresh.paths);
+  std::erase_if(coverage.tiles, [](const auto& tile) { return tile.second.empty(); });
+  std::erase_if(fresh_coverage.tiles, [](const auto& tile) { return tile.second.empty(); });
+  EXPECT_EQ(coverage.tiles, fresh_coverage.tiles);
+}
+
 TEST_F(MadeComponent, WhoMovedLittleIsNotToldAndWhoMovedMoreIsToldAnew) {
   for (const SessionId session : {1, 2}) {
     drive(session, 50);

@@ -40,6 +40,10 @@ TEST(Events, EachChangeIsToldOnce) {
   EXPECT_EQ(told("robot_left")["robot"], "beta");
   station.rows[1].keyframes = 17;
   EXPECT_EQ(told("keyframes")["keyframes"], 17);
+  station.rows[1].why_cut = "from keyframe 7 on it is left out of merging";
+  EXPECT_EQ(told("keyframes")["why_cut"], "from keyframe 7 on it is left out of merging");
+  station.rows[0].live = LiveRow{{.battery = 0.5}, 0.2, 1};
+  EXPECT_EQ(told("live")["live"]["battery"], 0.5);
   station.rows[2].label = "north drift";
   EXPECT_EQ(told("renamed")["label"], "north drift");
   station.view.alignments[1].alignment.state = AlignmentState::candidate;
@@ -50,6 +54,18 @@ TEST(Events, EachChangeIsToldOnce) {
   EXPECT_EQ(told("revision")["revision"], 8);
   station.set_pending({2, 0, 0});
   EXPECT_EQ(told("pending")["pending"]["attempts"], 2);
+}
+
+TEST(Events, ARobotThatStandsStillIsToldWheneverItSaysSo) {
+  FakeStation station;
+  station.rows[0].live = LiveRow{{.stamp_s = 7}, 0.9, 3};
+  const StationLook before = look_at(station);
+  station.rows[0].live->age_s = 1.4;
+  EXPECT_TRUE(events(before, look_at(station)).empty()) << "nothing was said since";
+  station.rows[0].live = LiveRow{{.stamp_s = 7}, 0.1, 4};
+  const auto all = events(before, look_at(station));
+  ASSERT_EQ(all.size(), 1U) << "the same again, and it is alive";
+  EXPECT_EQ(all[0]["type"], "live");
 }
 
 TEST(Events, ANewSessionIsToldWhole) {

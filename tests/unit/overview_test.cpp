@@ -45,8 +45,8 @@ TEST(Overview, HasPointsOfAsManySessionsAsHaveFewClouds) {
 TEST(Overview, HasThePointsThatAreInMemory) {
   FakeStation station;
   PointTiles tiles(station);
-  ASSERT_TRUE(tiles.tile(1, 4)->block(0));
-  ASSERT_TRUE(tiles.tile(3, 0)->block(0)) << "of another level";
+  ASSERT_TRUE(tiles.tile(1, 4, 100)->block(0));
+  ASSERT_TRUE(tiles.tile(3, 0, 100)->block(0)) << "of another level";
   const auto points = points_of_overview(station, tiles, 0);
   EXPECT_GT(points[0], 0U);
   EXPECT_EQ(points[1] + points[2], 0U);

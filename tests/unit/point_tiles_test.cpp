@@ -72,12 +72,21 @@ TEST(PointTile, BlocksAreMadeOnceAndLateCloudsComeAtTheEnd) {
 TEST(PointTiles, TheOldestGoWhenTheyAreTooMany) {
   FakeStation station;
   PointTiles tiles(station, 1);  // byte: only the newest fits
-  const auto first = tiles.tile(1, 4);
+  const auto first = tiles.tile(1, 4, 100);
   ASSERT_TRUE(*first->block(0));
-  EXPECT_EQ(tiles.tile(1, 4), first);
-  const auto second = tiles.tile(2, 4);
+  EXPECT_EQ(tiles.tile(1, 4, 100), first);
+  const auto second = tiles.tile(2, 4, 100);
   ASSERT_TRUE(*second->block(0));
-  EXPECT_NE(tiles.tile(1, 4), first);
+  EXPECT_NE(tiles.tile(1, 4, 100), first);
+}
+
+TEST(PointTiles, ASessionThatHasBecomeShorterIsMadeAnew) {
+  FakeStation station;
+  PointTiles tiles(station);
+  const auto tile = tiles.tile(1, 4, 3);
+  ASSERT_TRUE(*tile->block(1));
+  EXPECT_EQ(tiles.tile(1, 4, 2), tile) << "the second keyframe is still its";
+  EXPECT_NE(tiles.tile(1, 4, 1), tile);
 }
 
 TEST(PointStream, EndsWhenTheBudgetIsSpent) {

@@ -92,6 +92,8 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
             </dd>
             <dt>Driven</dt>
             <dd>{(session.distance_m ?? 0).toFixed(0)} m</dd>
+            {session.why_cut && <dt>Odometry</dt>}
+            {session.why_cut && <dd>{session.why_cut}</dd>}
             <dt>Map</dt>
             <dd>
               {together > 1 ? `merged, ${together} sessions` : 'own frame'}

@@ -36,6 +36,8 @@ export class Station {
   alignments = new Map<number, Alignment>();
   rejected = 0;
   paths = new Map<number, Keyframe[]>();
+  /** Whose path has become shorter: what was drawn of it has to go. */
+  readonly shortened = new Set<number>();
   revision = 0;
   pending: Pending = { attempts: 0, keyframes: 0, awaited_submaps: 0 };
   status: Status | null = null;
@@ -302,14 +304,24 @@ export class Station {
     for (const row of rows) {
       if (this.ids.get(nameOf(row)) !== row.id) this.paths.delete(row.id); // another server's, with ids of its own
       this.ids.set(nameOf(row), row.id);
+      this.shorten(row);
       void this.followPath(row.id);
     }
+  }
+
+  /** A session that was split ends where its odometry jumped; what followed is another's. */
+  private shorten({ id, keyframes }: Session): void {
+    const path = this.paths.get(id);
+    if (!path || path.length <= keyframes) return;
+    this.paths.set(id, path.slice(0, keyframes));
+    this.shortened.add(id);
   }
 
   private takeSession(row: Session): void {
     this.sessions = new Map(this.sessions).set(row.id, { ...this.sessions.get(row.id), ...row });
     this.ids.set(nameOf(row), row.id);
     if (!this.placed.has(row.id)) this.refreshAtlasSoon();
+    this.shorten(row);
     void this.followPath(row.id);
   }
 
@@ -338,6 +350,7 @@ export class Station {
         const known = this.paths.get(id) ?? [];
         const more = await inTurn(() => trajectory(id, (known.at(-1)?.sequence ?? 0) + 1));
         if (more.length === 0) break;
+        if ((this.paths.get(id) ?? known).length !== known.length) continue; // it was shortened meanwhile
         this.paths.set(id, [...known, ...more]);
         this.changed();
       }

@@ -26,6 +26,8 @@ export interface Session extends SessionName {
   sensor: { model: string; beams: number; fov_up_deg: number; fov_down_deg: number; max_range_m: number };
   connected: boolean;
   complete: boolean;
+  /** Where its odometry jumped, and what became of the rest. */
+  why_cut?: string | null;
   keyframes: number;
   clouds: number;
   bytes_received: number;

@@ -56,6 +56,11 @@ export class Clouds {
   }
 
   sync(): void {
+    for (const [id, cloud] of this.clouds)
+      if (!this.station.sessions.has(id) || this.station.shortened.delete(id)) {
+        cloud.dispose();
+        this.clouds.delete(id);
+      }
     for (const [id, { clouds }] of this.station.sessions) {
       if (!this.clouds.has(id)) {
         const cloud = new SessionCloud(id, () => this.stage.draw());
@@ -67,11 +72,6 @@ export class Clouds {
         this.grewAt.set(id, { clouds, at: this.grewAt.has(id) ? performance.now() : -settled_ms });
       }
     }
-    for (const [id, cloud] of this.clouds)
-      if (!this.station.sessions.has(id)) {
-        cloud.dispose();
-        this.clouds.delete(id);
-      }
     this.fetchNext();
   }
 
