@@ -35,19 +35,16 @@ class Way {
   }
 
  private:
-  /// The deviations from how far the places of the overlap would have moved by themselves, each registered alone; the
-  /// floors by hand.
   PlacementSupport behind(const Alignment& merge, SessionId session) const {
-    constexpr double least_m = 0.1, least_rad = 0.3 * std::numbers::pi / 180, least_lever_m = 10;
     const Evidence& e = merge.evidence;
+    const MergeDeviation own = deviation_of(e);
     PlacementSupport support = reached_.at(merge.a == session ? merge.b : merge.a);
     support.merged_with = std::exchange(support.session, session);
     support.probability = std::min(support.probability, e.probability);
     support.shared_m = e.overlap_m;
     support.confirmed = merge.ruling == Ruling::confirmed;
-    support.deviation_m = std::hypot(support.deviation_m, least_m, e.spread_m);
-    support.deviation_rad =
-        std::hypot(support.deviation_rad, least_rad, e.spread_m / std::max(e.overlap_m, least_lever_m));
+    support.deviation_m = std::hypot(support.deviation_m, own.metres);
+    support.deviation_rad = std::hypot(support.deviation_rad, own.radians);
     return support;
   }
 
@@ -69,6 +66,11 @@ class Way {
 };
 
 }  // namespace
+
+MergeDeviation deviation_of(const Evidence& e) {
+  constexpr double least_m = 0.1, least_rad = 0.3 * std::numbers::pi / 180, least_lever_m = 10;
+  return {std::hypot(least_m, e.spread_m), std::hypot(least_rad, e.spread_m / std::max(e.overlap_m, least_lever_m))};
+}
 
 void add_supports(Atlas& atlas, std::span<const Alignment> alignments) {
   Merges merges;

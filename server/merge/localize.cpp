@@ -1,9 +1,8 @@
 #include "server/merge/localize.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
+#include "server/atlas/support.hpp"
 #include "server/session/same_placement.hpp"
 
 namespace headframe {
@@ -22,13 +21,11 @@ const Component* component_of(const Atlas& atlas, SessionId session) {
 
 double odds(double probability) { return probability / std::max(1 - probability, 1e-9); }
 
-/// From how far the places of the overlap would have moved by themselves, each registered alone; the floors by hand.
 Eigen::Matrix<double, 6, 6> covariance_of(const Evidence& e) {
-  constexpr double least_m = 0.1, least_rad = 0.3 * std::numbers::pi / 180, least_lever_m = 10;
-  const double moved_m = std::hypot(least_m, e.spread_m);
-  const double turned_rad = std::hypot(least_rad, e.spread_m / std::max(e.overlap_m, least_lever_m));
+  const MergeDeviation deviation = deviation_of(e);
   Eigen::Matrix<double, 6, 1> variances;
-  variances << Eigen::Vector3d::Constant(moved_m * moved_m), Eigen::Vector3d::Constant(turned_rad * turned_rad);
+  variances << Eigen::Vector3d::Constant(deviation.metres * deviation.metres),
+      Eigen::Vector3d::Constant(deviation.radians * deviation.radians);
   return variances.asDiagonal();
 }
 

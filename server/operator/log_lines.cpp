@@ -22,7 +22,9 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
   for (const SessionRow& row : after.sessions) {
     const auto known = was.find(row.id);
     const SessionRow old = known == was.end() ? SessionRow{} : *known->second;
-    if (row.complete && !old.complete)
+    const bool jumped = row.why_cut != old.why_cut && !row.why_cut.empty();
+    if (jumped) lines.push_back({"jumped", full_name(row.key) + ": " + row.why_cut + ".", row.id});
+    if (row.complete && !old.complete && !jumped)
       lines.push_back(
           {"finished", full_name(row.key) + " finished: " + counted(row.keyframes, "keyframe") + ".", row.id});
     if (row.let_go > old.let_go && known != was.end())
@@ -30,7 +32,7 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
                        counted(row.let_go - old.let_go, "cloud") + " of " + full_name(row.key) +
                            " made room: later sessions keep that rock.",
                        row.id});
-    if (row.connected != old.connected)
+    if (row.connected != old.connected && !jumped)
       lines.push_back({row.connected ? "connected" : "left",
                        full_name(row.key) + (row.connected ? " connected." : " left."), row.id});
   }

@@ -102,6 +102,17 @@ TEST(LogLines, RobotsComeEndAndGo) {
             (Texts{"beta/run/1 finished: 3 keyframes.", "beta/run/1 left.", "gamma \"3\"/run/1 connected."}));
 }
 
+TEST(LogLines, AJumpOfTheOdometryIsSaidAndWhereItEndedASessionThatIsNoGoodbye) {
+  FakeStation station;
+  const StationLook before = look_at(station);
+  station.rows[1].why_cut = "from keyframe 4 on it is session run/1~4";
+  station.rows[1].complete = true;
+  station.rows[1].connected = false;
+  EXPECT_EQ(texts(log_lines(before, look_at(station))), Texts{"beta/run/1: from keyframe 4 on it is session run/1~4."});
+  const StationLook later = look_at(station);
+  EXPECT_EQ(texts(log_lines(later, look_at(station))), Texts{});
+}
+
 TEST(LogLines, CloudsThatMadeRoomAreWrittenDownWhoeverLetThemGo) {
   FakeStation station;
   StationLook before = look_at(station);

@@ -6,6 +6,7 @@ import { load } from './module.mjs';
 
 const { TimeAxis, countUntil } = await load('time/axis');
 const { agesOf, sharesOf } = await load('time/ages');
+const { momentOf, saidSince } = await load('time/moment');
 
 // A small generator, so that every run draws the same.
 const random = (seed) => () => (seed = (seed * 48271) % 2147483647) / 2147483647;
@@ -63,4 +64,19 @@ test('ages are shares of all the time that dated sessions span', () => {
   for (const [of, sequence, expected] of [[old, 1, 0], [old, 11, 0.1], [recent, 5, 0.9], [recent, 15, 1]]) assert.ok(Math.abs(share(of, sequence) - expected) < 1e-9);
   assert.ok(share(undated, 1) < 0, 'older than all that have a date');
   assert.deepEqual(agesOf([undated]), { oldest_s: 0, newest_s: 100 });
+});
+
+test('between two keyframes a robot is part of the way, and after the last where it says that it is', () => {
+  const path = [1, 2, 4].map((stamp_s, at) => ({ sequence: at + 1, stamp_s }));
+  assert.deepEqual(momentOf(path, 0.5), [0, 0]);
+  assert.deepEqual(momentOf(path, 3), [2, 0.5]);
+  assert.deepEqual(momentOf(path, 9), [3, 0]);
+  const says = (stamp_s, connected = true) => ({ connected, live: { stamp_s, T_session_sensor: [stamp_s] } });
+  assert.deepEqual(saidSince(path, says(5)), [5]);
+  assert.deepEqual(saidSince(path, says(4)), [4]);
+  assert.equal(saidSince(path, says(3.9)), null, 'its last keyframe is newer');
+  assert.equal(saidSince(path, says(5, false)), null, 'it has left');
+  assert.equal(saidSince([], says(5)), null);
+  assert.equal(saidSince(path, { connected: true, live: null }), null);
+  assert.equal(saidSince(path, undefined), null);
 });

@@ -23,7 +23,7 @@ export interface ServerEntry {
 }
 
 const most = 1000;
-const tones: Record<string, Tone> = { merged: 'good', withdrawn: 'bad', held_back: 'doubt', unsure: 'doubt', provisional: 'doubt', left: 'doubt', operator: 'operator', note: 'operator' };
+const tones: Record<string, Tone> = { merged: 'good', withdrawn: 'bad', held_back: 'doubt', unsure: 'doubt', provisional: 'doubt', left: 'doubt', jumped: 'doubt', operator: 'operator', note: 'operator' };
 const seenKey = 'headframe.withdrawals-seen';
 
 export class Log {

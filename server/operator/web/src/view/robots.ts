@@ -5,8 +5,8 @@ import { Line2 } from 'three/addons/lines/Line2.js';
 import { LineGeometry } from 'three/addons/lines/LineGeometry.js';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import type { Station } from '../station/station';
-import type { Keyframe, Session } from '../station/types';
-import { countUntil } from '../time/axis';
+import type { Keyframe, Session, Transform } from '../station/types';
+import { momentOf, saidSince } from '../time/moment';
 import type { Frames } from './frames';
 import type { Stage } from './stage';
 
@@ -64,8 +64,9 @@ class Robot {
     this.material.linewidth = faded > 0 ? 1.5 : 2.5;
   }
 
-  /** Where it was when it had made so many of its keyframes and `share` of the way to the next; nowhere before the first. */
-  show(count: number, share: number): void {
+  /** Where it was when it had made so many of its keyframes and `share` of the way to the next, and after the last where
+   * it says that it is; nowhere before the first. */
+  show(count: number, share: number, T_session_sensor: Transform | null): void {
     this.group.visible = count > 0;
     if (count === 0) return;
     this.marker.visible = true;
@@ -76,6 +77,11 @@ class Robot {
     const turned = new Quaternion(...from.quaternion).slerp(new Quaternion(...to.quaternion), share);
     const ahead = new Vector3(1, 0, 0).applyQuaternion(turned);
     this.marker.rotation.set(0, 0, Math.atan2(ahead.y, ahead.x));
+    if (T_session_sensor && at === this.path.length - 1) {
+      const [xx, , , x, yx, , , y, , , , z] = T_session_sensor;
+      this.marker.position.set(x, y, z);
+      this.marker.rotation.z = Math.atan2(yx, xx);
+    }
     if (this.trail) this.trail.geometry.instanceCount = at;
   }
 
@@ -129,7 +135,8 @@ export class Robots {
   beforeFrame(untilOf: (session: number) => number): void {
     for (const [id, robot] of this.robots) {
       const T = this.frames.of(id);
-      robot.show(...momentOf(this.station.paths.get(id) ?? [], untilOf(id)));
+      const path = this.station.paths.get(id) ?? [];
+      robot.show(...momentOf(path, untilOf(id)), saidSince(path, this.station.sessions.get(id)));
       if (!T) robot.group.visible = false;
       if (!T || !robot.group.visible) continue;
       robot.group.matrix.copy(T);
@@ -144,12 +151,4 @@ export class Robots {
     const robot = this.robots.get(session);
     return T && robot?.group.visible ? robot.p_session.clone().applyMatrix4(T) : undefined;
   }
-}
-
-/** How many keyframes there were, and the share of the way to the next. */
-function momentOf(path: Keyframe[], until_s: number): [number, number] {
-  const count = countUntil(path, until_s);
-  if (count === 0 || count === path.length) return [count, 0];
-  const [from_s, to_s] = [path[count - 1].stamp_s, path[count].stamp_s];
-  return [count, (until_s - from_s) / (to_s - from_s)];
 }
