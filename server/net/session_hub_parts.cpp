@@ -184,7 +184,7 @@ void SessionHub::find_parts() {
     SessionId last = whole;
     for (const auto& [first, id] : parts) {
       const Session& before = sessions_.at(last);
-      if (!before.deleted && first > before.from + before.keyframes) break;
+      if (!before.deleted && first != before.from + before.keyframes) break;
       sessions_.at(id).whole = whole;
       sessions_.at(id).from = first;
       sessions_.at(whole).parts.push_back(id);

@@ -290,6 +290,27 @@ TEST_F(HubParts, AGoodbyeEndsThePartAndADeletedPartItsRobot) {
   EXPECT_EQ(hub_->admit(hello(), link_).error().code, ErrorCode::refused);
 }
 
+TEST_F(HubParts, WhoCallsItsSessionsAsPartsAreCalledKeepsThemApart) {
+  for (const auto& [name, keyframes] : std::map<std::string, std::uint64_t>{{"s9", 5}, {"s9~4", 2}}) {
+    Hello own = hello();
+    own.session.session = name;
+    own.spool_id = 78;
+    const auto link = std::make_shared<RobotEnd>();
+    const SessionId id = hub_->admit(own, link).value().session;
+    for (std::uint64_t i = 1; i <= keyframes; ++i) hub_->take(id, KeyframeReceived{line_keyframe(i)}, link);
+    settle();
+  }
+  start();
+  for (const auto& [name, keyframes] : std::map<std::string, std::uint64_t>{{"s9", 5}, {"s9~4", 2}}) {
+    Hello own = hello();
+    own.session.session = name;
+    own.spool_id = 78;
+    const auto admitted = hub_->admit(own, std::make_shared<RobotEnd>());
+    ASSERT_TRUE(admitted) << admitted.error().message;
+    EXPECT_EQ(admitted->durable.keyframes, keyframes) << name;
+  }
+}
+
 TEST_F(HubParts, NamesOfPartsAreTheServersAndALongNameGetsNone) {
   keyframes(1, 7);
   cut(1, 4);
