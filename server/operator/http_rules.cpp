@@ -71,4 +71,22 @@ bool same_origin(std::string_view origin, std::string_view host, bool tls) {
   return origin.substr(scheme + 3) == host;
 }
 
+std::string page_cookie_name(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
+  return has_port ? "headframe-" + std::string(host.substr(colon + 1)) : "headframe";
+}
+
+std::string_view cookie_value(std::string_view cookies, std::string_view name) {
+  while (!cookies.empty()) {
+    const std::size_t end = std::min(cookies.find(';'), cookies.size());
+    const std::string_view one = cookies.substr(0, end);
+    if (one.size() > name.size() && one.substr(0, name.size()) == name && one[name.size()] == '=')
+      return one.substr(name.size() + 1);
+    cookies.remove_prefix(std::min(end + 1, cookies.size()));
+    cookies.remove_prefix(std::min(cookies.find_first_not_of(' '), cookies.size()));
+  }
+  return {};
+}
+
 }  // namespace headframe

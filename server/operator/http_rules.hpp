@@ -20,4 +20,10 @@ bool own_host(std::string_view host, std::string_view served_under);
 /// where a page that came in the clear is a stranger's.
 bool same_origin(std::string_view origin, std::string_view host, bool tls = false);
 
+/// The cookie of a page's session: cookies do not tell ports apart, so each has a name of its own. Pure, as the next.
+std::string page_cookie_name(std::string_view host);
+
+/// The value of the cookie in a Cookie header; empty: it is not there.
+std::string_view cookie_value(std::string_view cookies, std::string_view name);
+
 }  // namespace headframe

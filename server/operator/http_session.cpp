@@ -165,6 +165,27 @@ std::optional<Ready> HttpSession::foreign() const {
   return std::nullopt;
 }
 
+/// Of who signed in before; empty: nobody did, or a stranger's page may have made the browser send the cookie.
+std::string HttpSession::credentials_of_page(std::chrono::steady_clock::time_point now) const {
+  const auto& request = parser_->get();
+  const std::string_view host = text(request[http::field::host]), origin = text(request[http::field::origin]);
+  const bool looks = request.method() == http::verb::get && !beast::websocket::is_upgrade(request);
+  if (!looks && (origin.empty() || !same_origin(origin, host, stream_.is_tls()))) return "";
+  const std::string_view secret = cookie_value(text(request[http::field::cookie]), page_cookie_name(host));
+  return secret.empty() ? "" : shared_->pages.credentials(secret, now).value_or("");
+}
+
+/// A cookie that scripts can not read, and that no other site's page can make the browser send.
+std::string HttpSession::page_cookie(Ready::Page page) const {
+  const auto& request = parser_->get();
+  const std::string name = page_cookie_name(text(request[http::field::host]));
+  const std::string kept = std::string("; Path=/; HttpOnly; SameSite=Strict") + (stream_.is_tls() ? "; Secure" : "");
+  if (page == Ready::Page::begins)
+    return name + "=" + shared_->pages.begin(credentials_, std::chrono::steady_clock::now()) + kept;
+  shared_->pages.end(cookie_value(text(request[http::field::cookie]), name));
+  return name + "=; Max-Age=0" + kept;
+}
+
 /// The answer to a request that lacks the operator's token, or comes too often.
 std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
@@ -177,7 +198,11 @@ std::optional<Ready> HttpSession::turned_down() {
   if (is_public(text(request.target()))) return too_many(shared_->strangers, now);
   if (auto refusal = foreign()) return refusal;
   const std::chrono::duration<double> unix_time = std::chrono::system_clock::now().time_since_epoch();
-  const auto verdict = shared_->guard.check(credentials_of(request), from_, now, unix_time.count(), &who_);
+  credentials_ = credentials_of(request);
+  const bool by_cookie = credentials_.empty();
+  if (by_cookie) credentials_ = credentials_of_page(now);
+  const auto verdict = shared_->guard.check(credentials_, from_, now, unix_time.count(), &who_);
+  if (by_cookie && verdict != Verdict::welcome && !credentials_.empty()) (void)page_cookie(Ready::Page::ends);
   has_token_ = verdict == Verdict::welcome && shared_->asks_token;
   if (verdict == Verdict::welcome) return too_many(shared_->operators, now);
   if (verdict == Verdict::limited) {

@@ -23,6 +23,7 @@
 #include "server/operator/operator_limits.hpp"
 #include "server/operator/router.hpp"
 #include "server/security/operator_guard.hpp"
+#include "server/security/page_sessions.hpp"
 
 namespace headframe {
 
@@ -50,6 +51,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   Station& station;
   const OperatorLimits limits;
   OperatorGuard guard;
+  PageSessions pages;
   const bool asks_token;
   boost::asio::ssl::context* const tls;  // null: plain HTTP
   AttemptLimiter strangers, operators;   // requests, by address
@@ -110,6 +112,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::optional<Ready> in_the_clear() const;
   std::optional<Ready> foreign() const;
   std::optional<Ready> turned_down();
+  std::string credentials_of_page(std::chrono::steady_clock::time_point now) const;
+  std::string page_cookie(Ready::Page page) const;
   std::optional<Ready> too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const;
   void perform(Reply reply);
   void upgrade();
@@ -137,6 +141,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::string header_;  // as it came
   bool has_token_ = false, keep_alive_ = false, handed_over_ = false;
   OperatorIdentity who_;               // of the request
+  std::string credentials_;            // that were shown with it, or when the page signed in
   bool head_sent_ = false;             // of the Stream under way
   std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks
   std::unique_ptr<Stream> body_;

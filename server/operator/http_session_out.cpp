@@ -47,6 +47,8 @@ void HttpSession::send(Ready ready) {
   if (ready.gzip) response->set(http::field::content_encoding, "gzip");
   if (!ready.allow.empty()) response->set(http::field::allow, ready.allow);
   if (!ready.location.empty()) response->set(http::field::location, ready.location);
+  if (ready.page != Ready::Page::as_it_is && shared_->asks_token)
+    response->set(http::field::set_cookie, page_cookie(ready.page));
   if (ready.bearer) response->set(http::field::www_authenticate, "Bearer");
   response->body() = std::move(ready.body);
   response->prepare_payload();

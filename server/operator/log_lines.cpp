@@ -153,6 +153,8 @@ std::optional<LogEntry> operator_line(std::string_view method, std::string_view 
                  (given("kib_s") == "0" ? "what it can" : given("kib_s") + " KiB/s at most") + ".";
   if (path.ends_with("/operators/add"))
     entry.text = actor + " lets " + given("name") + " " + (given("role").empty() ? "operate" : given("role")) + ".";
+  if (path.ends_with("/sign-in")) entry.text = actor + " signed in.";
+  if (path.ends_with("/sign-out")) entry.text = actor + " signed out.";
   if (path.ends_with("/operators/revoke")) entry.text = actor + " revoked the token of " + given("name") + ".";
   if (path.ends_with("/robots/revoke")) entry.text = actor + " cut " + given("robot") + " off.";
   if (entry.text.empty()) return std::nullopt;

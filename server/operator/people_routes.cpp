@@ -32,6 +32,19 @@ Result<Reply> me(const Query&, const Context& context) {
   return json(text(out));
 }
 
+/// The connection makes the cookie: it knows what was shown.
+Result<Reply> sign_in(const Query&, const Context& context) {
+  Ready out = json(text(identity_object(context.who)));
+  out.page = Ready::Page::begins;
+  return out;
+}
+
+Result<Reply> sign_out(const Query&, const Context&) {
+  Ready out = json(text({{"signed_out", true}}));
+  out.page = Ready::Page::ends;
+  return out;
+}
+
 Result<Reply> operators(const Query&, const Context& context) {
   const auto people = registry(context);
   if (!people) return tl::unexpected(people.error());

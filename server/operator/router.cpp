@@ -61,6 +61,8 @@ constexpr std::array all_routes =
                           {"POST", "/api/v1/notes", {}, add_note},
                           {"DELETE", "/api/v1/notes/{id}", {}, remove_note},
                           {"GET", "/api/v1/me", {}, me},
+                          {"POST", "/api/v1/sign-in", {}, sign_in},
+                          {"POST", "/api/v1/sign-out", {}, sign_out},
                           {"GET", "/api/v1/operators", {}, operators},
                           {"POST", "/api/v1/operators/add", {"name", "role", "days"}, add_operator},
                           {"POST", "/api/v1/operators/revoke", {"name"}, revoke_operator},
@@ -165,7 +167,8 @@ Role role_for(std::string_view method, std::string_view path) {
   if (of_people || path == "/api/v1/backup" || path == "/api/v1/store/let-go" ||
       (method == "DELETE" && path == "/api/v1/sessions/{id}"))
     return Role::administer;
-  return method == "GET" ? Role::view : Role::operate;
+  const bool of_page = path == "/api/v1/sign-in" || path == "/api/v1/sign-out";
+  return method == "GET" || of_page ? Role::view : Role::operate;
 }
 
 std::vector<RouteName> route_names() {

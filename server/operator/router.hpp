@@ -28,6 +28,8 @@ struct Ready {
   bool gzip = false;          // how the body is encoded
   bool bearer = false;        // of a 401: a token is wanted
   std::string location = {};  // of a redirection
+  enum class Page { as_it_is, begins, ends };
+  Page page = Page::as_it_is;  // what becomes of the page's session, which a cookie stands for
 };
 /// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
 struct Later {

@@ -104,6 +104,8 @@ Result<Reply> me(const Query&, const Context&);
 Result<Reply> operators(const Query&, const Context&);
 Result<Reply> add_operator(const Query&, const Context&);
 Result<Reply> revoke_operator(const Query&, const Context&);
+Result<Reply> sign_in(const Query&, const Context&);
+Result<Reply> sign_out(const Query&, const Context&);
 
 // robot_routes.cpp
 Result<Reply> robots(const Query&, const Context&);

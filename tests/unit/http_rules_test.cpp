@@ -22,6 +22,17 @@ TEST(HttpRules, WhatTwoProgramsCouldReadDifferentlyIsRefused) {
     EXPECT_TRUE(header_fault(request(fields))) << fields;
 }
 
+TEST(HttpRules, EachPortHasACookieOfItsOwn) {
+  EXPECT_EQ(page_cookie_name("127.0.0.1:7448"), "headframe-7448");
+  EXPECT_EQ(page_cookie_name("[::1]:7448"), "headframe-7448");
+  for (const char* host : {"base.mine.example", "[::1]", ""}) EXPECT_EQ(page_cookie_name(host), "headframe") << host;
+  EXPECT_EQ(cookie_value("headframe-7448=ab", "headframe-7448"), "ab");
+  EXPECT_EQ(cookie_value("x=1; headframe-7448=ab; y=2", "headframe-7448"), "ab");
+  EXPECT_EQ(cookie_value("x=1;headframe=ab", "headframe"), "ab");
+  for (const char* without : {"", ";", "headframe", "xheadframe=ab", "headframe-7448=ab", "a=headframe=ab", "; ;  "})
+    EXPECT_EQ(cookie_value(without, "headframe"), "") << without;
+}
+
 TEST(HttpRules, ANameThatAStrangerMayOwnIsNotOurs) {
   for (const char* host : {"127.0.0.1:7448", "127.0.0.1", "[::1]:7448", "[::1]", "localhost:7448", "headframe:7448",
                            "10.0.0.7:7448", "base.mine.example:7448", "BASE.mine.example"})

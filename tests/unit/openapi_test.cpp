@@ -129,6 +129,8 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
       {"get", "/api/v1/notes", "/api/v1/notes", ""},
       {"delete", "/api/v1/notes/{id}", "/api/v1/notes/1", ""},
       {"get", "/api/v1/me", "/api/v1/me", ""},
+      {"post", "/api/v1/sign-in", "/api/v1/sign-in", ""},
+      {"post", "/api/v1/sign-out", "/api/v1/sign-out", ""},
       {"post", "/api/v1/operators/add", "/api/v1/operators/add?name=anna&role=view&days=1", ""},
       {"get", "/api/v1/operators", "/api/v1/operators", ""},
       {"post", "/api/v1/operators/revoke", "/api/v1/operators/revoke?name=anna", ""},

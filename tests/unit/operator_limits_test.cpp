@@ -1,61 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/read.hpp>
-#include <boost/asio/read_until.hpp>
-#include <boost/asio/write.hpp>
 #include <chrono>
 #include <future>
 
 #include "tests/support/operator_server.hpp"
+#include "tests/support/raw_client.hpp"
 
 namespace headframe {
 namespace {
-
-namespace net = boost::asio;
-using net::ip::tcp;
-
-/// A client that may send what it likes.
-struct RawClient {
-  explicit RawClient(std::uint16_t port) : socket(io) {
-    socket.connect({net::ip::address_v4::loopback(), port});
-    const timeval limit{10, 0};  // a server that hangs fails the test instead of stopping it
-    setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-  }
-  void send(const std::string& text) {
-    boost::system::error_code closed_early;
-    net::write(socket, net::buffer(text), closed_early);
-  }
-  std::string rest() {
-    boost::system::error_code end;
-    net::read(socket, net::dynamic_buffer(received), end);
-    ended_cleanly = end == net::error::eof;
-    return received;
-  }
-  /// Of the next response; its body is left where it is.
-  std::string header() {
-    const std::size_t end = net::read_until(socket, net::dynamic_buffer(received), "\r\n\r\n");
-    return received.substr(0, end);
-  }
-  /// One response with a Content-Length.
-  std::string response() {
-    const std::size_t head = net::read_until(socket, net::dynamic_buffer(received), "\r\n\r\n");
-    const std::string key = "Content-Length: ";
-    const std::size_t length = std::stoul(received.substr(received.find(key) + key.size()));
-    if (received.size() < head + length)
-      net::read(socket, net::dynamic_buffer(received), net::transfer_exactly(head + length - received.size()));
-    std::string out = received.substr(0, head + length);
-    received.erase(0, head + length);
-    return out;
-  }
-
-  net::io_context io;
-  tcp::socket socket;
-  std::string received;
-  bool ended_cleanly = false;
-};
-
-std::string status_of(const std::string& response) { return response.substr(0, 12); }
 
 std::string healthz(std::size_t header_bytes) {
   const std::string header = "GET /healthz HTTP/1.1\r\nHost: a\r\nConnection: close\r\nX: ";
@@ -138,7 +90,7 @@ TEST(OperatorLimits, GarbageGetsALineAndTheOthersGoOn) {
   }
   RawClient half(server.api.port());
   half.send("GET /healthz HT");
-  half.socket.shutdown(tcp::socket::shutdown_send);
+  half.socket.shutdown(boost::asio::ip::tcp::socket::shutdown_send);
   EXPECT_EQ(half.rest(), "") << "nobody to answer";
   RawClient good(server.api.port());
   good.send(healthz(100));

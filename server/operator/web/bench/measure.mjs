@@ -1,7 +1,7 @@
 // What all parts of the page's bench measure with.
 
 import { readFileSync } from 'node:fs';
-import { open } from '../tests/support.mjs';
+import { open, signIn } from '../tests/support.mjs';
 
 const settle_ms = 1500; // a new window makes its own parts first
 
@@ -12,7 +12,7 @@ export const residentMb = (pid) => (Number(readFileSync(`/proc/${pid}/statm`, 'u
 /** Its browser has nothing in its cache. */
 export async function openPage(browser, server, hash = '') {
   const page = await open(browser, 'about:blank', { reducedMotion: 'no-preference' });
-  await page.addInitScript((token) => token && sessionStorage.setItem('headframe.token', token), server.token);
+  if (server.token) await signIn(page.context(), server.url, server.token);
   await pause(settle_ms);
   await page.goto(server.url + hash);
   return page;

@@ -1,9 +1,9 @@
-// Asks for the operator's token. It stays in this tab only, and goes with it.
+// Asks for the operator's token, and signs in with it: the browser gets a cookie for it, until it is closed.
 
 import { ask } from './parts/dialog';
-import { token } from './station/api';
+import { signIn } from './station/api';
 
-/** fault: what was wrong with the last one; empty for the first. Settles once there is a token to try. */
+/** fault: why it is asked for again; empty at first. Settles once somebody has signed in. */
 export async function askForToken(fault: string): Promise<void> {
   await ask({
     title: 'Operator’s token',
@@ -21,14 +21,16 @@ export async function askForToken(fault: string): Promise<void> {
           <input name="token" type="password" required autocomplete="off" data-first />
         </label>
         <p class="muted">
-          The server made it at its first start: it is in <code>operator.token</code> in its data directory. This page keeps it until its tab is closed.
+          The server made it at its first start: it is in <code>operator.token</code> in its data directory. This browser stays signed in until it is closed, or twelve hours unused.
         </p>
       </>
     ),
     run: async (form) => {
       const value = String(form.get('token')).trim();
       if (!/^[\w-]+$/.test(value)) throw new Error('A token has letters, digits, dashes and underscores only.');
-      token.set(value);
+      await signIn(value).catch((error) => {
+        throw new Error(`The server says: ${error.message}.`);
+      });
     },
   });
 }

@@ -442,7 +442,7 @@ test('after the server was killed the page comes back by itself, with all that i
   clean(page);
 });
 
-test('a wrong token is said to be wrong; the right one opens the page and is forgotten with the tab', async () => {
+test('a wrong token is said to be wrong; the right one signs the browser in, and no script can read what it keeps', async () => {
   const guarded = await Station.start(join(scratch, 'guarded'), { insecure: false });
   const locked = await open(browser, guarded.url, { allowed: /401 \(Unauthorized\)/ });
   await locked.getByRole('dialog').getByRole('textbox').or(locked.locator('input[name=token]')).first().fill('not-the-token');
@@ -454,8 +454,14 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
   await locked.locator('input[name=token]').fill(guarded.token);
   await locked.getByRole('button', { name: 'Open' }).click();
   await locked.getByText('Live', { exact: true }).waitFor();
-  assert.equal(await locked.evaluate(() => sessionStorage.length), 1);
-  assert.ok(!(await locked.evaluate(() => JSON.stringify(localStorage))).includes(guarded.token));
+  const kept = await locked.evaluate(() => JSON.stringify([sessionStorage, localStorage, document.cookie]));
+  assert.ok(!kept.includes(guarded.token) && !kept.includes('headframe-'), kept);
+  const [cookie] = await locked.context().cookies();
+  assert.deepEqual([cookie.httpOnly, cookie.sameSite, cookie.expires, cookie.value === guarded.token], [true, 'Strict', -1, false]);
+  const beside = await locked.context().newPage();
+  await beside.goto(guarded.url);
+  await beside.getByText('Live', { exact: true }).waitFor();
+  await beside.close();
   assert.ok(!locked.url().includes(guarded.token));
   await locked.getByRole('button', { name: 'Invite a robot…' }).click();
   await locked.locator('input[name=robot]').fill('r1');
@@ -476,6 +482,9 @@ test('a wrong token is said to be wrong; the right one opens the page and is for
   await locked.getByText('revoked: it can not come in').waitFor();
   await picture(locked, 'fleet');
   await audit(locked);
+  await locked.getByRole('button', { name: 'Sign out' }).click();
+  await locked.locator('input[name=token]').waitFor();
+  assert.deepEqual(await locked.context().cookies(), []);
   clean(locked);
   await locked.context().close();
   await guarded.kill();

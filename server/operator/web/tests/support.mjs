@@ -127,10 +127,17 @@ export const browserArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=
 
 export const launch = () => chromium.launch({ executablePath: browserPath, args: browserArguments });
 
+/** As the page does: all pages of the context are let in from then on. */
+export async function signIn(context, url, token) {
+  const answer = await context.request.post(new URL('/api/v1/sign-in', url).href, { headers: { Authorization: `Bearer ${token}` } });
+  if (!answer.ok()) throw new Error(`sign-in: ${answer.status()}`);
+}
+
 /** A page whose faults are kept: whatever the console calls an error, but what matches `allowed`. `before` runs before it is
  * fetched. */
-export async function open(browser, url, { allowed, before, ...options } = {}) {
+export async function open(browser, url, { allowed, before, token, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: 'reduce', ...options });
+  if (token) await signIn(context, url, token);
   const page = await context.newPage();
   page.setDefaultTimeout(patience_ms);
   page.faults = [];

@@ -201,7 +201,7 @@ test('what was measured is saved for others, who see it at once; and it can be t
 test('an operator with a name may do what the role says, until the token is revoked', async () => {
   const guarded = await Station.start(join(scratch, 'guarded'), { insecure: false });
   const enter = async (token) => {
-    const opened = await open(browser, guarded.url, { allowed: /401 \(Unauthorized\)|WebSocket connection/, before: (made) => made.addInitScript((held) => sessionStorage.setItem('headframe.token', held), token) });
+    const opened = await open(browser, guarded.url, { allowed: /401 \(Unauthorized\)|WebSocket connection/, token });
     await opened.getByText('Live', { exact: true }).waitFor();
     return opened;
   };

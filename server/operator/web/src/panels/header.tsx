@@ -4,6 +4,7 @@ import type { Desk } from '../context';
 import { routes } from '../actions/actions';
 import { compact, dayAndTime, duration } from '../parts/format';
 import { Icon, Logo } from '../parts/icons';
+import { signOut } from '../station/api';
 import { mayWords } from './people';
 import type { Theme } from '../ui';
 
@@ -77,6 +78,11 @@ export function Header({ desk }: { desk: Desk }) {
         </div>
       </dl>
       <Pending desk={desk} />
+      {station.token && (
+        <button class="button button-small not-phone" onClick={() => void signOut().finally(() => location.reload())}>
+          Sign out
+        </button>
+      )}
       {station.me?.name && (
         <span class="muted not-phone" title={station.me.expires_s === null ? '' : `until ${dayAndTime(station.me.expires_s)}`}>
           {station.me.name}, {mayWords[station.me.role]}

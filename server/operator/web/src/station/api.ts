@@ -2,7 +2,6 @@
 
 import type { Keyframe } from './types';
 
-const tokenKey = 'headframe.token';
 const mostAtOnce = 4; // a browser gives a host six connections; some stay free for what the operator clicks
 
 export class ApiError extends Error {
@@ -14,22 +13,22 @@ export class ApiError extends Error {
   }
 }
 
-export const token = {
-  get: () => sessionStorage.getItem(tokenKey) ?? '',
-  set: (value: string) => sessionStorage.setItem(tokenKey, value),
-  clear: () => sessionStorage.removeItem(tokenKey),
-};
-
 export interface Asked {
   method?: 'GET' | 'POST' | 'DELETE';
   body?: unknown;
   signal?: AbortSignal;
+  /** Shown with this request alone; all others are let in by the cookie that signing in has set. */
+  token?: string;
 }
 
+/** Throws what the server says of the token. No script can read what it leaves here. */
+export const signIn = (token: string) => ask('/api/v1/sign-in', { method: 'POST', token });
+export const signOut = () => ask('/api/v1/sign-out', { method: 'POST' });
+
 /** Throws ApiError with the server's own line for people; status 0: the server was not reached. */
-export async function ask(path: string, { method = 'GET', body, signal }: Asked = {}): Promise<Response> {
+export async function ask(path: string, { method = 'GET', body, signal, token }: Asked = {}): Promise<Response> {
   const headers: Record<string, string> = {};
-  if (token.get()) headers.Authorization = `Bearer ${token.get()}`;
+  if (token) headers.Authorization = `Bearer ${token}`;
   let response: Response;
   try {
     response = await fetch(path, { method, headers, signal, body: body === undefined ? undefined : JSON.stringify(body) });

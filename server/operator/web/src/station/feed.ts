@@ -1,6 +1,5 @@
 // The server's events over WebSocket, for as long as the page is open.
 
-import { token } from './api';
 import type { StationEvent } from './types';
 
 export type LinkState = 'connecting' | 'live' | 'away';
@@ -32,7 +31,7 @@ export class Feed {
 
   private connect(): void {
     const url = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/api/v1/events`;
-    const socket = token.get() ? new WebSocket(url, ['headframe', token.get()]) : new WebSocket(url);
+    const socket = new WebSocket(url);
     socket.onmessage = (message) => {
       const event = JSON.parse(message.data) as StationEvent;
       if (event.type === 'snapshot') {

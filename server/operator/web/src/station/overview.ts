@@ -7,7 +7,7 @@ interface Early {
   /** What the points of the overview are: of each session so many at this level of detail, or all if there are fewer. */
   level: number;
   points: number;
-  /** Not answered with 200: there is no token yet, or a wrong one; null: the server did not answer. */
+  /** Not answered with 200: nobody has signed in yet; null: the server did not answer. */
   overview: Promise<Response | null>;
 }
 

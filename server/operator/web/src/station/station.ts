@@ -1,6 +1,6 @@
 // What the page knows of the server: kept by its events, and by a look now and then at what no event tells.
 
-import { ApiError, ask, askJson, inTurn, token, trajectory } from './api';
+import { ApiError, ask, askJson, inTurn, trajectory } from './api';
 import { Feed, type LinkState } from './feed';
 import { dayAndTime, wallClock_s } from '../parts/format';
 import { Log, type ServerEntry } from './log';
@@ -64,7 +64,7 @@ export class Station {
   private atlasDue = false;
   private rejectedShown = false;
 
-  /** askForToken gets what was wrong with the last one, if there was one, and settles when there is another to try. */
+  /** askForToken gets why whoever had signed in has to do so again, and settles when somebody has. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
     this.feed = new Feed({
       admit: () => this.admit(),
@@ -222,14 +222,12 @@ export class Station {
   private async admit(): Promise<void> {
     for (;;) {
       this.token = (await askJson<{ token: boolean }>('/healthz')).token;
-      if (!token.get() && this.token) await this.askForToken('');
       try {
         this.status = await askJson<Status>('/api/v1/status');
         break;
       } catch (error) {
         if (!(error instanceof ApiError) || (error.status !== 401 && error.status !== 429)) throw error;
-        token.clear();
-        await this.askForToken(`The server says: ${error.message}.`);
+        await this.askForToken(this.me ? `The server says: ${error.message}.` : '');
       }
     }
     void this.readRoutes().catch(() => {}); // with the next connection, then
