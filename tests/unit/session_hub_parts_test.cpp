@@ -1,4 +1,7 @@
 // A session whose odometry jumped goes on as another one, and its robot as if nothing were.
+#include <numeric>
+#include <random>
+
 #include "common/wire/limits.hpp"
 #include "server/net/session_hub.hpp"
 #include "tests/support/keyframes.hpp"
@@ -220,6 +223,49 @@ TEST_F(HubParts, PartsCountAmongTheSessionsThatARobotMayBegin) {
   cut(2, 4);
   EXPECT_EQ(hub_->keys().size(), 2U);
   EXPECT_NE(hub_->policy_of(id_).cut.find("from keyframe 6 on it is left out of merging"), std::string::npos);
+}
+
+/// Whatever the robot sends, wherever its odometry jumps, and whenever the link or the server goes away.
+TEST_F(HubParts, EachKeyframeAndCloudIsStoredOnceInOrderWhateverHappens) {
+  std::mt19937 random(5);
+  const auto below = [&](std::uint64_t n) { return random() % n; };
+  std::uint64_t sent = 0;
+  std::set<std::uint64_t> clouds;
+  for (int step = 0; step < 120; ++step) {
+    const std::uint64_t choice = below(10), last = static_cast<std::uint64_t>(hub_->keys().rbegin()->first);
+    if (choice < 4) {
+      const std::uint64_t more = 1 + below(5), again = below(std::min<std::uint64_t>(sent, 3) + 1);
+      keyframes(sent + 1 - again, sent + more);
+      sent += more;
+    } else if (choice < 7 && sent > 0) {
+      const std::uint64_t of = 1 + below(sent);
+      cloud(of);
+      clouds.insert(of);
+    } else if (choice == 7 && row(static_cast<SessionId>(last)).keyframes > 1) {
+      cut(static_cast<SessionId>(last), 2 + below(row(static_cast<SessionId>(last)).keyframes - 1));
+    } else if (choice > 7) {
+      choice == 8 ? come() : start();
+      EXPECT_EQ(durable_.keyframes, sent);
+      EXPECT_EQ(durable_.clouds, Numbers(clouds.begin(), clouds.end()));
+    }
+    ASSERT_TRUE(link_->stored) << step;
+  }
+  EXPECT_EQ(hub_->keys().size(), 1 + SessionHub::most_parts);
+  Numbers all;
+  std::set<std::uint64_t> found;
+  for (const auto& [id, key] : hub_->keys()) {
+    const Numbers part = stored(id);
+    const Numbers stored_clouds = store_->cloud_sequences(id).value();
+    for (const std::uint64_t sequence : stored_clouds) {
+      EXPECT_EQ(store_->cloud({id, sequence}).value(), "cloud " + std::to_string(all.size() + sequence));
+      found.insert(all.size() + sequence);
+    }
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  Numbers expected(sent);
+  std::iota(expected.begin(), expected.end(), 1);
+  EXPECT_EQ(all, expected);
+  EXPECT_EQ(found, clouds);
 }
 
 TEST_F(HubParts, ForThreeKeyframesItIsOnlySaid) {
