@@ -7,7 +7,7 @@
 namespace headframe {
 
 std::string PageSessions::begin(std::string credentials, Time now) {
-  const std::string secret = to_hex(random_secret(token_bytes));
+  std::string secret = to_hex(random_secret(token_bytes));
   const std::lock_guard lock(mutex_);
   if (sessions_.size() >= most)
     sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
