@@ -78,11 +78,6 @@ export function Header({ desk }: { desk: Desk }) {
         </div>
       </dl>
       <Pending desk={desk} />
-      {station.token && (
-        <button class="button button-small not-phone" onClick={() => void signOut().finally(() => location.reload())}>
-          Sign out
-        </button>
-      )}
       {station.me?.name && (
         <span class="muted not-phone" title={station.me.expires_s === null ? '' : `until ${dayAndTime(station.me.expires_s)}`}>
           {station.me.name}, {mayWords[station.me.role]}
@@ -112,6 +107,11 @@ export function Header({ desk }: { desk: Desk }) {
       >
         <Icon name={themeIcons[ui.now.theme]} />
       </button>
+      {station.token && (
+        <button class="button not-phone" onClick={() => void signOut().finally(() => location.reload())}>
+          Sign out
+        </button>
+      )}
     </header>
   );
 }
