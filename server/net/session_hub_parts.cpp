@@ -183,8 +183,8 @@ void SessionHub::find_parts() {
   for (const auto& [whole, parts] : found) {
     SessionId last = whole;
     for (const auto& [first, id] : parts) {
-      const Session& before = sessions_.at(last);
-      if (!before.deleted && first != before.from + before.keyframes) break;
+      const Session& ended = sessions_.at(last);
+      if (!ended.deleted && first != ended.from + ended.keyframes) break;
       sessions_.at(id).whole = whole;
       sessions_.at(id).from = first;
       sessions_.at(whole).parts.push_back(id);
