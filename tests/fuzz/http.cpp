@@ -2,6 +2,7 @@
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 
+#include "server/operator/http_rules.hpp"
 #include "server/operator/router.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/support/fake_station.hpp"
@@ -33,6 +34,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     target = bytes.substr(0, bytes.find('\n'));
     if (target.size() < bytes.size()) body = bytes.substr(target.size() + 1);
   }
+  (void)header_fault(target);
+  const std::string_view cookie = cookie_value(target, page_cookie_name(body));
+  fuzz::require(cookie.empty() || target.find(cookie) != std::string::npos);
+  (void)same_origin(target, body);
+  (void)own_host(target, body);
   (void)is_public(target);
   auto reply = route({method, target, body}, station, tiles, limits, 1.5);
   if (const auto* ready = std::get_if<Ready>(&reply)) fuzz::require(ready->status >= 200 && ready->status < 600);
