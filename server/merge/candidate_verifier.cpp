@@ -8,7 +8,9 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t judged_closely = 4;  // hopeful placements of a pair that are judged with all evidence
+// Hopeful placements of a pair that are judged with all evidence; more of them while none of those is likely.
+constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
+constexpr double likely = 0.3;  // were it the only place that looks so
 
 /// Fills in what the descriptors say of the judged placement, where the mine has not changed.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
@@ -25,6 +27,14 @@ double most_probable(const ScreeningResult& screened, const DescriptorAgreement&
   Judgement judgement{RegistrationStatus::converged, screened.place.registration.T_target_source, {}};
   compare_descriptors(agreement, judgement);
   return best_probability(screened, judgement.evidence);
+}
+
+template <class Judged>
+bool judged_enough(const std::vector<Judged>& all) {
+  if (all.size() < judged_closely) return false;
+  return all.size() >= judged_in_doubt || std::any_of(all.begin(), all.end(), [](const Judged& one) {
+           return one.verdict.judgement.evidence.probability_if_unique >= likely;
+         });
 }
 
 /// Whether a rival that is at most so probable could neither beat nor cast doubt on what was judged.
@@ -100,7 +110,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
   const DescriptorAgreement agreement = sessions_.descriptor_agreement(pair);
   std::vector<Judged> out;
   for (const std::size_t i : by_promise(screened, agreement)) {
-    if (out.size() == judged_closely) break;
+    if (judged_enough(out)) break;
     const SubmapCheck& place = screened[i].place;
     const double most = all ? 1 : most_probable(screened[i], agreement);
     const bool spared = std::any_of(out.begin(), out.end(), [&](const Judged& known) {

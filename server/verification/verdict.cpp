@@ -85,7 +85,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& e) {
       {"free space contradicts", -std::log10((freespace_contradiction(e) + 1e-3) / 1e-3)},
       {"one place contradicts", -std::log10((worst_place_contradiction(e) + 1e-3) / 1e-3)},
       {"surfaces lie apart", -std::max(0.0, std::log10((e.residual_m + 0.01) / 0.075))},
-      {"points scatter about the surfaces", -std::max(0.0, std::log10(std::max(e.rmse_m, 0.01) / 0.13))},
+      {"points scatter about the surfaces", -std::max(0.0, std::log10(std::max(e.rmse_m, 0.01) / 0.12))},
       {"places disagree", -(1 - e.places_agreeing / std::max(1.0, e.places))},
       {"nothing holds it along the tunnel", hardly_held(e) ? std::min(0.0, e.end_on_match / ends_meet - 1) : 0},
       {"descriptors differ", telling * 1.1 * few * few / (few + 1) * std::min(0.0, e.descriptors_alike - least_alike)},

@@ -32,8 +32,8 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_LT(with(&Evidence::residual_m, 0.12), 0.5);
   EXPECT_LT(with(&Evidence::places_agreeing, 2), 0.9);
   EXPECT_LT(with(&Evidence::rmse_m, 0.25), 0.5);
-  EXPECT_EQ(with(&Evidence::rmse_m, 0.13), p(good)) << "a lidar's noise, and dust";
-  EXPECT_LT(with(&Evidence::rmse_m, 0.14), p(good));
+  EXPECT_EQ(with(&Evidence::rmse_m, 0.12), p(good)) << "a lidar's noise, and dust";
+  EXPECT_LT(with(&Evidence::rmse_m, 0.13), p(good));
   EXPECT_LT(with(&Evidence::freespace_violation, 0.03), 0.5);
   EXPECT_LT(with(&Evidence::look_alikes, 2.5), p(good));
   EXPECT_EQ(with(&Evidence::look_alikes, 1), p(good)) << "36 m are told from one";
