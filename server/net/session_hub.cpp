@@ -162,9 +162,14 @@ void SessionHub::handle(SessionId session, CloudReceived event, const std::share
     news_.cloud_durable(now);
     if (const auto robot = to.lock()) robot->cloud_durable(sent);
   };
-  const auto rejected = [this, session, sent, to = std::weak_ptr(link)](const Error& why) {
+  const auto rejected = [this, session, sent, cloud, to = std::weak_ptr(link)](const Error& why) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (stored_as(session, sent) != cloud) return false;  // its keyframe was moved before it came there
+    }
     note_refusal(session, {sent, why.message});
     if (const auto robot = to.lock()) robot->cloud_refused(sent, why.message);
+    return true;
   };
   write(PutCloud{cloud, std::move(event.encoded)}, link, bytes, durable, rejected);
 }
@@ -219,9 +224,9 @@ void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std:
   ++unsettled_;
   store_.write(std::move(write), [this, bytes, applied = std::move(applied), rejected = std::move(rejected),
                                   to = std::weak_ptr(link)](const Result<void>& result) {
-    const bool dealt_with = !result && rejected && result.error().code == ErrorCode::invalid_argument;
     if (result) applied();
-    if (dealt_with) rejected(result.error());
+    const bool dealt_with =
+        !result && rejected && result.error().code == ErrorCode::invalid_argument && rejected(result.error());
     --unsettled_;
     if (const auto robot = to.lock()) robot->settled(bytes, dealt_with ? Result<void>() : result);
   });
@@ -242,15 +247,14 @@ std::shared_ptr<RobotLink> SessionHub::link_of(SessionId session) const {
 }
 
 void SessionHub::request_submap(SessionId session, const std::vector<std::uint64_t>& sequences) {
+  const auto robot = link_of(session);
+  if (!robot) return news_.clouds_unavailable(session, sequences);  // it left between the question and this call
   std::vector<std::uint64_t> as_sent = sequences;
   {
     const std::lock_guard lock(mutex_);
-    for (std::uint64_t& sequence : as_sent) sequence += sessions_[session].from - 1;
+    for (std::uint64_t& sequence : as_sent) sequence += sessions_.at(session).from - 1;
   }
-  if (const auto robot = link_of(session))
-    robot->request_submap(as_sent);
-  else
-    news_.clouds_unavailable(session, sequences);  // it left between the question and this call
+  robot->request_submap(as_sent);
 }
 
 std::vector<SessionRow> SessionHub::sessions() const {

@@ -149,7 +149,7 @@ class SessionHub : public Robots {
   };
   static constexpr std::size_t most_withdrawn = 16;  // an update has to stay small
   using Applied = std::function<void()>;
-  using Rejected = std::function<void(const Error&)>;  // by itself, for good: all else can be written
+  using Rejected = std::function<bool(const Error&)>;  // by itself: all else can be written; false: to be repeated
 
   // session_hub_parts.cpp: what carries the connection of a session is its last part. Under the lock.
   std::vector<SessionId> with_parts(SessionId session) const;

@@ -92,14 +92,12 @@ void SessionHub::split(SessionId id) {
   const std::uint64_t from = ended.from + ended.cut.from - 1;
   const SessionKey key{whole.robot, whole.session + mark + std::to_string(from)};
   if (id != all.back() || ended.deleted) return;
-  const bool may = quota_.objection(key.robot, 0, true, Clock::now()).empty();
-  if (!may || all.size() > most_parts || key.session.size() > limits::name_bytes || ids_.contains(key)) {
-    spdlog::warn("robot {}: {}", name_of(whole), cut_text(id, ended.from - 1));
-    return;
-  }
-  quota_.began_session(key.robot, Clock::now());
-  const SessionId part = new_part(id, key);
+  const bool may = all.size() <= most_parts && key.session.size() <= limits::name_bytes && !ids_.contains(key) &&
+                   quota_.objection(key.robot, 0, true, Clock::now()).empty();
+  const SessionId part = may ? new_part(id, key) : 0;
   spdlog::warn("robot {}: {}", name_of(whole), cut_text(id, ended.from - 1));
+  if (!may) return;
+  quota_.began_session(key.robot, Clock::now());
   if (told_.contains(id)) told_.insert(part);
   news_.session_added(part, key.robot, ended.record.family);
   const auto link = sessions_.at(part).link.lock();
