@@ -73,8 +73,9 @@ bool same_origin(std::string_view origin, std::string_view host, bool tls) {
 
 std::string page_cookie_name(std::string_view host) {
   const std::size_t colon = host.rfind(':');
-  const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
-  return has_port ? "headframe-" + std::string(host.substr(colon + 1)) : "headframe";
+  const std::string_view port = colon == std::string_view::npos ? "" : host.substr(colon + 1);
+  const bool is_port = !port.empty() && port.find_first_not_of("0123456789") == std::string_view::npos;
+  return is_port ? "headframe-" + std::string(port) : "headframe";
 }
 
 std::string_view cookie_value(std::string_view cookies, std::string_view name) {

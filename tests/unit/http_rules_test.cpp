@@ -25,7 +25,8 @@ TEST(HttpRules, WhatTwoProgramsCouldReadDifferentlyIsRefused) {
 TEST(HttpRules, EachPortHasACookieOfItsOwn) {
   EXPECT_EQ(page_cookie_name("127.0.0.1:7448"), "headframe-7448");
   EXPECT_EQ(page_cookie_name("[::1]:7448"), "headframe-7448");
-  for (const char* host : {"base.mine.example", "[::1]", ""}) EXPECT_EQ(page_cookie_name(host), "headframe") << host;
+  for (const char* host : {"base.mine.example", "[::1]", "", "a:", "a:1; Domain=b", "a:1x"})
+    EXPECT_EQ(page_cookie_name(host), "headframe") << host;
   EXPECT_EQ(cookie_value("headframe-7448=ab", "headframe-7448"), "ab");
   EXPECT_EQ(cookie_value("x=1; headframe-7448=ab; y=2", "headframe-7448"), "ab");
   EXPECT_EQ(cookie_value("x=1;headframe=ab", "headframe"), "ab");
