@@ -96,6 +96,15 @@ std::string alignment_table(const Json& alignments, std::size_t width) {
   return "\nalignments\n" + table.text(width);
 }
 
+/// Where odometry jumped, and what became of the rest: a line each.
+std::string jumps_text(const Json& sessions) {
+  std::string out;
+  for (const Json& row : sessions)
+    if (const Json why = row.value("why_cut", Json()); why.is_string())
+      out += name(row) + ": " + printable(why.get<std::string>()) + "\n";
+  return out;
+}
+
 /// Empty where all are of one family and version: then all can meet.
 std::string families_text(const Json& sessions) {
   constexpr std::size_t named = 8;
@@ -219,7 +228,7 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
          ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-", live_text(row.value("live", Json())),
          printable(row.at("sensor").at("model").get<std::string>())});
   }
-  return table.text(width) + families_text(rows);
+  return table.text(width) + jumps_text(rows) + families_text(rows);
 }
 
 std::string atlas_view(const Json& atlas, std::size_t width) {

@@ -200,31 +200,6 @@ void MergeWorker::await_no_more(SessionId session) {
   schedule_.trigger(session, Trigger::awaited, Clock::now());
 }
 
-/// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.
-void MergeWorker::feed(SessionId session, bool counts) {
-  Known& known = known_[session];
-  double metres = 0;
-  bool junction = false;
-  const auto give = [&](Keyframe keyframe) {
-    const Eigen::Vector3d here_m = keyframe.T_local_sensor.translation();
-    if (known.keyframes > 0) metres += (here_m - known.last_m).norm();
-    known.last_m = here_m;
-    known.keyframes = keyframe.sequence;
-    junction |= keyframe.descriptor.place_class == PlaceClass::junction;
-    if (keyframe.point_count == 0) known.without_cloud.insert(keyframe.sequence);
-    pipeline_->add_keyframe(session, std::move(keyframe));
-  };
-  const auto read = read_patiently([&] { return store_.each_keyframe(session, known.keyframes + 1, give); });
-  if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
-  MergeView::Session& shown = draft_.sessions[session];
-  shown.distance_m += metres;
-  const SessionCut cut = pipeline_->cut(session);
-  if (cut != known.cut) robots_->tell_cut(session, cut);
-  known.cut = cut;
-  if (counts) schedule_.travelled(session, metres, Clock::now());
-  if (counts && junction) schedule_.junction(session, Clock::now());
-}
-
 void MergeWorker::attempt(const MergeSchedule::Attempt& attempt) {
   if (is_aside(attempt.session)) return;
   AttemptReport report;

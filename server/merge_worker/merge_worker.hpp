@@ -126,7 +126,6 @@ class MergeWorker : public MergeNews, private CloudSource {
   void turn_away();
   bool prepare_ahead();
   void take(SessionId session, const SessionNews& news);
-  void feed(SessionId session, bool counts);
   void come_to_rest(SessionId session);
   void await_no_more(SessionId session);
   void attempt(const MergeSchedule::Attempt& attempt);
@@ -149,6 +148,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   auto read_patiently(const Read& read) -> decltype(read());
   // worker_restore.cpp
   void bring_back();
+  void feed(SessionId session, bool counts);
   void bring_in(const SessionRecord& session);
   bool settled(const SessionRecord& session);
   // worker_aside.cpp

@@ -1,5 +1,6 @@
-// A start on a database that holds something. What the operator sees, and the robots are told, is there at once; the
-// pipeline takes a while to read all keyframes of some years, and robots are served meanwhile.
+// From the store into the pipeline: what has come, and a start on a database that holds something. What the operator
+// sees, and the robots are told, is there at once then; the pipeline takes a while to read all keyframes of some years,
+// and robots are served meanwhile.
 #include <spdlog/spdlog.h>
 
 #include "server/merge_worker/merge_worker.hpp"
@@ -90,6 +91,33 @@ void MergeWorker::bring_in(const SessionRecord& session) {
     blame({session.id, session.id, WorkMark::End::died});
     if (is_aside(session.id)) (void)pipeline_->set_aside(session.id);
   }
+}
+
+/// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.
+void MergeWorker::feed(SessionId session, bool counts) {
+  Known& known = known_[session];
+  double metres = 0;
+  bool junction = false;
+  const auto give = [&](Keyframe keyframe) {
+    const Eigen::Vector3d here_m = keyframe.T_local_sensor.translation();
+    const bool first = known.keyframes == 0;
+    known.keyframes = keyframe.sequence;
+    junction |= keyframe.descriptor.place_class == PlaceClass::junction;
+    if (keyframe.point_count == 0) known.without_cloud.insert(keyframe.sequence);
+    pipeline_->add_keyframe(session, std::move(keyframe));
+    if (pipeline_->cut(session).from != 0) return;  // nobody drove there from where the last one was
+    if (!first) metres += (here_m - known.last_m).norm();
+    known.last_m = here_m;
+  };
+  const auto read = read_patiently([&] { return store_.each_keyframe(session, known.keyframes + 1, give); });
+  if (!read) spdlog::error("keyframes of session {} can not be read: {}", session, read.error().message);
+  MergeView::Session& shown = draft_.sessions[session];
+  shown.distance_m += metres;
+  const SessionCut cut = pipeline_->cut(session);
+  if (cut != known.cut) robots_->tell_cut(session, cut);
+  known.cut = cut;
+  if (counts) schedule_.travelled(session, metres, Clock::now());
+  if (counts && junction) schedule_.junction(session, Clock::now());
 }
 
 }  // namespace headframe

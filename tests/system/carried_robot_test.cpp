@@ -81,6 +81,10 @@ TEST_F(CarriedRobot, MergesInBothMinesAndJoinsThemNot) {
     if (killed) restart();
     EXPECT_EQ(keyframes().at(whole), first) << killed;
     EXPECT_EQ(keyframes().at(part), all - first) << killed;
+    const auto listed = station->command({"sessions"});
+    EXPECT_NE(listed->output.find(whole + ": from keyframe " + std::to_string(first + 1) + " on it is session "),
+              std::string::npos)
+        << listed->output;
     const auto merged = components();
     ASSERT_EQ(merged.size(), 2U) << killed;
     EXPECT_EQ(merged[0].size(), 2U);

@@ -94,6 +94,7 @@ TEST_F(Worker, TheRobotIsToldFromWhereOnItIsLeftOutOfMerging) {
   }
   ASSERT_TRUE(eventually([&] { return idle(); }));
   EXPECT_EQ(robots.cuts, (std::map<SessionId, SessionCut>{{1, {7, false, "its odometry jumps"}}}));
+  EXPECT_NEAR(worker->view()->sessions.at(1).distance_m, 5.0, 1e-9) << "a jump is no way that was driven";
 }
 
 TEST_F(Worker, AJunctionTriggersBeforeTheDistanceDoes) {
