@@ -51,6 +51,10 @@ std::string outcome_of(const std::string& both, const Alignment& k, bool togethe
   return apart + "nothing stands up" + best;
 }
 
+std::string site_text(const ExplainedSession& s) {
+  return s.name + " is of " + (s.site.empty() ? "no site" : "the site " + s.site);
+}
+
 /// What speaks of one session whatever became of the pair.
 void add_troubles(const ExplainedSession& s, std::vector<std::string>& missing) {
   if (s.archived) missing.push_back(s.name + " is archived: headframe session restore brings it back");
@@ -128,12 +132,17 @@ Explanation explain(const ExplainedSession& a, const ExplainedSession& b, const 
   Explanation out;
   add_troubles(a, out.missing);
   add_troubles(b, out.missing);
+  if (a.site != b.site && !together)
+    out.missing.push_back(site_text(a) + ", " + site_text(b) +
+                          ": they are never tried; headframe site says where they were driven, and headframe place "
+                          "lays one on the other all the same");
   const std::string both = a.name + " and " + b.name;
   if (!alignment) {
     out.outcome = both + (together ? " are merged through other sessions; the pair itself has not been tried"
                                    : " are not merged: nothing has been tried yet");
     if (together) return out;
-    out.missing.push_back("they are tried when a robot comes, ends or has driven on; \"headframe merge\" tries now");
+    if (a.site == b.site)
+      out.missing.push_back("they are tried when a robot comes, ends or has driven on; \"headframe merge\" tries now");
     add_lacks(a, config, out.missing);
     add_lacks(b, config, out.missing);
     return out;

@@ -21,6 +21,7 @@ struct ExplainedSession {
   std::string why_cut = {};    // where its odometry jumped, and what became of the rest; empty: it did not
   std::string why_aside = {};  // it is set aside, and why; empty: it is not
   bool archived = false;
+  std::string site = {};  // the mine it was driven in, by the operator's name; empty: he has one alone
 };
 
 struct Explanation {

@@ -19,7 +19,7 @@ struct Options {
   MapRequest map;
   std::string person, role = "operate";
   double days = 30;
-  std::string session, file, frame, label, reason, robot, alignment, a, b, shell = "bash";
+  std::string session, file, frame, label, reason, robot, site, alignment, a, b, shell = "bash";
   std::int64_t kib_s = 0;
   double since_s = 0;
   bool all_the_same = false;
@@ -45,6 +45,7 @@ void add_export_commands(CLI::App& app, Options& options);
 void add_store_commands(CLI::App& app, Options& options);
 void add_session_commands(CLI::App& app, Options& options);
 void add_robot_commands(CLI::App& app, Options& options);
+void add_site_commands(CLI::App& app, Options& options);
 void add_operator_commands(CLI::App& app, Options& options);
 
 }  // namespace headframe

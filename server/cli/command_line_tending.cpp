@@ -80,6 +80,24 @@ void add_robot_commands(CLI::App& app, Options& options) {
             [&](Commands& c) { return c.revoke_robot(options.robot); }));
 }
 
+void add_site_commands(CLI::App& app, Options& options) {
+  CLI::App* sites = app.add_subcommand("site", "Mines that share this server: sessions of two are never merged");
+  sites->add_flag("--json", options.json, "Print JSON");
+  const auto add = adder(*sites, options);
+  add("list", "All sites, and what belongs to each", [](Commands& c) { return c.list_sites(); });
+  const auto named = [&](CLI::App* sub) {
+    sub->add_option("SITE", options.site, "A name for the mine; without it: none");
+  };
+  CLI::App* of_robot = add("robot", "Where a robot drives, from its next session on",
+                           [&](Commands& c) { return c.set_robot_site(options.robot, options.site); });
+  of_robot->add_option("NAME", options.robot, "Of the robot")->required();
+  named(of_robot);
+  CLI::App* of_session = add("session", "Where a session was driven: what merged it with others elsewhere is undone",
+                             [&](Commands& c) { return c.set_session_site(options.session, options.site); });
+  of_session->add_option("SESSION", options.session, session_help)->required();
+  named(of_session);
+}
+
 void add_operator_commands(CLI::App& app, Options& options) {
   CLI::App* people = app.add_subcommand("operator", "Who may work with this server beside you, and as what");
   people->add_flag("--json", options.json, "Print JSON");

@@ -86,6 +86,12 @@ class Commands {
   /// How far the two sessions' surfaces lie apart; with json the points too, so many of each session at most.
   Result<int> overlay(const std::string& alignment, int most);
 
+  // sites.cpp
+  Result<int> list_sites();
+  /// Of sessions that the robot begins from now on, and of one that is there; empty: no site.
+  Result<int> set_robot_site(const std::string& robot, const std::string& site);
+  Result<int> set_session_site(const std::string& session, const std::string& site);
+
   // robots.cpp
   Result<int> list_robots();
   // operators.cpp

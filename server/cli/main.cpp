@@ -55,7 +55,7 @@ int run(int argc, char** argv) {
   app.fallthrough();
   for (const auto add : {headframe::add_look_commands, headframe::add_pair_commands, headframe::add_export_commands,
                          headframe::add_session_commands, headframe::add_store_commands, headframe::add_robot_commands,
-                         headframe::add_operator_commands})
+                         headframe::add_site_commands, headframe::add_operator_commands})
     add(app, options);
   try {
     app.parse(argc, argv);

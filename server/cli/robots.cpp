@@ -25,13 +25,19 @@ std::string rate_text(const Json& kib_s) {
   return "at most " + std::to_string(kib_s.get<std::uint64_t>()) + " KiB/s";
 }
 
+std::string site_text(const Json& row) {
+  const Json site = row.value("site", Json());
+  return site.is_string() ? ", drives at " + printable(site.get<std::string>()) : "";
+}
+
 std::string robots_view(const Json& json) {
   std::ostringstream out;
   out << "server fingerprint " << printable(json.at("fingerprint").get<std::string>()) << "\n";
   for (const Json& row : json.at("robots"))
     out << printable(row.at("robot").get<std::string>()) << ": " << printable(row.at("state").get<std::string>())
         << ", enrolled " << time_text(row.at("enrolled_s")) << ", code open until "
-        << time_text(row.at("code_expires_s")) << ", sends " << rate_text(row.at("rate_kib_s")) << "\n";
+        << time_text(row.at("code_expires_s")) << ", sends " << rate_text(row.at("rate_kib_s")) << site_text(row)
+        << "\n";
   return out.str();
 }
 

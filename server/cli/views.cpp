@@ -218,6 +218,9 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
                {"says of itself", false, 1},
                {"sensor", false, 8}},
               {}};
+  const bool sites = std::any_of(rows.begin(), rows.end(),
+                                 [](const Json& row) { return row.contains("site") && row["site"].is_string(); });
+  if (sites) table.columns.push_back({"site"});
   for (const Json& row : rows) {
     const Json& ms = row.at("trigger_to_transform_ms");
     table.rows.push_back(
@@ -227,6 +230,9 @@ std::string sessions_view(const Json& sessions, std::size_t width) {
          number(row.at("distance_m"), 0) + " m", row.at("component").is_null() ? "-" : row.at("component").dump(),
          ms.is_number() ? fixed(ms.get<double>() / 1000, 1) + " s" : "-", live_text(row.value("live", Json())),
          printable(row.at("sensor").at("model").get<std::string>())});
+    if (!sites) continue;
+    const Json site = row.value("site", Json());
+    table.rows.back().push_back(site.is_string() ? printable(site.get<std::string>()) : "-");
   }
   return table.text(width) + jumps_text(rows) + families_text(rows);
 }

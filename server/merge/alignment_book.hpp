@@ -49,8 +49,9 @@ class AlignmentBook {
   Result<void> decide(AlignmentId id, Decision decision, AttemptReport& report);
   /// False: it was chosen last already. refused: a frozen session of its component keeps the frame.
   Result<bool> anchor(SessionId id);
-  /// A session that was set aside comes back: its alignments stand again as their verdict and the operator's word say.
-  void wake(SessionId id);
+  /// A session that was set aside is back, or belongs to another site: its alignments stand again as their verdict and
+  /// the operator's word say; those across sites on which he did not rule are rejected. Gives those that changed.
+  std::vector<Alignment> wake(SessionId id);
 
   /// Whether anything waits for path or clouds that may be told then.
   bool anything_may_come() const;
@@ -78,6 +79,8 @@ class AlignmentBook {
   AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
   bool waits(const Alignment& alignment) const;
   bool may_come(const Alignment& alignment) const;
+  bool is_here(const Alignment& alignment) const;
+  bool across_sites(const Alignment& alignment) const;
   MergeResult merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const;
   std::set<SessionId> unsettled_sessions(const MergeResult& then) const;
   MergeResult merge_undisputed(const Contacts& contacts) const;

@@ -79,9 +79,10 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& attempt) {
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::set<SessionId> left = aligned;
-  const bool few = sessions.all().size() <= static_cast<std::size_t>(config.partners) + 1;
+  const std::vector<SessionId> ranked = partners.rank(id, sessions);
+  const bool few = ranked.size() <= static_cast<std::size_t>(config.partners);
   int came_to_nothing = 0;
-  for (const SessionId other : partners.rank(id, sessions)) {
+  for (const SessionId other : ranked) {
     if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
     left.erase(other);
     const OrderedPair pair = sessions.ordered(id, other);
@@ -89,7 +90,7 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
   for (const SessionId other : left)
-    if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
+    if (sessions.contains(other) && sessions.at_one_site(id, other)) merge_pair(sessions.ordered(id, other), attempt);
 }
 
 const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {

@@ -23,7 +23,9 @@ class MergePipeline {
   ~MergePipeline();
 
   /// Sessions and keyframes come in any order of sessions; keyframes of one session in the order of their sequence.
-  void add_session(SessionId id, const FamilyId& family);
+  /// Sessions of two sites never meet, but where the operator lays one on the other. A session that is there already
+  /// stays as it is.
+  void add_session(SessionId id, const FamilyId& family, const std::string& site = {});
   void add_keyframe(SessionId id, Keyframe keyframe);
 
   /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
@@ -44,6 +46,10 @@ class MergePipeline {
   /// come_back() says so.
   AttemptReport set_aside(SessionId id);
   AttemptReport come_back(SessionId id);
+
+  /// It was driven in another mine than was thought: what merged it with sessions there counts no more, unless the
+  /// operator confirmed it, and what is known of those at `site` counts again. Nothing is looked for yet.
+  AttemptReport set_site(SessionId id, const std::string& site);
 
   /// Nothing moves the session any more, from where it lies now: others align to it, and its component is anchored to
   /// it, or to one that was frozen before. Until it is thawed, also when it was set aside meanwhile. not_found: no such

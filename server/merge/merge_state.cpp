@@ -26,9 +26,10 @@ MergePipeline::State::State(const MergeConfig& c)
 MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
 MergePipeline::~MergePipeline() = default;
 
-void MergePipeline::add_session(SessionId id, const FamilyId& family) {
-  if (!state_->sessions.contains(id)) state_->book.wake(id);
-  state_->sessions.add(id, family);
+void MergePipeline::add_session(SessionId id, const FamilyId& family, const std::string& site) {
+  if (state_->sessions.contains(id)) return;
+  state_->sessions.add(id, family, site);
+  (void)state_->book.wake(id);
 }
 
 void MergePipeline::add_keyframe(SessionId id, Keyframe keyframe) {
@@ -80,6 +81,18 @@ AttemptReport MergePipeline::come_back(SessionId id) {
   if (!s.sessions.contains(id)) return report;
   s.update_atlas(report);
   s.book.next_revision(report);
+  return s.book.given_out(std::move(report));
+}
+
+AttemptReport MergePipeline::set_site(SessionId id, const std::string& site) {
+  AttemptReport report;
+  State& s = *state_;
+  if (!s.sessions.contains(id) || s.sessions.at(id).site == site) return report;
+  s.sessions.set_site(id, site);
+  s.partners.take_to_site(id, s.sessions);
+  s.judged.forget(id);
+  report.changed = s.book.wake(id);
+  s.update_atlas(report);
   return s.book.given_out(std::move(report));
 }
 

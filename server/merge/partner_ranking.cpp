@@ -13,18 +13,6 @@ constexpr std::size_t keyframes_asked = 48;  // ... for so many keyframes spread
 
 using Vector = std::vector<float>;
 
-/// All place vectors of these sessions but the last of `newest`, which is added next.
-void add_all(DescriptorIndex& index, const FamilyId& family, std::size_t q_size, const SessionMap& sessions,
-             SessionId newest) {
-  for (const auto& [id, session] : sessions.all()) {
-    if (session.family != family) continue;
-    const std::size_t count = session.keyframes.size() - (id == newest ? 1 : 0);
-    for (std::size_t i = 0; i < count; ++i)
-      if (const Keyframe& k = session.keyframes[i]; k.descriptor.q.size() == q_size)
-        index.add({id, k.sequence}, k.descriptor.q);
-  }
-}
-
 /// Spread over the session.
 template <class Ask>
 void for_some_keyframes(const Session& session, Ask ask) {
@@ -47,63 +35,86 @@ void vote(const DescriptorIndex& index, const std::vector<Vector>& asked, int th
 }  // namespace
 
 void PartnerRanking::add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions) {
-  const FamilyId& family = sessions.at(id).family;
+  const Session& session = sessions.at(id);
   const auto& q = keyframe.descriptor.q;
-  if (keyframe.sequence <= places_of_[id] || q.empty()) return;
-  places_of_[id] = keyframe.sequence;
-  auto& index = places_[{family, q.size()}];
+  std::uint64_t& last = places_of_[{session.site, id}];
+  if (keyframe.sequence <= last || q.empty()) return;
+  const Kind kind{session.site, session.family, q.size()};
+  auto& index = places_[kind];
   if (!index) index = make_exact_index(q.size());
   if (index->size() == exact_up_to_) {
     index = make_flann_index(q.size());
-    add_all(*index, family, q.size(), sessions, id);
+    add_all(*index, kind, sessions);
   }
+  last = keyframe.sequence;
   index->add({id, keyframe.sequence}, q);
+}
+
+/// All that were added one by one.
+void PartnerRanking::add_all(DescriptorIndex& index, const Kind& kind, const SessionMap& sessions) const {
+  for (const auto& [id, session] : sessions.all())
+    for (const Keyframe& k : session.keyframes)
+      if (Kind{session.site, session.family, k.descriptor.q.size()} == kind &&
+          k.sequence <= places_of_.at({session.site, id}))
+        index.add({id, k.sequence}, k.descriptor.q);
+}
+
+/// What the indices of the site before hold of it is passed over there, and counts if it comes back.
+void PartnerRanking::take_to_site(SessionId id, const SessionMap& sessions) {
+  for (const Keyframe& keyframe : sessions.at(id).keyframes) add(id, keyframe, sessions);
 }
 
 PartnerRanking::Votes PartnerRanking::votes_by_places(SessionId id, const SessionMap& sessions) const {
   const Session& self = sessions.at(id);
   std::map<std::size_t, std::vector<Vector>> asked;  // by length
   for_some_keyframes(self, [&](const Keyframe& k) { asked[k.descriptor.q.size()].push_back(k.descriptor.q); });
-  const auto may_vote = [&](SessionId other) { return other != id && sessions.contains(other); };
+  const auto may_vote = [&](SessionId other) {
+    return other != id && sessions.contains(other) && sessions.at_one_site(id, other);
+  };
   Votes out;
   for (const auto& [size, vectors] : asked)
-    if (const auto index = places_.find({self.family, size}); index != places_.end())
+    if (const auto index = places_.find({self.site, self.family, size}); index != places_.end())
       vote(*index->second, vectors, config_.threads, may_vote, out);
   return out;
 }
 
 PartnerRanking::Votes PartnerRanking::votes_by_walls(SessionId id, const SessionMap& sessions) {
-  take_in_walls(sessions);
   const Session& self = sessions.at(id);
+  take_in_walls(self.site, sessions);
   std::vector<Vector> asked;
   for_some_keyframes(self, [&](const Keyframe& k) {
     if (auto signature = wall_signature(k.walls)) asked.push_back(std::move(*signature));
   });
   const auto may_vote = [&](SessionId other) {
-    return sessions.contains(other) && sessions.at(other).family != self.family;
+    return sessions.contains(other) && sessions.at_one_site(id, other) && sessions.at(other).family != self.family;
   };
   Votes out;
-  vote(*walls_, asked, config_.threads, may_vote, out);
+  vote(*walls_.at(self.site), asked, config_.threads, may_vote, out);
   return out;
 }
 
 /// Those that came since it was asked last.
-void PartnerRanking::take_in_walls(const SessionMap& sessions) {
-  if (!walls_) walls_ = make_exact_index(wall_signature_size);
+void PartnerRanking::take_in_walls(const std::string& site, const SessionMap& sessions) {
+  auto& walls = walls_[site];
+  if (!walls) walls = make_exact_index(wall_signature_size);
   for (const auto& [id, session] : sessions.all())
-    for (std::size_t& i = walls_of_[id]; i < session.keyframes.size(); ++i)
-      if (const auto signature = wall_signature(session.keyframes[i].walls))
-        walls_->add({id, session.keyframes[i].sequence}, *signature);
+    if (session.site == site)
+      for (std::size_t& i = walls_of_[{site, id}]; i < session.keyframes.size(); ++i)
+        if (const auto signature = wall_signature(session.keyframes[i].walls))
+          walls->add({id, session.keyframes[i].sequence}, *signature);
 }
 
 std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sessions) {
   const auto partners = static_cast<std::size_t>(config_.partners);
-  const bool all = sessions.all().size() <= partners + 1;
+  const auto here = static_cast<std::size_t>(std::count_if(
+      sessions.all().begin(), sessions.all().end(), [&](const auto& s) { return sessions.at_one_site(id, s.first); }));
+  const bool all = here <= partners + 1;
   std::vector<SessionId> order;
   for (const bool of_family : {true, false}) {
     std::vector<SessionId> group;
     for (const auto& [other, session] : sessions.all())
-      if (other != id && (session.family == sessions.at(id).family) == of_family) group.push_back(other);
+      if (other != id && sessions.at_one_site(id, other) && (session.family == sessions.at(id).family) == of_family)
+        group.push_back(other);
     if (group.size() > 1) {
       Votes votes = of_family ? votes_by_places(id, sessions) : votes_by_walls(id, sessions);
       std::stable_sort(group.begin(), group.end(), [&](SessionId x, SessionId y) { return votes[x] > votes[y]; });

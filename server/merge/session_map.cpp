@@ -146,7 +146,7 @@ double SessionMap::path_asked_m(const Evidence& evidence, double least_m) const 
 double SessionMap::path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const {
   double awaited_m = 0;
   for (const auto& [id, session] : sessions_) {
-    if (session.keyframes.empty()) continue;
+    if (session.keyframes.empty() || (!at_one_site(id, pair.a) && !at_one_site(id, pair.b))) continue;
     if (session.complete && !session.looked_at) awaited_m = std::max(awaited_m, 1.0);
     if (drives_on(session) && id != pair.a && id != pair.b) awaited_m = std::max(awaited_m, asked_m - session.path_m());
   }

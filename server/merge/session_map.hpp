@@ -15,6 +15,7 @@ namespace headframe {
 
 struct Session {
   FamilyId family;
+  std::string site;  // the mine it was driven in; empty: the operator has one alone
   std::vector<Keyframe> keyframes;
   std::vector<double> path_to_m;  // to each keyframe
   Eigen::AlignedBox3d box;        // around all keyframes
@@ -45,7 +46,12 @@ class SessionMap {
   const std::map<SessionId, Session>& all() const { return sessions_; }
   const SessionFrames& frames() const { return frames_; }
 
-  void add(SessionId id, const FamilyId& family) { sessions_[id].family = family; }
+  void add(SessionId id, const FamilyId& family, const std::string& site = {}) {
+    sessions_[id].family = family;
+    sessions_[id].site = site;
+  }
+  void set_site(SessionId id, const std::string& site) { sessions_[id].site = site; }
+  bool at_one_site(SessionId one, SessionId other) const { return at(one).site == at(other).site; }
   /// The keyframe as it was taken in; it is complete no more.
   const Keyframe& add_keyframe(SessionId id, Keyframe keyframe);
   void complete(SessionId id);
@@ -82,9 +88,9 @@ class SessionMap {
   /// contradict it: for a metre more if one has ended and was not looked at since. A session that rests or has ended
   /// has shown all it can, unless it is short: of the whole of its path short_m is asked, more for look-alikes and
   /// doubt, and most_of_short_m or MergeConfig::shown_m at most. 0: none.
-  /// Of the others that grow those are waited for that drive: least_step_m of path and more for each keyframe but those
-  /// of a turn on the spot. Who sends many keyframes of one spot holds nobody up; await_no_more() is for who takes his
-  /// time.
+  /// Of the others at their site that grow those are waited for that drive: least_step_m of path and more for each
+  /// keyframe but those of a turn on the spot. Who sends many keyframes of one spot holds nobody up; await_no_more() is
+  /// for who takes his time.
   double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
   static constexpr double localize_m = 20;  // set by hand, as this:

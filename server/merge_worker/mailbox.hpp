@@ -9,11 +9,6 @@
 
 namespace headframe {
 
-struct NewSession {
-  std::string robot;
-  FamilyId family;
-};
-
 /// What has happened to one session since the worker last looked.
 struct SessionNews {
   std::optional<NewSession> added;

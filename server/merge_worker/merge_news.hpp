@@ -12,11 +12,17 @@
 
 namespace headframe {
 
+struct NewSession {
+  std::string robot;
+  FamilyId family;
+  std::string site = {};  // as SessionRecord::site
+};
+
 /// What the worker is told. Thread safe, quick, never blocks: news of a session join until the worker takes them.
 class MergeNews {
  public:
   virtual ~MergeNews() = default;
-  virtual void session_added(SessionId session, const std::string& robot, const FamilyId& family) = 0;
+  virtual void session_added(SessionId session, const NewSession& added) = 0;
   virtual void keyframes_durable(SessionId session, std::uint64_t sequence) = 0;
   virtual void cloud_durable(const KeyframeRef& cloud) = 0;
   virtual void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) = 0;

@@ -150,7 +150,8 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   }
   if (news.added) {
     schedule_.belongs(session, news.added->robot);
-    pipeline_->add_session(session, news.added->family);
+    pipeline_->add_session(session, news.added->family, news.added->site);
+    if (!known_.contains(session)) known_[session].site = news.added->site;
   }
   Known& known = known_[session];
   if (news.durable_keyframes > known.keyframes) {
@@ -268,6 +269,7 @@ void MergeWorker::update_view() {
     shown.deleted = trouble != troubles_.end() && trouble->second.deleted;
     shown.archived = archived_.contains(session) && !shown.deleted;
     shown.frozen = frozen_.contains(session) && !shown.deleted;
+    if (const auto known = known_.find(session); known != known_.end()) shown.site = known->second.site;
   }
   auto made = std::make_shared<const MergeView>(draft_);
   const std::lock_guard lock(mutex_);

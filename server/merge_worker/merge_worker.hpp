@@ -23,6 +23,7 @@ struct MergeView {
     std::string why_aside = {};           // it is not merged, and why; empty: it is
     bool deleted = false;
     bool archived = false, frozen = false;
+    std::string site = {};
   };
   Atlas atlas;  // every session is in it that is neither archived nor deleted
   std::vector<Alignment> alignments;
@@ -48,7 +49,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// Waits for the attempt that is running; what is queued is found again by restore().
   void stop();
 
-  void session_added(SessionId session, const std::string& robot, const FamilyId& family) override;
+  void session_added(SessionId session, const NewSession& added) override;
   void keyframes_durable(SessionId session, std::uint64_t sequence) override;
   void cloud_durable(const KeyframeRef& cloud) override;
   void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) override;
@@ -88,6 +89,9 @@ class MergeWorker : public MergeNews, private CloudSource {
   /// refused also: it is archived or set aside.
   void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> done);
 
+  /// The session was driven at this site: it is merged with those there alone. `done` as archive()'s.
+  void set_site(SessionId session, const std::string& site, std::function<void(const Result<void>&)> done);
+
   Pending pending() const;
   /// What the operator asked for and the worker has not taken up.
   std::size_t waiting_orders() const;
@@ -109,6 +113,7 @@ class MergeWorker : public MergeNews, private CloudSource {
     bool answers = false;
     bool asks_where = false;
     SessionCut cut = {};
+    std::string site = {};
     bool more_to_try = false;  // its last attempt has not looked at all that it could lie on
     std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; none: nothing
   };
@@ -166,6 +171,8 @@ class MergeWorker : public MergeNews, private CloudSource {
   // worker_tending.cpp
   Result<void> put_archived(SessionId session, bool archived);
   Result<void> put_frozen(SessionId session, bool frozen);
+  Result<void> put_site(SessionId session, const std::string& site);
+  std::string why_withdrawn_of(const Alignment& now) const;
   Result<void> bring_in_again(SessionId session, PutMerge write);
   void update_view();
 

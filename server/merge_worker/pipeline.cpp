@@ -6,7 +6,9 @@ namespace {
 class RealPipeline : public Pipeline {
  public:
   explicit RealPipeline(const MergeConfig& config) : pipeline_(config) {}
-  void add_session(SessionId id, const FamilyId& family) override { pipeline_.add_session(id, family); }
+  void add_session(SessionId id, const FamilyId& family, const std::string& site) override {
+    pipeline_.add_session(id, family, site);
+  }
   void add_keyframe(SessionId id, Keyframe keyframe) override { pipeline_.add_keyframe(id, std::move(keyframe)); }
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) override {
     pipeline_.prepare_cloud(keyframe, clouds);
@@ -31,6 +33,7 @@ class RealPipeline : public Pipeline {
   SessionCut cut(SessionId id) const override { return pipeline_.cut(id); }
   AttemptReport set_aside(SessionId id) override { return pipeline_.set_aside(id); }
   AttemptReport come_back(SessionId id) override { return pipeline_.come_back(id); }
+  AttemptReport set_site(SessionId id, const std::string& site) override { return pipeline_.set_site(id, site); }
   Result<AttemptReport> freeze(SessionId id) override { return pipeline_.freeze(id); }
   Result<AttemptReport> thaw(SessionId id) override { return pipeline_.thaw(id); }
   void restore_frozen(const std::vector<FrozenSession>& frozen) override { pipeline_.restore_frozen(frozen); }

@@ -10,7 +10,7 @@ namespace headframe {
 class Pipeline {
  public:
   virtual ~Pipeline() = default;
-  virtual void add_session(SessionId id, const FamilyId& family) = 0;
+  virtual void add_session(SessionId id, const FamilyId& family, const std::string& site) = 0;
   virtual void add_keyframe(SessionId id, Keyframe keyframe) = 0;
   virtual void prepare_cloud(const KeyframeRef& /*keyframe*/, CloudSource& /*clouds*/) {}
   virtual bool prepare_ahead(CloudSource& /*clouds*/) { return false; }
@@ -29,6 +29,7 @@ class Pipeline {
   virtual SessionCut cut(SessionId /*id*/) const { return {}; }
   virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
   virtual AttemptReport come_back(SessionId /*id*/) { return {}; }
+  virtual AttemptReport set_site(SessionId /*id*/, const std::string& /*site*/) { return {}; }
   virtual Result<AttemptReport> freeze(SessionId /*id*/) { return AttemptReport(); }
   virtual Result<AttemptReport> thaw(SessionId /*id*/) { return AttemptReport(); }
   virtual void restore_frozen(const std::vector<FrozenSession>& /*frozen*/) {}

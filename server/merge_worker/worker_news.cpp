@@ -15,8 +15,8 @@ void MergeWorker::tell(SessionId session, Change change) {
   wake_.notify_all();
 }
 
-void MergeWorker::session_added(SessionId session, const std::string& robot, const FamilyId& family) {
-  tell(session, [&](SessionNews& news) { news.added = NewSession{robot, family}; });
+void MergeWorker::session_added(SessionId session, const NewSession& added) {
+  tell(session, [&](SessionNews& news) { news.added = added; });
 }
 
 void MergeWorker::keyframes_durable(SessionId session, std::uint64_t sequence) {

@@ -48,7 +48,7 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
   if (report.atlas_changed) write.atlas = pipeline_->atlas();
   const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0 ||
                     !write.self_likeness.empty() || !write.closures.empty() || !write.frozen.empty() ||
-                    write.thawed != 0 || write.trouble || write.archived;
+                    write.thawed != 0 || write.trouble || write.archived || write.site;
   if ((news || write.atlas) && !write_durably(write)) return false;
   if (report.atlas_changed || report.provisional_changed) published(report, attempt);
   if (report.atlas_changed || report.provisional_changed || !report.closures.empty() || !report.changed.empty())
@@ -82,12 +82,16 @@ std::vector<Withdrawal> MergeWorker::withdrawn_by(const AttemptReport& report) c
     const auto was =
         std::find_if(draft_.alignments.begin(), draft_.alignments.end(), [&](const auto& k) { return k.id == now.id; });
     if (was != draft_.alignments.end() && was->state == AlignmentState::published &&
-        now.state != AlignmentState::published) {
-      const bool archived = archived_.contains(now.a) || archived_.contains(now.b);
-      withdrawn.push_back({now.a, now.b, archived ? "one of the two was archived" : why_withdrawn(now)});
-    }
+        now.state != AlignmentState::published)
+      withdrawn.push_back({now.a, now.b, why_withdrawn_of(now)});
   }
   return withdrawn;
+}
+
+std::string MergeWorker::why_withdrawn_of(const Alignment& now) const {
+  if (archived_.contains(now.a) || archived_.contains(now.b)) return "one of the two was archived";
+  if (known_.at(now.a).site != known_.at(now.b).site) return "one of the two was driven at another site";
+  return why_withdrawn(now);
 }
 
 /// A robot may have driven by it: nothing is worse, so it is never passed over in silence.

@@ -21,7 +21,7 @@ Result<void> MergeWorker::restore() {
   for (const SessionRecord& session : stored_->sessions) {
     const auto trouble = troubles_.find(session.id);
     if (trouble != troubles_.end() && trouble->second.deleted) continue;
-    known_[session.id] = {};
+    known_[session.id].site = session.site;
     if (session.archived) archived_.insert(session.id);
   }
   for (const FrozenSession& frozen : stored_->merge.frozen) frozen_.insert(frozen.session);
@@ -75,7 +75,7 @@ void MergeWorker::bring_in(const SessionRecord& session) {
   working_on(session.id, session.id);
   try {
     schedule_.belongs(session.id, session.key.robot);
-    pipeline_->add_session(session.id, session.family);
+    pipeline_->add_session(session.id, session.family, session.site);
     feed(session.id, false);
     if (session.complete || settled(session)) pipeline_->complete_session(session.id);
     if (const auto clouds = read_patiently([&] { return store_.cloud_sequences(session.id); }); clouds)

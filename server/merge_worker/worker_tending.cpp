@@ -65,6 +65,28 @@ Result<void> MergeWorker::put_frozen(SessionId session, bool frozen) {
   return {};
 }
 
+Result<void> MergeWorker::put_site(SessionId session, const std::string& site) {
+  const auto known = known_.find(session);
+  if (known == known_.end()) return failure(ErrorCode::not_found, "there is no session " + std::to_string(session));
+  if (known->second.site == site) return {};
+  PutMerge write;
+  write.site = PutSite{session, site};
+  known->second.site = site;
+  const bool done =
+      is_aside(session) ? write_durably(write) : commit(std::move(write), pipeline_->set_site(session, site), nullptr);
+  if (!done) return failure(ErrorCode::unavailable, stop_reason_);
+  if (!is_aside(session)) schedule_.trigger(session, Trigger::command, Clock::now());
+  update_view();
+  spdlog::info("session {} is {}", session, site.empty() ? "of no site" : "of the site " + site);
+  return {};
+}
+
+void MergeWorker::set_site(SessionId session, const std::string& site, std::function<void(const Result<void>&)> done) {
+  give([this, session, site, done = std::move(done)](const Result<void>& admitted) {
+    done(admitted ? put_site(session, site) : admitted);
+  });
+}
+
 void MergeWorker::archive(SessionId session, bool archived, std::function<void(const Result<void>&)> done) {
   give([this, session, archived, done = std::move(done)](const Result<void>& admitted) {
     done(admitted ? put_archived(session, archived) : admitted);

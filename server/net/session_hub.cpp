@@ -38,7 +38,10 @@ Result<void> SessionHub::restore() {
   if (!merge) return tl::unexpected(merge.error());
   const auto troubles = store_.troubles();
   if (!troubles) return tl::unexpected(troubles.error());
+  auto sites = store_.robot_sites();
+  if (!sites) return tl::unexpected(sites.error());
   const std::lock_guard lock(mutex_);
+  robot_sites_ = std::move(*sites);
   for (const SessionRecord& record : *sessions) {
     auto clouds = store_.cloud_sequences(record.id);
     if (!clouds) return tl::unexpected(clouds.error());
@@ -266,6 +269,7 @@ std::vector<SessionRow> SessionHub::sessions() const {
     auto& row = rows.emplace_back(SessionRow{id, s.record.key, s.record.family, s.record.sensor, !s.link.expired(),
                                              s.record.complete, s.keyframes, s.clouds.size() - s.let_go.size(),
                                              s.bytes_received});
+    row.site = s.record.site;
     row.let_go = s.let_go.size();
     row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;

@@ -105,6 +105,14 @@ class SessionHub : public Robots {
   /// What this robot may send at most, in bytes per second; 0: no limit of its own. Told within a tick.
   void set_rate(const std::string& robot, std::uint64_t bytes_per_s);
 
+  /// Sessions that this robot begins from now on are of this site; empty: of none. `done` runs once, when it is durable
+  /// or with why not: invalid_argument (no name), refused (too many robots have one), unavailable.
+  void set_robot_site(const std::string& robot, const std::string& site, std::function<void(const Result<void>&)> done);
+  std::map<std::string, std::string> robot_sites() const;
+  static constexpr std::size_t most_robot_sites = 10'000;
+  /// The session is of another site than was thought, as it was stored.
+  void set_site(SessionId session, const std::string& site);
+
   /// Clouds that were deleted so that others find room; its robot keeps on counting them as sent.
   void let_go(SessionId session, const std::vector<std::uint64_t>& sequences);
 
@@ -213,6 +221,7 @@ class SessionHub : public Robots {
   std::set<SessionId> told_;  // sessions that were part of a component once: they hear of it when they connect
   std::atomic<std::size_t> unsettled_ = 0;
   std::map<std::string, std::uint64_t> rates_bytes_per_s_;  // of robots that have one of their own
+  std::map<std::string, std::string> robot_sites_;          // of robots that have one; as on the disk
   LinkCounts counts_;
   std::atomic<std::uint64_t> budget_bytes_per_s_ = 0;
   std::mutex policy_mutex_;  // taken before mutex_

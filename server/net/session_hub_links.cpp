@@ -49,6 +49,8 @@ SessionHub::Session& SessionHub::session_of(const Hello& hello) {
                     static_cast<std::uint32_t>(hello.family.q_size),
                     static_cast<std::uint32_t>(hello.family.w_size),
                     hello.spool_id};
+  if (const auto site = robot_sites_.find(hello.session.robot); site != robot_sites_.end())
+    session.record.site = site->second;
   return session;
 }
 
@@ -104,7 +106,7 @@ Result<SessionHub::Admitted> SessionHub::admit(const Hello& hello, const std::sh
     session.asks_where = false;
     desk_.left(with_parts(session.record.id).front());
     admitted = {with_parts(record.id).front(), durable_of(record.id), transform_of(record.id)};
-    news_.session_added(record.id, record.key.robot, record.family);
+    news_.session_added(record.id, {record.key.robot, record.family, record.site});
     if (replaced) tell_left(record.id);  // what was asked of the old connection has to be asked again
     tell_came(record.id);
     news_.trigger(record.id, Trigger::link);

@@ -99,7 +99,7 @@ void SessionHub::split(SessionId id) {
   if (!may) return;
   quota_.began_session(key.robot, Clock::now());
   if (told_.contains(id)) told_.insert(part);
-  news_.session_added(part, key.robot, ended.record.family);
+  news_.session_added(part, {key.robot, ended.record.family, ended.record.site});
   const auto link = sessions_.at(part).link.lock();
   if (link) news_.robot_came(part, ended.answers);
   if (sessions_.at(part).asks_where) news_.asks_where(id, false);

@@ -85,6 +85,36 @@ void SessionHub::set_rate(const std::string& robot, std::uint64_t bytes_per_s) {
     rates_bytes_per_s_.erase(robot);
 }
 
+void SessionHub::set_robot_site(const std::string& robot, const std::string& site,
+                                std::function<void(const Result<void>&)> done) {
+  auto named = check_name("robot", robot);
+  if (named && !site.empty()) named = check_name("site", site);
+  if (!named) return done(failure(ErrorCode::invalid_argument, named.error().message));
+  {
+    const std::lock_guard lock(mutex_);
+    if (!site.empty() && !robot_sites_.contains(robot) && robot_sites_.size() >= most_robot_sites)
+      named = failure(ErrorCode::refused, std::to_string(most_robot_sites) + " robots have a site already");
+  }
+  if (!named) return done(named);
+  store_.write(PutRobotSite{robot, site}, [this, robot, site, done = std::move(done)](const Result<void>& durable) {
+    if (durable) {
+      const std::lock_guard lock(mutex_);
+      site.empty() ? (void)robot_sites_.erase(robot) : (void)robot_sites_.insert_or_assign(robot, site);
+    }
+    done(durable);
+  });
+}
+
+std::map<std::string, std::string> SessionHub::robot_sites() const {
+  const std::lock_guard lock(mutex_);
+  return robot_sites_;
+}
+
+void SessionHub::set_site(SessionId session, const std::string& site) {
+  const std::lock_guard lock(mutex_);
+  sessions_.at(session).record.site = site;
+}
+
 /// Under the lock.
 v1::TransformUpdate SessionHub::update_of(const Component& component, const Told& told) const {
   v1::TransformUpdate update;

@@ -74,6 +74,7 @@ Json session_object(const SessionRow& row) {
           {"why_aside", row.why_aside.empty() ? Json() : Json(row.why_aside)},
           {"archived", row.archived},
           {"frozen", row.frozen},
+          {"site", row.site.empty() ? Json() : Json(row.site)},
           {"note", row.note.empty() ? Json() : Json(row.note)},
           {"keyframes", row.keyframes},
           {"clouds", row.clouds},

@@ -29,7 +29,8 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
         row.complete != old.complete || row.why_cut != old.why_cut)
       events.push_back(session_event("keyframes", row));
     if (row.live && (!old.live || row.live->news != old.live->news)) events.push_back(session_event("live", row));
-    if (row.label != old.label || row.archived != old.archived || row.frozen != old.frozen || row.note != old.note)
+    if (row.label != old.label || row.archived != old.archived || row.frozen != old.frozen || row.note != old.note ||
+        row.site != old.site)
       events.push_back(session_event("renamed", row));
   }
 }

@@ -12,8 +12,8 @@ namespace {
 std::string full_name(const SessionRow& row) { return row.key.robot + "/" + row.key.session; }
 
 ExplainedSession explained(const SessionRow& row) {
-  return {full_name(row), row.family,    row.distance_m, row.keyframes, row.clouds,
-          row.complete,   row.connected, row.why_cut,    row.why_aside, row.archived};
+  return {full_name(row), row.family,  row.distance_m, row.keyframes, row.clouds, row.complete,
+          row.connected,  row.why_cut, row.why_aside,  row.archived,  row.site};
 }
 
 bool together(const Atlas& atlas, SessionId a, SessionId b) {

@@ -97,11 +97,16 @@ std::vector<LogEntry> log_lines(const StationLook& before, const StationLook& af
   add_sessions(before, after, lines);
   std::map<AlignmentId, const Alignment*> was;
   std::set<SessionId> left_out;
-  for (const SessionRow& row : after.sessions)
+  std::map<SessionId, std::string> sites;
+  for (const SessionRow& row : after.sessions) {
     if (row.archived) left_out.insert(row.id);
+    sites[row.id] = row.site;
+  }
   for (const AlignmentRow& row : before.view.alignments) was[row.alignment.id] = &row.alignment;
   for (const AlignmentRow& row : after.view.alignments) {
-    if (left_out.contains(row.alignment.a) || left_out.contains(row.alignment.b)) continue;  // not for its evidence
+    const Alignment& now = row.alignment;
+    const bool across_sites = now.ruling == Ruling::none && sites[now.a] != sites[now.b];
+    if (left_out.contains(now.a) || left_out.contains(now.b) || across_sites) continue;  // not for its evidence
     const auto known = was.find(row.alignment.id);
     if (auto line = line_of(known == was.end() ? nullptr : known->second, row)) lines.push_back(std::move(*line));
   }
@@ -142,6 +147,10 @@ std::optional<LogEntry> operator_line(std::string_view method, std::string_view 
   if (path.ends_with("/restore")) of("id", "restored ");
   if (path.ends_with("/freeze")) of("id", "froze ");
   if (path.ends_with("/thaw")) of("id", "thawed ");
+  const auto site = [&] { return given("site").empty() ? std::string("no site") : "the site " + given("site"); };
+  if (path.ends_with("/sessions/{id}/site")) of("id", "said that ", " is of " + site());
+  if (path.ends_with("/sites"))
+    entry.text = actor + " said that what " + given("robot") + " drives from now on is of " + site() + ".";
   if (path.ends_with("/sessions/{id}/note")) of("id", "wrote a note on ");
   if (method == "DELETE" && path.ends_with("/sessions/{id}")) of("id", "deleted ");
   if (path.ends_with("/place")) entry.text = actor + " laid " + given("b") + " on " + given("a") + " by hand.";

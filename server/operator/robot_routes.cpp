@@ -15,7 +15,8 @@ Result<RobotAdmin*> robot_admin(const Context& context) {
 Result<Reply> robots(const Query&, const Context& context) {
   const auto admin = robot_admin(context);
   if (!admin) return tl::unexpected(admin.error());
-  return json(robots_json((*admin)->robots(), (*admin)->fingerprint(), (*admin)->address()));
+  return json(
+      robots_json((*admin)->robots(), (*admin)->fingerprint(), (*admin)->address(), context.station.robot_sites()));
 }
 
 Result<Reply> add_robot(const Query& query, const Context& context) {

@@ -43,6 +43,15 @@ Result<Reply> thaw(const Query& query, const Context& context) {
   return tend(query, context, [](Station& s, SessionId id, Callback done) { s.freeze(id, false, std::move(done)); });
 }
 
+/// None given: it is of no site.
+Result<Reply> set_site(const Query& query, const Context& context) {
+  const auto given = query.find("site");
+  return tend(query, context,
+              [site = given == query.end() ? std::string() : given->second](Station& s, SessionId id, Callback done) {
+                s.set_site(id, site, std::move(done));
+              });
+}
+
 /// The note is the body, or the parameter "text".
 Result<Reply> note_session(const Query& query, const Context& context) {
   const auto text = query.find("text");

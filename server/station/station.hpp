@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,14 @@ class Station {
   /// moved again. Call back as rename(); refused: it is so already, or can not be.
   virtual void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) = 0;
   virtual void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> callback) = 0;
+  /// The session was driven at this site, and is merged with those there alone; sessions that the robot begins from now
+  /// on are. Empty: of no site. Call back as rename(); refused: too many robots have one.
+  virtual void set_site(SessionId session, const std::string& site,
+                        std::function<void(const Result<void>&)> callback) = 0;
+  virtual void set_robot_site(const std::string& robot, const std::string& site,
+                              std::function<void(const Result<void>&)> callback) = 0;
+  /// Of the robots that have one.
+  virtual std::map<std::string, std::string> robot_sites() const = 0;
   /// What is to be remembered of the session. Calls back as rename().
   virtual void note(SessionId session, const std::string& note, std::function<void(const Result<void>&)> callback) = 0;
   /// Where sessions lie in the mine's grid, the one set last at the end.

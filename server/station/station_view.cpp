@@ -47,6 +47,7 @@ std::vector<SessionRow> StationView::sessions() const {
     row.why_aside = it->second.why_aside;
     row.archived = it->second.archived;
     row.frozen = it->second.frozen;
+    row.site = it->second.site;  // as of the same moment as the merges
     row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;
   }
   return rows;
@@ -139,6 +140,23 @@ void StationView::remove(SessionId session, std::function<void(const Result<void
     callback(done);
   });
 }
+
+void StationView::set_site(SessionId session, const std::string& site,
+                           std::function<void(const Result<void>&)> callback) {
+  if (auto named = site.empty() ? Result<void>() : check_name("site", site); !named)
+    return callback(failure(ErrorCode::invalid_argument, named.error().message));
+  worker_.set_site(session, site, [this, session, site, callback = std::move(callback)](const Result<void>& done) {
+    if (done) hub_.set_site(session, site);
+    callback(done);
+  });
+}
+
+void StationView::set_robot_site(const std::string& robot, const std::string& site,
+                                 std::function<void(const Result<void>&)> callback) {
+  hub_.set_robot_site(robot, site, std::move(callback));
+}
+
+std::map<std::string, std::string> StationView::robot_sites() const { return hub_.robot_sites(); }
 
 void StationView::archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) {
   worker_.archive(session, archived, std::move(callback));

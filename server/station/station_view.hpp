@@ -37,6 +37,10 @@ class StationView : public Station {
   void set_aside(SessionId session, const std::string& why, std::function<void(const Result<void>&)> callback) override;
   void release(SessionId session, std::function<void(const Result<void>&)> callback) override;
   void remove(SessionId session, std::function<void(const Result<void>&)> callback) override;
+  void set_site(SessionId session, const std::string& site, std::function<void(const Result<void>&)> callback) override;
+  void set_robot_site(const std::string& robot, const std::string& site,
+                      std::function<void(const Result<void>&)> callback) override;
+  std::map<std::string, std::string> robot_sites() const override;
   void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) override;
   void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> callback) override;
   void note(SessionId session, const std::string& note, std::function<void(const Result<void>&)> callback) override;

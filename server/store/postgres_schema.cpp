@@ -87,6 +87,10 @@ CREATE TABLE frozen (
 CREATE TABLE let_go (
   session BIGINT NOT NULL REFERENCES sessions(id), sequence BIGINT NOT NULL, PRIMARY KEY (session, sequence));
 )sql",
+    R"sql(
+ALTER TABLE sessions ADD COLUMN site TEXT NOT NULL DEFAULT '';
+CREATE TABLE robot_sites (robot TEXT COLLATE "C" PRIMARY KEY, site TEXT NOT NULL);
+)sql",
 };
 
 std::string step(std::size_t from) {

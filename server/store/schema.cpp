@@ -106,6 +106,11 @@ CREATE TABLE let_go (
   session INTEGER NOT NULL REFERENCES sessions(id), sequence INTEGER NOT NULL, PRIMARY KEY (session, sequence))
   WITHOUT ROWID;
 )sql",
+    // robot_sites: where a robot's next session belongs; one without a row: to no site, as the session with ''.
+    R"sql(
+ALTER TABLE sessions ADD COLUMN site TEXT NOT NULL DEFAULT '';
+CREATE TABLE robot_sites (robot TEXT PRIMARY KEY, site TEXT NOT NULL) WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

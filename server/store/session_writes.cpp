@@ -37,11 +37,11 @@ Result<void> put(Database& db, const PutSession& write) {
   const SessionRecord& s = write.session;
   return db.run(
       "INSERT INTO sessions (id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-      " family_version, q_size, w_size, spool_id, complete, spool_run) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+      " family_version, q_size, w_size, spool_id, complete, spool_run, site) VALUES (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
       " ON CONFLICT (id) DO UPDATE SET spool_run=excluded.spool_run",
       s.id, s.key.robot, s.key.session, s.sensor.model, s.sensor.beams, double{s.sensor.fov_up_deg},
       double{s.sensor.fov_down_deg}, double{s.sensor.max_range_m}, s.family.name, s.family.version, s.q_size, s.w_size,
-      s.spool_id, int{s.complete}, s.spool_run);
+      s.spool_id, int{s.complete}, s.spool_run, s.site);
 }
 
 Result<void> put(Database& db, const SplitSession& write) {

@@ -23,6 +23,7 @@ SessionRecord session_of(const Row& row) {
   s.spool_run = static_cast<std::uint64_t>(row.integer(15));
   s.attempted_whole = row.integer(16) != 0;
   s.archived = row.integer(17) != 0;
+  s.site = row.text(18);
   return s;
 }
 
@@ -51,8 +52,8 @@ Result<std::vector<SessionRecord>> SqlStore::sessions() {
   const std::lock_guard lock(mutex_);
   auto read = reader_->each(
       "SELECT id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
-      " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole, archived"
-      " FROM sessions ORDER BY id",
+      " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole, archived,"
+      " site FROM sessions ORDER BY id",
       [&](const Row& row) { sessions.push_back(session_of(row)); });
   if (!read) return tl::unexpected(read.error());
   return sessions;
@@ -152,6 +153,15 @@ Result<std::vector<RobotRecord>> SqlStore::robots() {
       });
   if (!read) return tl::unexpected(read.error());
   return robots;
+}
+
+Result<std::map<std::string, std::string>> SqlStore::robot_sites() {
+  std::map<std::string, std::string> sites;
+  const std::lock_guard lock(mutex_);
+  auto read =
+      reader_->each("SELECT robot, site FROM robot_sites", [&](const Row& row) { sites[row.text(0)] = row.text(1); });
+  if (!read) return tl::unexpected(read.error());
+  return sites;
 }
 
 Result<std::vector<TroubleRecord>> SqlStore::troubles() {

@@ -43,6 +43,7 @@ class SqlStore final : public Store {
   Result<StoredMerge> merge() override;
   Result<StoredNotes> notes() override;
   Result<std::vector<RobotRecord>> robots() override;
+  Result<std::map<std::string, std::string>> robot_sites() override;
   Result<std::vector<TroubleRecord>> troubles() override;
   Result<std::filesystem::path> backup() override;
 

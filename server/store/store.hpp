@@ -35,6 +35,7 @@ struct SessionRecord {
   std::uint64_t attempted_keyframes = 0;  // how many the last finished merge attempt has seen
   bool attempted_whole = false;           // ... and it expected no more: the session had ended, or rested
   bool archived = false;                  // kept, and left out of everything until it is restored
+  std::string site = {};                  // the mine it was driven in, by the operator's name; empty: he has one alone
 };
 
 /// A robot that was let in, or may be. Only digests are kept: SHA-256 of secrets that are random and long.
@@ -96,6 +97,15 @@ struct PutArchived {
   SessionId session = 0;
   bool archived = false;
 };
+/// The session was driven in another mine than was thought.
+struct PutSite {
+  SessionId session = 0;
+  std::string site;
+};
+/// Where sessions that this robot begins from now on are driven; empty: at no site.
+struct PutRobotSite {
+  std::string robot, site;
+};
 /// What one attempt or decision changed, in one transaction.
 struct PutMerge {
   SessionId attempted = 0;  // 0: none
@@ -111,6 +121,7 @@ struct PutMerge {
   SessionId thawed = 0;                     // frozen no more; 0: none
   std::optional<PutTrouble> trouble = {};   // this and the next: with what it does to the atlas
   std::optional<PutArchived> archived = {};
+  std::optional<PutSite> site = {};
 };
 /// The operator's name for a session; empty: none.
 struct PutLabel {
@@ -133,7 +144,7 @@ struct PutRobot {
   RobotRecord robot;
 };
 using Write = std::variant<PutSession, SplitSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot,
-                           PutLabel, PutSurvey, DropSurvey, PutTrouble, PutSessionNote, LetGo>;
+                           PutLabel, PutSurvey, DropSurvey, PutTrouble, PutSessionNote, LetGo, PutRobotSite>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
@@ -212,6 +223,8 @@ class Store {
   virtual Result<StoredMerge> merge() = 0;
   virtual Result<StoredNotes> notes() = 0;
   virtual Result<std::vector<RobotRecord>> robots() = 0;
+  /// Of the robots that have one.
+  virtual Result<std::map<std::string, std::string>> robot_sites() = 0;
   virtual Result<std::vector<TroubleRecord>> troubles() = 0;
 
   /// A file with all that is durable now and what robots and operators know the server by (see backup.hpp), in the

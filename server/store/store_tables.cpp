@@ -85,7 +85,7 @@ const std::vector<StoreTable>& store_tables() {
        "id# robot$ session$ sensor_model$ beams# fov_up_deg~ fov_down_deg~ max_range_m~ family$ family_version# "
        "q_size# "
        "w_size# spool_id# complete# attempted_keyframes# spool_run# label$ attempted_whole# note$ "
-       "archived#"},
+       "archived# site$"},
       {"keyframes",
        "session# sequence# stamp_s~ T_local_sensor& spaciousness_m~ q& w& place_class# walls& point_count# checksum#"},
       {"clouds", "session# sequence# encoded&"},
@@ -97,6 +97,7 @@ const std::vector<StoreTable>& store_tables() {
       {"merge_order", "step# revision# a# b# state$"},
       {"decisions", "id# alignment# decision$ T_a_b& seen_points~ time_s~ undone#"},
       {"robots", "name$ token_digest& code_digest& code_expires_s~ enrolled_s~ revoked# rate_kib_s#"},
+      {"robot_sites", "robot$ site$"},
       {"anchors", "session# choice#"},
       {"surveys", "session# choice# T_grid_session&"},
       {"survey_points", "session# number# name$ x_session_m~ y_session_m~ z_session_m~ x_grid_m~ y_grid_m~ z_grid_m~"},

@@ -93,6 +93,12 @@ Result<void> put(Database& db, const PutRobot& write) {
       r.name, Blob{r.token_digest}, Blob{r.code_digest}, r.code_expires_s, r.enrolled_s, int{r.revoked}, r.rate_kib_s);
 }
 
+Result<void> put(Database& db, const PutRobotSite& write) {
+  if (write.site.empty()) return db.run("DELETE FROM robot_sites WHERE robot=?", write.robot);
+  return db.run("INSERT INTO robot_sites VALUES (?,?) ON CONFLICT (robot) DO UPDATE SET site=excluded.site",
+                write.robot, write.site);
+}
+
 Result<void> put_changes(Database& db, const Alignment& alignment) {
   auto done = db.run("DELETE FROM changes WHERE a=? AND b=?", alignment.a, alignment.b);
   for (std::size_t i = 0; done && i < alignment.changes.size(); ++i) {
@@ -261,6 +267,7 @@ Result<void> put(Database& db, const PutMerge& write) {
   if (done && write.trouble) done = put(db, *write.trouble);
   if (done && write.archived)
     done = db.run("UPDATE sessions SET archived=? WHERE id=?", int{write.archived->archived}, write.archived->session);
+  if (done && write.site) done = db.run("UPDATE sessions SET site=? WHERE id=?", write.site->site, write.site->session);
   if (!done || write.attempted == 0) return done;
   return db.run("UPDATE sessions SET attempted_keyframes=?, attempted_whole=? WHERE id=?", write.attempted_keyframes,
                 int{write.attempted_whole}, write.attempted);

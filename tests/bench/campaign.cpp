@@ -202,11 +202,10 @@ nlohmann::json run_campaign(const Campaign& campaign) {
   const double recall = bar.pairs > 0 ? static_cast<double>(bar.merged) / bar.pairs : 0;
   // No false merge in n: the rate is below this with 95 % confidence (1 - 0.05^(1/n)).
   const double bound = all.pairs > 0 && all.wrong == 0 ? 1 - std::pow(0.05, 1.0 / all.pairs) : -1;
-  std::printf(
-      "  %d pairs: %d false (95 %% upper bound of the rate %.4f); recall %.3f (%d of %d with >= 18 %%); without "
-      "drift %.3f m %.2f deg\n",
-      all.pairs, all.wrong, bound, recall, bar.merged, bar.pairs, quantile(still.te_m, 0.5),
-      quantile(still.re_deg, 0.5));
+  std::printf("  %d pairs: %d false", all.pairs, all.wrong);
+  if (bound >= 0) std::printf(" (95 %% upper bound of the rate %.4f)", bound);
+  std::printf("; recall %.3f (%d of %d with >= 18 %%); without drift %.3f m %.2f deg\n", recall, bar.merged, bar.pairs,
+              quantile(still.te_m, 0.5), quantile(still.re_deg, 0.5));
   std::printf("  %zu of %zu clouds sent\n", sent.clouds, sent.of);
   for (const PairResult& r : results)
     if (r.merged ? !r.right : knowable(r) && r.overlap_pct >= bar_overlap_pct)

@@ -59,7 +59,7 @@ Outcome judge_outcome(const PipelineRun& run, SessionId a, SessionId b) {
     if (alignment.a != a || alignment.b != b || alignment.state != AlignmentState::published) continue;
     out.merged = true;
     if (run.session(a).world != run.session(b).world) continue;
-    out.error = overlap_error(run.session(a).path, run.session(b).path, alignment.T_a_b);
+    out.error = nearest_overlap_error(run.session(a).path, run.session(b).path, alignment.T_a_b);
     out.right = out.error.pairs > 0 && out.error.translation_m < 1 && out.error.rotation_deg < 3;
   }
   return out;

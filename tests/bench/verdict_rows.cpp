@@ -9,14 +9,10 @@ namespace {
 
 std::optional<bool> label(const DrivenSession& a, const DrivenSession& b, const Pose& T_a_b) {
   if (a.world != b.world) return false;
-  for (const double near_m : {8.0, 16.0, 30.0}) {
-    const test::OverlapError error = overlap_error(a.path, b.path, T_a_b, near_m);
-    if (error.pairs == 0) continue;
-    if (error.translation_m < 1 && error.rotation_deg < 3) return true;
-    if (error.translation_m > 2 || error.rotation_deg > 5) return false;
-    return std::nullopt;
-  }
-  return false;
+  const test::OverlapError error = nearest_overlap_error(a.path, b.path, T_a_b);
+  if (error.pairs == 0 || error.translation_m > 2 || error.rotation_deg > 5) return false;
+  if (error.translation_m < 1 && error.rotation_deg < 3) return true;
+  return std::nullopt;
 }
 
 }  // namespace

@@ -138,6 +138,20 @@ class FakeStation : public Station {
     change([&] { why.clear(); });
     callback({});
   }
+  void set_site(SessionId session, const std::string& site,
+                std::function<void(const Result<void>&)> callback) override {
+    change([&] { rows.at(static_cast<std::size_t>(session) - 1).site = site; });
+    callback({});
+  }
+  void set_robot_site(const std::string& robot, const std::string& site,
+                      std::function<void(const Result<void>&)> callback) override {
+    change([&] { sites_of_robots[robot] = site; });
+    callback({});
+  }
+  std::map<std::string, std::string> robot_sites() const override {
+    const std::lock_guard lock(mutex_);
+    return sites_of_robots;
+  }
   void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> callback) override {
     bool& now = rows.at(static_cast<std::size_t>(session) - 1).archived;
     if (now == archived) return callback(failure(ErrorCode::refused, "the session is archived already, or is not"));
@@ -236,6 +250,7 @@ class FakeStation : public Station {
   std::vector<SessionRow> rows;
   AtlasView view;
   Workload work;
+  std::map<std::string, std::string> sites_of_robots;
   std::optional<std::uint64_t> free = 1'000'000;
   std::vector<CoveredClouds> covered{{1, {{2, 600}, {3, 400}}, 1000, 2}, {2, {{1, 500}}, 500, 2}};
   KeepPolicy keep;

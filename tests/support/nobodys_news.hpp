@@ -7,7 +7,7 @@ namespace headframe {
 
 class NobodysNews : public MergeNews {
  public:
-  void session_added(SessionId, const std::string&, const FamilyId&) override {}
+  void session_added(SessionId, const NewSession&) override {}
   void keyframes_durable(SessionId, std::uint64_t) override {}
   void cloud_durable(const KeyframeRef&) override {}
   void clouds_unavailable(SessionId, const std::vector<std::uint64_t>&) override {}

@@ -54,7 +54,7 @@ struct Script {
 class ScriptedPipeline : public Pipeline {
  public:
   explicit ScriptedPipeline(Script& script) : script_(script) {}
-  void add_session(SessionId, const FamilyId&) override {}
+  void add_session(SessionId, const FamilyId&, const std::string&) override {}
   void add_keyframe(SessionId id, Keyframe keyframe) override {
     const std::lock_guard lock(script_.mutex);
     script_.keyframes[id].push_back(keyframe.sequence);

@@ -51,7 +51,9 @@ class HeardNews : public NobodysNews {
     const std::lock_guard lock(mutex);
     heard.push_back(what + " " + std::to_string(session) + (number > 0 ? "/" + std::to_string(number) : ""));
   }
-  void session_added(SessionId session, const std::string&, const FamilyId&) override { say("added", session); }
+  void session_added(SessionId session, const NewSession& added) override {
+    say("added" + (added.site.empty() ? "" : " at " + added.site), session);
+  }
   void keyframes_durable(SessionId session, std::uint64_t sequence) override { say("keyframe", session, sequence); }
   void cloud_durable(const KeyframeRef& cloud) override { say("cloud", cloud.session, cloud.sequence); }
   void clouds_unavailable(SessionId session, const Numbers& sequences) override {
@@ -94,6 +96,7 @@ class InterruptedStore : public Store {
   Result<StoredMerge> merge() override { return inner_->merge(); }
   Result<StoredNotes> notes() override { return inner_->notes(); }
   Result<std::vector<RobotRecord>> robots() override { return inner_->robots(); }
+  Result<std::map<std::string, std::string>> robot_sites() override { return inner_->robot_sites(); }
   Result<std::vector<TroubleRecord>> troubles() override { return inner_->troubles(); }
   Result<std::filesystem::path> backup() override { return inner_->backup(); }
 

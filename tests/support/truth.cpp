@@ -65,4 +65,10 @@ OverlapError overlap_error(const TruePath& a, const TruePath& b, const Pose& T_a
   return {metres.size(), median(metres), median(degrees)};
 }
 
+OverlapError nearest_overlap_error(const TruePath& a, const TruePath& b, const Pose& T_a_b) {
+  for (const double near_m : {8.0, 16.0, 30.0})
+    if (const OverlapError error = overlap_error(a, b, T_a_b, near_m); error.pairs > 0) return error;
+  return {};
+}
+
 }  // namespace headframe::test

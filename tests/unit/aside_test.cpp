@@ -14,15 +14,20 @@ namespace headframe {
 namespace {
 
 struct Log {
-  std::map<SessionId, std::size_t> fed;
-  std::vector<SessionId> attempts, aside, back, frozen, thawed;
+  std::map<SessionId, std::size_t> fed = {};
+  std::map<SessionId, std::string> sites = {};
+  std::vector<SessionId> attempts = {}, aside = {}, back = {}, frozen = {}, thawed = {};
   std::function<void(SessionId)> on_attempt = [](SessionId) {};
 };
 
 class LoggingPipeline : public Pipeline {
  public:
   explicit LoggingPipeline(Log& log) : log_(log) {}
-  void add_session(SessionId, const FamilyId&) override {}
+  void add_session(SessionId id, const FamilyId&, const std::string& site) override { log_.sites[id] = site; }
+  AttemptReport set_site(SessionId id, const std::string& site) override {
+    log_.sites[id] = site;
+    return {};
+  }
   void add_keyframe(SessionId id, Keyframe) override { ++log_.fed[id]; }
   void complete_session(SessionId) override {}
   void restore(std::vector<Alignment>, std::uint64_t, std::vector<DecisionRecord>, std::vector<SessionId>) override {}
@@ -84,7 +89,7 @@ class Aside : public testing::Test {
   std::filesystem::path mark_file() const { return dir.path() / "merging"; }
   void start() {
     worker.reset();
-    log = {{}, {}, {}, {}, {}, {}, log.on_attempt};
+    log = {.on_attempt = log.on_attempt};
     worker = std::make_unique<MergeWorker>(std::make_unique<LoggingPipeline>(log), *store, schedule,
                                            std::move(WorkMark::open(mark_file()).value()));
     ASSERT_TRUE(worker->restore());
@@ -273,6 +278,30 @@ TEST_F(Aside, WhatIsArchivedIsLeftOutUntilItIsRestored) {
   start();
   settle();
   EXPECT_EQ(log.fed[2], 5U);
+}
+
+TEST_F(Aside, ASessionIsTakenToAnotherSiteAlsoWhileItIsLeftOut) {
+  start();
+  settle();
+  const std::size_t attempts = log.attempts.size();
+  const auto take_to = [&](SessionId id, const std::string& site) {
+    return wait_for([&](auto done) { worker->set_site(id, site, std::move(done)); });
+  };
+  EXPECT_EQ(take_to(9, "north").error().code, ErrorCode::not_found);
+  ASSERT_TRUE(take_to(1, "north"));
+  EXPECT_EQ(log.sites[1], "north");
+  settle();
+  EXPECT_GT(log.attempts.size(), attempts) << "it is tried there";
+  ASSERT_TRUE(wait_for([&](auto done) { worker->archive(2, true, std::move(done)); }));
+  ASSERT_TRUE(take_to(2, "south"));
+  EXPECT_EQ(log.sites[2], "") << "the pipeline hears nothing of it";
+  ASSERT_TRUE(wait_for([&](auto done) { worker->archive(2, false, std::move(done)); }));
+  EXPECT_EQ(log.sites[2], "south");
+  log.sites.clear();
+  start();
+  settle();
+  EXPECT_EQ(log.sites[1], "north") << "after a restart, too";
+  EXPECT_EQ(log.sites[2], "south");
 }
 
 TEST_F(Aside, OneThatIsArchivedAndSetAsideComesBackWhenBothAreTakenBack) {

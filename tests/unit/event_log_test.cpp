@@ -84,6 +84,17 @@ TEST(LogLines, AMergeThatStandsNoMoreWasWithdrawnUnlessAnOperatorSaidSo) {
   EXPECT_TRUE(change(AlignmentState::published, AlignmentState::retracted, Ruling::retracted).empty());
 }
 
+TEST(LogLines, ASessionThatWasTakenToAnotherSiteRaisesNoAlarm) {
+  for (const Ruling ruling : {Ruling::none, Ruling::confirmed}) {
+    FakeStation station;
+    station.view.alignments[0].alignment.ruling = ruling;
+    const StationLook before = look_at(station);
+    station.rows[0].site = "north";
+    station.view.alignments[0].alignment.state = AlignmentState::rejected;
+    EXPECT_EQ(log_lines(before, look_at(station)).empty(), ruling == Ruling::none) << "what he confirmed was to stand";
+  }
+}
+
 TEST(LogLines, WhatBecomesOfAPair) {
   EXPECT_EQ(change(AlignmentState::verified, AlignmentState::published).at(0).kind, "merged");
   EXPECT_EQ(change(AlignmentState::candidate, AlignmentState::verified).at(0).kind, "held_back");

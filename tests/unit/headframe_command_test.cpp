@@ -186,6 +186,26 @@ TEST_F(HeadframeCommand, ASessionIsArchivedFrozenAndNoted) {
   expect_fault(run("session archive delta"), 1, "no session \"delta\"");
 }
 
+TEST_F(HeadframeCommand, SessionsAndRobotsBelongToSites) {
+  EXPECT_EQ(run("site list").out, "(no site): 3 sessions\n");
+  EXPECT_EQ(run("sessions").out.find("site"), std::string::npos) << "nobody needs to know of them";
+  EXPECT_EQ(run("site session beta north").out,
+            "beta/run/1 is of the site north; it is merged with those there alone\n");
+  EXPECT_EQ(run("site robot ant south").out,
+            "sessions that ant begins from now on are of the site south; those it began stay where they are: headframe "
+            "site session takes one there\n");
+  EXPECT_EQ(run("site list").out,
+            "(no site): 2 sessions\nnorth: 1 session\nsouth: 0 sessions; also what these begin: "
+            "ant\n");
+  EXPECT_NE(run("sessions").out.find("north"), std::string::npos);
+  EXPECT_NE(
+      run("explain beta 'gamma \"3\"'").out.find("beta/run/1 is of the site north, gamma \"3\"/run/1 is of no site"),
+      std::string::npos);
+  EXPECT_EQ(run("site session beta").out, "beta/run/1 is of no site; it is merged with those there alone\n");
+  expect_fault(run("site session delta north"), 1, "no session \"delta\"");
+  expect_fault(run("site robot"), 2, "NAME");
+}
+
 TEST_F(HeadframeCommand, SessionsGetLabelsAnchorsAndClouds) {
   EXPECT_EQ(run("rename beta 'north drift'").out, "beta/run/1: north drift\n");
   EXPECT_NE(run("sessions").out.find("beta/run/1 (north drift)"), std::string::npos);

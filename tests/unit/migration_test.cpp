@@ -43,9 +43,11 @@ class PostgresMigration : public testing::Test {
     merge.closures = {{1, 2, std::make_shared<const std::vector<PoseConstraint>>(1, place)}};
     merge.frozen = {{2, 1, pose_from_yaw(0.1, {4, 5, 6}), {{1, Pose::Identity()}}}};
     merge.archived = PutArchived{3, true};
+    merge.site = PutSite{1, "north"};
     ASSERT_TRUE(write_and_wait(store, merge));
     ASSERT_TRUE(write_and_wait(store, PutSessionNote{1, "two lines\nof \"text\""}));
     ASSERT_TRUE(write_and_wait(store, PutLabel{1, "north drift"}));
+    ASSERT_TRUE(write_and_wait(store, PutRobotSite{"ant", "north"}));
     ASSERT_TRUE(write_and_wait(store, PutSurvey{{1, Pose::Identity(), {{"P 1", {1, 2, 3}, {4, 5, 6}}}}}));
     ASSERT_TRUE(write_and_wait(store, PutRobot{{"ant", std::string("\0digest\xff", 8), "", 12.5, 3, false, 64}}));
     ASSERT_TRUE(write_and_wait(store, PutTrouble{{3, 1, 2, "it died", false}}));

@@ -25,7 +25,7 @@ struct Database {
   std::size_t size = 0;
 
   void add(SessionId id, std::size_t keyframes, float around) {
-    sessions.add(id, family);
+    if (!sessions.contains(id)) sessions.add(id, family);
     std::normal_distribution<float> spread(around, 1.0F);
     for (std::size_t i = 0; i < keyframes; ++i, ++size) {
       Keyframe k;
@@ -34,6 +34,12 @@ struct Database {
       k.T_local_sensor.translation().x() = static_cast<double>(k.sequence);
       for (int n = 0; n < 8; ++n) k.descriptor.q.push_back(spread(rng));
       ranking.add(id, sessions.add_keyframe(id, std::move(k)), sessions);
+    }
+  }
+  void take_to(const std::string& site, const std::vector<SessionId>& moved) {
+    for (const SessionId id : moved) {
+      sessions.set_site(id, site);
+      ranking.take_to_site(id, sessions);
     }
   }
   std::vector<SessionId> rank(SessionId id) { return ranking.rank(id, sessions); }
@@ -55,6 +61,20 @@ TEST(PartnerRanking, NearSessionsComeFirstBelowAndAboveTheSwitchToFlann) {
   EXPECT_EQ(database.rank(4).front(), 2) << "the nearest after itself";
   database.add(5, 60, 89);
   EXPECT_EQ(database.rank(4).front(), 5) << "what came after the switch is found";
+}
+
+TEST(PartnerRanking, OnlyThoseOfItsSiteAreWorthASearch) {
+  Database database;
+  for (const SessionId id : {1, 2, 3, 4}) database.add(id, 40, static_cast<float>(id));
+  database.take_to("south", {3, 4});
+  EXPECT_EQ(database.rank(1), std::vector<SessionId>{2});
+  EXPECT_EQ(database.rank(3), std::vector<SessionId>{4});
+  database.add(3, 20, 3);
+  database.take_to("south", {1});
+  EXPECT_TRUE(database.rank(2).empty());
+  EXPECT_EQ(database.rank(4), (std::vector<SessionId>{3, 1})) << "the nearest first, by what it brought along";
+  database.take_to("", {3});
+  EXPECT_EQ(database.rank(2), std::vector<SessionId>{3}) << "back, with what came meanwhile";
 }
 
 TEST(PartnerRanking, OtherFamiliesComeLast) {

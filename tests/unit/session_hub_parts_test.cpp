@@ -1,4 +1,5 @@
 // A session whose odometry jumped goes on as another one, and its robot as if nothing were.
+#include <future>
 #include <numeric>
 #include <random>
 
@@ -70,6 +71,37 @@ TEST_F(HubParts, EachFurtherJumpBeginsAnotherPartUpToABound) {
   EXPECT_NE(hub_->policy_of(id_).cut.find("begin a new session"), std::string::npos);
   start();
   EXPECT_EQ(durable_.keyframes, 30U);
+}
+
+TEST_F(HubParts, WhatARobotBeginsIsOfItsSiteAsItWasThenAndItsPartsAreToo) {
+  const auto set_site = [&](const std::string& robot, const std::string& site) {
+    std::promise<Result<void>> told;
+    hub_->set_robot_site(robot, site, [&](const Result<void>& done) { told.set_value(done); });
+    return told.get_future().get();
+  };
+  const std::string robot = hello().session.robot;
+  EXPECT_EQ(set_site(robot, "a/b").error().code, ErrorCode::invalid_argument);
+  EXPECT_EQ(set_site("", "north").error().code, ErrorCode::invalid_argument);
+  ASSERT_TRUE(set_site(robot, "north"));
+  EXPECT_EQ(row(1).site, "") << "it began before";
+  start();
+  EXPECT_EQ(hub_->robot_sites(), (std::map<std::string, std::string>{{robot, "north"}})) << "after a restart, too";
+  Hello next = hello(20);
+  next.session.session = "s2";
+  next.spool_id += 1;
+  link_ = std::make_shared<RobotEnd>();
+  id_ = hub_->admit(next, link_).value().session;
+  settle();
+  EXPECT_EQ(row(2).site, "north");
+  EXPECT_TRUE(news_.has("added at north 2"));
+  ASSERT_TRUE(set_site(robot, ""));
+  keyframes(1, 7);
+  cut(2, 4);
+  EXPECT_EQ(row(3).site, "north");
+  EXPECT_TRUE(news_.has("added at north 3"));
+  start();
+  EXPECT_EQ(row(3).site, "north");
+  EXPECT_TRUE(hub_->robot_sites().empty());
 }
 
 TEST_F(HubParts, PartsCountAmongTheSessionsThatARobotMayBegin) {

@@ -18,7 +18,7 @@ constexpr const char* to_schema_3 =
     "DROP TABLE loop_closures;"
     "DROP TABLE changes;"
     "ALTER TABLE sessions DROP COLUMN note; ALTER TABLE sessions DROP COLUMN archived; DROP TABLE frozen; DROP TABLE "
-    "let_go;"
+    "let_go; ALTER TABLE sessions DROP COLUMN site; DROP TABLE robot_sites;"
     "PRAGMA user_version=3;";
 
 TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
@@ -54,6 +54,8 @@ TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   EXPECT_TRUE(store->notes()->notes.empty());
   EXPECT_TRUE(merge->frozen.empty());
   EXPECT_FALSE(store->sessions()->at(0).archived);
+  EXPECT_TRUE(store->sessions()->at(0).site.empty());
+  EXPECT_TRUE(store->robot_sites()->empty());
   ASSERT_TRUE(write_and_wait(*store, PutLabel{1, "north"})) << "and it is written to";
   ASSERT_TRUE(write_and_wait(*store, PutSurvey{{1, Pose::Identity(), {}}}));
 }

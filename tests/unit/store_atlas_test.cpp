@@ -117,6 +117,26 @@ TEST_P(StoredAtlas, KeepsWhatIsFrozenArchivedAndNoted) {
   EXPECT_TRUE(store->merge()->frozen.empty()) << "one is thawed, the other deleted";
 }
 
+TEST_P(StoredAtlas, KeepsSites) {
+  {
+    const auto store = open(*home);
+    SessionRecord record = session_record(4, "fox");
+    record.site = "north";
+    ASSERT_TRUE(write_and_wait(*store, PutSession{record}));
+    PutMerge write;
+    write.site = PutSite{2, "south"};
+    ASSERT_TRUE(write_and_wait(*store, write));
+    for (const PutRobotSite& site : {PutRobotSite{"ant", "north"}, {"ant", "south"}, {"bee", "north"}, {"bee", ""}})
+      ASSERT_TRUE(write_and_wait(*store, site));
+  }
+  const auto store = open(*home);
+  const auto sessions = store->sessions();
+  EXPECT_EQ(sessions->at(0).site, "");
+  EXPECT_EQ(sessions->at(1).site, "south");
+  EXPECT_EQ(sessions->at(3).site, "north");
+  EXPECT_EQ(store->robot_sites().value(), (std::map<std::string, std::string>{{"ant", "south"}}));
+}
+
 TEST_P(StoredAtlas, KeepsLoopClosures) {
   PoseConstraint one{{1, 7}, {2, 9}, pose_from_yaw(0.3, {1, 2, 3}), Matrix6d::Random()};
   one.information = (one.information * one.information.transpose()).eval();

@@ -127,7 +127,7 @@ class Years {
       const SessionId id = static_cast<SessionId>(++stored_);
       put(id, second);
       const Stopped stopped(worker);
-      worker.session_added(id, "visitor", family());
+      worker.session_added(id, {"visitor", family()});
       worker.keyframes_durable(id, second.keyframes.size());
       for (const Keyframe& k : second.keyframes) worker.cloud_durable({id, k.sequence});
       worker.trigger(id, Trigger::goodbye);

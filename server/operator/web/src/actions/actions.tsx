@@ -32,6 +32,8 @@ export const routes = {
   revoke: 'POST /api/v1/robots/revoke',
   note: 'POST /api/v1/notes',
   unnote: 'DELETE /api/v1/notes/{id}',
+  site: 'POST /api/v1/sessions/{id}/site',
+  robotSite: 'POST /api/v1/sites',
   operators: 'GET /api/v1/operators',
 };
 

@@ -2,6 +2,7 @@
 
 import { useEffect, useState } from 'preact/hooks';
 import { routes } from '../actions/actions';
+import { siteOfRobot } from '../actions/site';
 import type { Desk } from '../context';
 import { clock, day, duration } from '../parts/format';
 import { askJson } from '../station/api';
@@ -41,11 +42,17 @@ function Row({ desk, row, changed }: { desk: Desk; row: RobotRow; changed: () =>
           {behind > 0 && `, ${behind} keyframes behind`}
         </span>
       )}
+      {row.site && <span class="muted">drives at {row.site}</span>}
       {row.rate_kib_s !== null && <span class="muted">sends {row.rate_kib_s} KiB/s at most</span>}
       <span class="actions">
         {station.can(routes.rate) && (
           <button class="button button-small" onClick={() => after(actions.limitRate(row))}>
             Rate…
+          </button>
+        )}
+        {station.can(routes.robotSite) && (
+          <button class="button button-small" onClick={() => after(siteOfRobot(station, row))}>
+            Site…
           </button>
         )}
         {row.state !== 'enrolled' && (

@@ -24,6 +24,30 @@ function Link({ desk }: { desk: Desk }) {
   );
 }
 
+/** Nothing where there is one mine alone. */
+function Site({ desk }: { desk: Desk }) {
+  const { station, ui } = desk;
+  const { sites, site } = station;
+  if (sites.length < 2) return null;
+  return (
+    <select
+      aria-label="Site"
+      value={site === null ? 'all' : `of ${site}`}
+      onChange={({ currentTarget: { value } }) => {
+        ui.set({ session: null, alignment: null, follow: null });
+        station.lookAtSite(value === 'all' ? null : value.slice(3));
+      }}
+    >
+      <option value="all">All sites</option>
+      {sites.map((name) => (
+        <option key={name} value={`of ${name}`}>
+          {name || 'No site'}
+        </option>
+      ))}
+    </select>
+  );
+}
+
 function Pending({ desk }: { desk: Desk }) {
   const { attempts, keyframes, awaited_submaps } = desk.station.pending;
   if (attempts + keyframes + awaited_submaps === 0) return null;
@@ -53,6 +77,7 @@ export function Header({ desk }: { desk: Desk }) {
         <span>headframe</span>
       </h1>
       <Link desk={desk} />
+      <Site desk={desk} />
       <dl class="glance">
         <div>
           <dt>robots connected</dt>

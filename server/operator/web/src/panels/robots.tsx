@@ -3,6 +3,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import type { Desk } from '../context';
 import { routes } from '../actions/actions';
+import { siteOfSession } from '../actions/site';
 import { bytes, compact, duration, metres, percent } from '../parts/format';
 import { Icon } from '../parts/icons';
 import type { Live, Session } from '../station/types';
@@ -92,6 +93,8 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
             </dd>
             <dt>Driven</dt>
             <dd>{(session.distance_m ?? 0).toFixed(0)} m</dd>
+            {session.site && <dt>Site</dt>}
+            {session.site && <dd>{session.site}</dd>}
             {session.why_cut && <dt>Odometry</dt>}
             {session.why_cut && <dd>{session.why_cut}</dd>}
             <dt>Map</dt>
@@ -108,6 +111,7 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
               Play
             </button>
             {station.can(routes.rename) && <button class="button button-small" onClick={() => void desk.actions.rename(session)}>Rename…</button>}
+            {station.can(routes.site) && <button class="button button-small" onClick={() => void siteOfSession(station, session)}>Site…</button>}
             {station.can(routes.anchor) && together > 1 && session.id !== placed?.component && (
               <button class="button button-small" onClick={() => void desk.actions.anchor(session)}>Anchor here…</button>
             )}

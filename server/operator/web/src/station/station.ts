@@ -8,6 +8,7 @@ import { readOverview } from './overview';
 import type { Alignment, Atlas, Change, Component, Keyframe, Me, Note, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
 
 const lookAround_ms = 2000;
+const siteKey = 'headframe.site';
 const together_ms = 300; // changes of the atlas within it are one request
 export const mostRejected = 1000; // pairs that came to nothing, the newest: to show all of some years would take too long
 
@@ -22,6 +23,7 @@ export interface ControlPoint {
   p_session: [number, number, number];
 }
 
+const siteOf = (session: Session) => session.site ?? '';
 export const nameOf = ({ robot, session }: SessionName) => `${robot}/${session}`;
 
 /** Everything is replaced, never changed in place, so that a view can tell by identity what is new. */
@@ -29,6 +31,8 @@ export class Station {
   link: LinkState = 'connecting';
   /** Counts the times that the server was away: what was fetched before may be out of date. */
   epoch = 0;
+  /** All there are, and those of the site that is looked at. */
+  private all = new Map<number, Session>();
   sessions = new Map<number, Session>();
   components: Component[] = [];
   placed = new Map<number, Placed>();
@@ -63,6 +67,7 @@ export class Station {
   private overviewRead = false;
   private atlasDue = false;
   private rejectedShown = false;
+  private chosenSite = localStorage.getItem(siteKey);
 
   /** askForToken gets why whoever had signed in has to do so again, and settles when somebody has. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
@@ -85,6 +90,36 @@ export class Station {
 
   changed(): void {
     for (const listener of this.listeners) listener();
+  }
+
+  /** By name; the empty one of sessions that belong to none. */
+  get sites(): string[] {
+    return [...new Set([...this.all.values()].map(siteOf))].sort();
+  }
+
+  /** The one that is looked at; null: all. */
+  get site(): string | null {
+    return this.chosenSite !== null && this.sites.includes(this.chosenSite) ? this.chosenSite : null;
+  }
+
+  lookAtSite(site: string | null): void {
+    this.chosenSite = site;
+    if (site === null) localStorage.removeItem(siteKey);
+    else localStorage.setItem(siteKey, site);
+    this.keep(this.all);
+    this.changed();
+  }
+
+  private keep(all: Map<number, Session>): void {
+    this.all = all;
+    const { site } = this;
+    const shown = site === null ? all : new Map([...all].filter(([, session]) => siteOf(session) === site));
+    if (shown.size !== this.sessions.size || [...shown.keys()].some((id) => !this.sessions.has(id))) this.refreshAtlasSoon();
+    this.sessions = shown;
+  }
+
+  private shows({ a, b }: Alignment): boolean {
+    return this.site === null || (this.sessionOf(a) !== undefined && this.sessionOf(b) !== undefined);
   }
 
   idOf(name: SessionName): number | undefined {
@@ -150,7 +185,7 @@ export class Station {
 
   private async readRejected(): Promise<void> {
     const { alignments } = await askJson<{ alignments: Alignment[] }>(`/api/v1/alignments?state=rejected&most=${mostRejected}`);
-    this.alignments = new Map([...this.alignments, ...alignments.map((alignment) => [alignment.id, alignment] as const)]);
+    this.alignments = new Map([...this.alignments, ...alignments.filter((alignment) => this.shows(alignment)).map((alignment) => [alignment.id, alignment] as const)]);
   }
 
   async refreshSurveys(): Promise<void> {
@@ -216,7 +251,7 @@ export class Station {
       },
     });
     this.overviewRead = true;
-    for (const id of this.sessions.keys()) void this.followPath(id);
+    for (const id of this.all.keys()) void this.followPath(id);
   }
 
   private async admit(): Promise<void> {
@@ -278,10 +313,10 @@ export class Station {
         this.takeSession(event);
         break;
       case 'live':
-        this.sessions = new Map(this.sessions).set(event.id, { ...this.sessions.get(event.id), ...event });
+        this.keep(new Map(this.all).set(event.id, { ...this.all.get(event.id), ...event }));
         break;
       case 'alignment':
-        this.alignments = new Map(this.alignments).set(event.alignment.id, event.alignment);
+        if (this.shows(event.alignment)) this.alignments = new Map(this.alignments).set(event.alignment.id, event.alignment);
         break;
       case 'log':
         this.log.take([event.entry]);
@@ -298,7 +333,7 @@ export class Station {
   }
 
   private takeSessions(rows: Session[]): void {
-    this.sessions = new Map(rows.map((row) => [row.id, { ...this.sessions.get(row.id), ...row }]));
+    this.keep(new Map(rows.map((row) => [row.id, { ...this.all.get(row.id), ...row }])));
     for (const row of rows) {
       if (this.ids.get(nameOf(row)) !== row.id) this.paths.delete(row.id); // another server's, with ids of its own
       this.ids.set(nameOf(row), row.id);
@@ -316,7 +351,7 @@ export class Station {
   }
 
   private takeSession(row: Session): void {
-    this.sessions = new Map(this.sessions).set(row.id, { ...this.sessions.get(row.id), ...row });
+    this.keep(new Map(this.all).set(row.id, { ...this.all.get(row.id), ...row }));
     this.ids.set(nameOf(row), row.id);
     if (!this.placed.has(row.id)) this.refreshAtlasSoon();
     this.shorten(row);
@@ -333,9 +368,9 @@ export class Station {
     if (this.can('GET /api/v1/survey')) void this.refreshSurveys().catch(() => {}); // where components lie in the grid
     void this.refreshChanges().catch(() => {}); // with the next atlas, then
     this.revision = atlas.revision;
-    this.components = atlas.components;
+    this.components = atlas.components.filter(({ sessions }) => sessions.some((placement) => this.sessionOf(placement)));
     this.placed = placed;
-    this.alignments = new Map(atlas.alignments.map((alignment) => [alignment.id, alignment]));
+    this.alignments = new Map(atlas.alignments.filter((alignment) => this.shows(alignment)).map((alignment) => [alignment.id, alignment]));
     this.rejected = atlas.rejected ?? 0;
   }
 
@@ -344,7 +379,7 @@ export class Station {
     if (!this.overviewRead || this.following.has(id)) return;
     this.following.add(id);
     try {
-      while ((this.sessions.get(id)?.keyframes ?? 0) > (this.paths.get(id)?.length ?? 0)) {
+      while ((this.all.get(id)?.keyframes ?? 0) > (this.paths.get(id)?.length ?? 0)) {
         const known = this.paths.get(id) ?? [];
         const more = await inTurn(() => trajectory(id, (known.at(-1)?.sequence ?? 0) + 1));
         if (more.length === 0) break;
@@ -363,7 +398,7 @@ export class Station {
     if (document.hidden || this.link !== 'live') return;
     try {
       await this.refreshSessions();
-      if ([...this.sessions.values()].some(({ id, component }) => (component ?? undefined) !== this.placed.get(id)?.component)) this.refreshAtlasSoon();
+      if ([...this.all.values()].some(({ id, component }) => (component ?? undefined) !== this.placed.get(id)?.component)) this.refreshAtlasSoon();
       await this.refreshSurveys(); // others set them too
       this.status = await (await ask('/api/v1/status')).json();
       this.changed();

@@ -28,6 +28,8 @@ export interface Session extends SessionName {
   complete: boolean;
   /** Where its odometry jumped, and what became of the rest. */
   why_cut?: string | null;
+  /** The mine it was driven in; null: the server has one alone. */
+  site?: string | null;
   keyframes: number;
   clouds: number;
   bytes_received: number;
@@ -201,6 +203,7 @@ export interface RobotRow {
   state: 'invited' | 'enrolled' | 'revoked' | 'expired';
   enrolled_s: number | null;
   code_expires_s: number | null;
+  site: string | null;
   rate_kib_s: number | null;
 }
 

@@ -131,7 +131,7 @@ export class Clouds {
     const now = performance.now();
     const { epoch } = this.station;
     const target = this.stage.target;
-    const rows = [...this.clouds.values()].filter((cloud) => cloud.idle && this.station.link !== 'away');
+    const rows = [...this.clouds.values()].filter(({ id, idle }) => idle && this.station.link !== 'away' && this.station.sessions.has(id));
     const distance = (cloud: SessionCloud) => {
       const T = this.frames.of(cloud.id);
       const path = this.station.paths.get(cloud.id);
@@ -149,7 +149,7 @@ export class Clouds {
         this.fetchedAt.set(cloud.id, now);
       } else if (rested && cloud.lacks(wanted, clouds, epoch)) this.fetch(cloud, wanted, clouds);
     }
-    if (rows.length < this.clouds.size || this.drawnPoints === 0) return; // other levels wait until nothing else is on its way
+    if (rows.length < [...this.clouds.keys()].filter((id) => this.station.sessions.has(id)).length || this.drawnPoints === 0) return; // other levels wait until nothing else is on its way
     if (this.loadedPoints > this.budget.loaded) {
       const coarser = rows.filter((cloud) => cloud.idle && cloud.level > 0).sort((x, y) => y.level - x.level || distance(y) - distance(x))[0];
       if (coarser) {

@@ -376,10 +376,18 @@ export class MineView {
   private note(): void {
     this.shown.points = this.clouds.loadedPoints;
     this.shown.drawn = this.clouds.drawnPoints;
+    for (const id of this.shown.keyframes.keys())
+      if (!this.station.sessions.has(id)) this.forgetShown(id);
     for (const [id, path] of this.station.paths) {
+      if (!this.station.sessions.has(id)) continue;
       this.shown.keyframes.set(id, path.length);
       this.shown.until.set(id, Math.min(this.lastShown(id), path.at(-1)?.sequence ?? 0));
     }
+  }
+
+  private forgetShown(id: number): void {
+    this.shown.keyframes.delete(id);
+    this.shown.until.delete(id);
   }
 
   private sync(): void {
