@@ -9,6 +9,7 @@ const double spot_m = SubmapConfig{}.radius_m;
 constexpr std::size_t more = 2;           // times as many as for a first look
 constexpr std::size_t cases_awaited = 1;  // that may wait for a first look at a time
 constexpr std::size_t cases_asking = 10;  // the most promising: others are looked at with the clouds that are here
+constexpr double settled_m = 3;           // of a place: so near a cloud tells of it
 constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {
@@ -127,6 +128,26 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   if (wanted.empty()) {  // all where they meet are here, and it is in doubt: then those that look on from farther off
     ask(pair.a, c.a.obtainable, T * p_b, most, wanted);
     ask(pair.b, c.b.obtainable, p_b, most, wanted);
+  }
+  return wanted;
+}
+
+std::vector<KeyframeRef> CloudRequests::clouds_to_settle(const OrderedPair& pair, const Case& c) const {
+  std::vector<KeyframeRef> wanted;
+  if (none_to_come(c)) return wanted;
+  const Pose& T = c.hypothesis.T_a_b;
+  const auto a = all_of(c.a), b = all_of(c.b);
+  const Eigen::Vector3d middle = middle_of_overlap(c);
+  std::vector<KeyframePosition> places = other_places(a, b, T, middle, JudgeConfig{});
+  places.push_back({0, middle});
+  const auto ask_at = [&](SessionId id, const NearbyKeyframes& nearby, const Eigen::Vector3d& p) {
+    const auto here = nearest_to(nearby.stored, p), there = nearest_to(nearby.obtainable, p);
+    if (here.distance_m <= settled_m || here.distance_m <= there.distance_m || !there.position) return;
+    wanted.push_back({id, sessions_.at(id).keyframes[there.position->keyframe].sequence});
+  };
+  for (const KeyframePosition& place : places) {
+    ask_at(pair.a, c.a, T * place.p);
+    ask_at(pair.b, c.b, place.p);
   }
   return wanted;
 }

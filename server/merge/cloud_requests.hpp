@@ -52,6 +52,10 @@ class CloudRequests {
   std::vector<KeyframeRef> clouds_for_verdict(const OrderedPair& pair, const Case& c, const Judgement& judged,
                                               const Eigen::Vector3d& p_b) const;
 
+  /// Of a merge of two sessions that have ended: one of each session at every place of the overlap where none is near,
+  /// so that it is settled on all of the overlap, as if all clouds were here.
+  std::vector<KeyframeRef> clouds_to_settle(const OrderedPair& pair, const Case& c) const;
+
  private:
   NearbyKeyframes nearby(SessionId id, SessionId other, const Pose& T_id_other, const CloudSource& clouds) const;
   void ask(SessionId id, std::vector<KeyframePosition> obtainable, const Eigen::Vector3d& p, std::size_t most,

@@ -20,13 +20,14 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.sessions.set_looked_at(id, true);
   report.whole = s.sessions.at(id).complete;
   s.merge_with_partners(id, attempt);
+  s.settle_others(id, attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
   s.close_loops(id, attempt);
   s.update_atlas(report);                    // 9: maps merge one after another, and bend where they meet again
-  for (const Alignment& k : report.changed)  // it is told first; then its loops are closed
-    report.unfinished |= k.state == AlignmentState::published && (k.a == id || k.b == id);
+  for (const Alignment& k : report.changed)  // it is told first; then its loops are closed, and it is settled
+    if (k.state == AlignmentState::published) s.to_settle.insert({k.a, k.b}), report.unfinished = true;
   report.self_likeness = s.self.take_news();
   return s.book.given_out(std::move(report));
 }
@@ -93,6 +94,18 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     if (sessions.contains(other) && sessions.at_one_site(id, other)) merge_pair(sessions.ordered(id, other), attempt);
 }
 
+/// What was published lately of other sessions is looked at once more, until nothing is asked for it: it may have been
+/// released by this one, and nobody tries them any more.
+void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
+  std::erase_if(to_settle, [&](const std::pair<SessionId, SessionId>& both) {
+    const auto [a, b] = both;
+    if (a == id || b == id || !sessions.contains(a) || !sessions.contains(b)) return true;
+    const std::size_t asked = attempt.report.wanted.size();
+    merge_pair(sessions.ordered(a, b), attempt);
+    return attempt.report.wanted.size() == asked;
+  });
+}
+
 const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {
   const Stopwatch watch(report.times.hypotheses_ms);
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
@@ -124,13 +137,15 @@ bool MergePipeline::State::ended_since_judged(const Alignment& known) const {
 }
 
 /// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
-/// one that the operator confirmed always does. Missing clouds are not asked for: the merge stands, more may come in
-/// the background.
+/// one that the operator confirmed always does. When both sessions have ended the clouds that settle it are asked for;
+/// it stands meanwhile.
 bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt) {
   const Pose T_0 = by_ids(pair, published.T_a_b);
   const Case now = requests.make_case(pair.a, pair.b, {.T_a_b = T_0}, attempt.clouds);
   if (now.a.stored.empty() || now.b.stored.empty()) return true;
   if (now.a.any_let_go || now.b.any_let_go) return true;  // what spoke for it is not here any more
+  const bool ended = sessions.at(pair.a).complete && sessions.at(pair.b).complete;
+  if (ended) attempt.want(requests.clouds_to_settle(pair, now));
   if (judged.judged_on(pair, {.clouds = {now.a.stored.size(), now.b.stored.size()}})) return true;
   const Stopwatch watch(attempt.report.times.verification_ms);
   Judgement again = verifier.judge_again(pair, now, attempt.clouds);
@@ -146,7 +161,8 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   weigh(again);
   if (e.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b.stored[now.b.stored.size() / 2].p;
-  if (e.probability >= config.accept_probability && !same_placement(again.T_a_b, T_0, middle, same_to_robots)) {
+  if (e.probability >= config.accept_probability &&
+      !same_placement(again.T_a_b, T_0, middle, ended ? same_when_settled : same_to_robots)) {
     again = by_ids(pair, again);
     published.T_a_b = again.T_a_b;
     published.evidence = again.evidence;

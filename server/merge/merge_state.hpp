@@ -29,10 +29,12 @@ struct MergePipeline::State {
   LoopClosures closures;
   CorrectedPoses corrected;
   ConsistencyCheck consistency;
+  std::set<std::pair<SessionId, SessionId>> to_settle;  // published lately
   std::set<SessionId> to_prepare;  // there is news of them that attempts will need something made of
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
+  void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report);
   std::vector<Verdict> judge_by_hand(const OrderedPair& pair, const Case& at, const Attempt& attempt);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);

@@ -36,6 +36,8 @@ inline constexpr PlacementTolerance same_as_itself{6, 0.5};
 inline constexpr PlacementTolerance same_contact{1, 0.03};
 /// Smaller changes of a transform are not told to the robots.
 inline constexpr PlacementTolerance same_to_robots{0.05, 0.2 * std::numbers::pi / 180};
+/// Of sessions that have ended, so that a merge lies in the same place whichever way it came about.
+inline constexpr PlacementTolerance same_when_settled{0.01, 0.05 * std::numbers::pi / 180};
 /// Rounding alone.
 inline constexpr PlacementTolerance same_numbers{1e-6, 1e-6};
 

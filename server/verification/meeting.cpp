@@ -56,6 +56,26 @@ double shared_path_m(std::span<const Piece> path, std::span<const Piece> other, 
   return out;
 }
 
+/// Adds candidates as far from each other as can be, none nearer than 4 m to another or to the first place, which is
+/// taken already.
+void spread(const Eigen::Vector3d& first, const std::vector<KeyframePosition>& candidates, std::size_t most,
+            std::vector<KeyframePosition>& chosen) {
+  constexpr double same_place_m = 4;
+  while (chosen.size() < most) {
+    double farthest = same_place_m;
+    const KeyframePosition* next = nullptr;
+    for (const KeyframePosition& s : candidates) {
+      double nearest = (s.p - first).norm();
+      for (const KeyframePosition& other : chosen) nearest = std::min(nearest, (s.p - other.p).norm());
+      if (nearest <= farthest) continue;
+      farthest = nearest;
+      next = &s;
+    }
+    if (!next) break;
+    chosen.push_back(*next);
+  }
+}
+
 }  // namespace
 
 NearestPosition nearest_to(std::span<const KeyframePosition> positions, const Eigen::Vector3d& p) {
@@ -105,6 +125,14 @@ std::optional<Meeting> first_meeting(std::span<const KeyframePosition> a, std::s
   const NearestPosition of_a = nearest_to(a, T_0 * p_b), of_b = nearest_to(b, p_b);
   if (std::max(of_a.distance_m, of_b.distance_m) > config.far_m) return out;
   return Meeting{of_a.position->keyframe, of_b.position->keyframe};
+}
+
+std::vector<KeyframePosition> other_places(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
+                                           const Pose& T_a_b, const Eigen::Vector3d& p_b, const JudgeConfig& config) {
+  std::vector<KeyframePosition> chosen;
+  for (const double reach_m : {config.close_m, config.meet_m, config.far_m})
+    spread(p_b, near_other(a, b, T_a_b, reach_m), config.places - 1, chosen);
+  return chosen;
 }
 
 }  // namespace headframe

@@ -36,6 +36,11 @@ std::optional<Meeting> first_meeting(std::span<const KeyframePosition> a, std::s
 std::vector<KeyframePosition> near_other(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                                          const Pose& T_a_b, double reach_m);
 
+/// Where an overlap is judged besides p_b: keyframes of b, those nearest to a's path first, as far from p_b and from
+/// each other as can be.
+std::vector<KeyframePosition> other_places(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
+                                           const Pose& T_a_b, const Eigen::Vector3d& p_b, const JudgeConfig& config);
+
 /// Sets Evidence::pairs and overlap_m: how many keyframes of a and b come near the other path, and along how much of
 /// both paths the other passes.
 void measure_overlap(Evidence& evidence, std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,

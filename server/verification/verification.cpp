@@ -12,26 +12,6 @@
 namespace headframe {
 namespace {
 
-/// Adds candidates as far from each other as can be, none nearer than 4 m to another or to the first place, which is
-/// taken already.
-void spread(const Eigen::Vector3d& first, const std::vector<KeyframePosition>& candidates, std::size_t most,
-            std::vector<KeyframePosition>& chosen) {
-  constexpr double same_place_m = 4;
-  while (chosen.size() < most) {
-    double farthest = same_place_m;
-    const KeyframePosition* next = nullptr;
-    for (const KeyframePosition& s : candidates) {
-      double nearest = (s.p - first).norm();
-      for (const KeyframePosition& other : chosen) nearest = std::min(nearest, (s.p - other.p).norm());
-      if (nearest <= farthest) continue;
-      farthest = nearest;
-      next = &s;
-    }
-    if (!next) break;
-    chosen.push_back(*next);
-  }
-}
-
 // Of the points where two sessions meet: what changes may explain at most, and what may be left beside them.
 constexpr double most_explained = 0.03, most_unexplained = 0.002, most_unexplained_at_one = 0.006;
 
@@ -109,12 +89,10 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
 }
 
 /// The first place's pair stands for itself: it is in `first` already.
-std::vector<SubmapPair> other_places(const Scene& a, const Scene& b, const ScreeningResult& first,
+std::vector<SubmapPair> submap_pairs(const Scene& a, const Scene& b, const ScreeningResult& first,
                                      const JudgeConfig& config) {
   const Pose& T = first.place.registration.T_target_source;
-  std::vector<KeyframePosition> chosen;
-  for (const double reach_m : {config.close_m, config.meet_m, config.far_m})
-    spread(first.place.p_b, near_other(a.positions, b.positions, T, reach_m), config.places - 1, chosen);
+  const std::vector<KeyframePosition> chosen = other_places(a.positions, b.positions, T, first.place.p_b, config);
   std::vector<std::size_t> of_a, of_b;
   for (const KeyframePosition& s : chosen) {
     of_a.push_back(nearest_to(a.positions, T * s.p).position->keyframe);
@@ -150,7 +128,7 @@ Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, co
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
-  const std::vector<SubmapPair> pairs = other_places(a, b, first, config);
+  const std::vector<SubmapPair> pairs = submap_pairs(a, b, first, config);
   std::vector<SubmapCheck> places(pairs.size());
   const auto register_all = [&](const Pose& from, std::size_t first_one) {
     for_blocks(pairs.size() - first_one, 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {

@@ -95,6 +95,33 @@ TEST(CloudsOnRequest, WhatIsInDoubtAsksForMoreOfTheOverlapUntilItIsTold) {
   EXPECT_LT(base.sent, base.shelf.clouds.size()) << "not the whole maps";
 }
 
+TEST(CloudsOnRequest, AMergeIsSettledWhereItLiesWithAllClouds) {
+  OnRequest base({west(), east()}, {1, 2}), all({west(), east()}, {});
+  base.send_all();
+  for (int i = 0; i < 3; ++i) all.pipeline.attempt(2, all.shelf);
+  ASSERT_EQ(base.pair()->state, AlignmentState::published);
+  ASSERT_EQ(all.pair()->state, AlignmentState::published);
+  const Eigen::Vector3d p = position(base.drive(2).keyframes.back());
+  EXPECT_LT((base.pair()->T_a_b * p - all.pair()->T_a_b * p).norm(), 0.05);
+  EXPECT_LT(base.sent, base.shelf.clouds.size());
+}
+
+TEST(CloudsOnRequest, WhatSettlesAMergeIsAskedWhoeverIsTriedNext) {
+  OnRequest base({west(), east(), test::drive_b_to_a(3)}, {});
+  base.pipeline.attempt(2, base.shelf);
+  ASSERT_EQ(base.pair()->state, AlignmentState::published);
+  for (const auto& [ref, cloud] : base.shelf.clouds)  // as if the end of the overlap had never come
+    if (ref.session == 1 && base.in_mine(ref).x() > 115) base.shelf.on_robots.insert(ref);
+  const std::size_t held = base.shelf.on_robots.size();
+  const std::vector<KeyframeRef> wanted = base.pipeline.attempt(3, base.shelf).wanted;
+  const std::set<KeyframeRef> asked(wanted.begin(), wanted.end());
+  ASSERT_FALSE(asked.empty());
+  for (const KeyframeRef& ref : asked) EXPECT_TRUE(base.shelf.on_robots.contains(ref));
+  EXPECT_LT(asked.size(), held) << "one at each place";
+  base.send(wanted);
+  EXPECT_TRUE(base.pipeline.attempt(3, base.shelf).wanted.empty()) << "that is all";
+}
+
 TEST(CloudsOnRequest, ADoubtThatNobodyCanLiftIsNotMerged) {
   OnRequest base({west(), east()}, {1, 2});
   std::vector<KeyframeRef> wanted = base.pipeline.attempt(2, base.shelf).wanted;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "tests/support/keyframes.hpp"
@@ -86,6 +87,31 @@ TEST_F(RequestsInDoubt, AreForThoseThatLookOnFromFartherOffNext) {
 TEST_F(RequestsInDoubt, AreNoneForWhatCanNotBeBelieved) {
   bring(1, last_that_meets);
   EXPECT_TRUE(asked(0.05).empty());
+}
+
+TEST_F(RequestsInDoubt, OfAMergeThatIsSettledAreForOneOfEachSessionAtEveryPlaceWhereNoneIsNear) {
+  const auto to_settle = [&] {
+    const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity()}, shelves_);
+    return requests_.clouds_to_settle({1, 2}, c);
+  };
+  const auto of = [](const std::vector<KeyframeRef>& wanted, SessionId id) {
+    std::set<std::uint64_t> out;
+    for (const KeyframeRef& k : wanted)
+      if (k.session == id) out.insert(k.sequence);
+    return out;
+  };
+  const std::vector<KeyframeRef> all = to_settle();
+  const std::set<std::uint64_t> places = of(all, 2);
+  EXPECT_EQ(places.size(), 5U) << "both ends, the middle, and between them";
+  EXPECT_TRUE(places.contains(1) && places.contains(21));
+  EXPECT_EQ(of(all, 1), places) << "of both sessions the same";
+  EXPECT_EQ(all.size(), 2 * places.size());
+  shelves_.stored = {{1, 24}};
+  EXPECT_FALSE(of(to_settle(), 1).contains(21)) << "one 3 m off is near";
+  shelves_.stored = {{1, 25}};
+  EXPECT_TRUE(of(to_settle(), 1).contains(21));
+  shelves_.stored = {all.begin(), all.end()};
+  EXPECT_TRUE(to_settle().empty()) << "when they have come nothing more is asked";
 }
 
 }  // namespace

@@ -18,11 +18,13 @@ std::vector<const DrivenSession*> pointers(const Sessions& sessions) {
   return out;
 }
 
+/// The same sessions together, by the same alignments within 5 cm; what is merged through others alone lies where these
+/// put it.
 bool same_end(const EndState& one, const EndState& other) {
-  return one.together == other.together &&
-         (one.state == AlignmentState::published) == (other.state == AlignmentState::published) &&
-         (!one.together || ((one.T_a_b * one.p_b - other.T_a_b * one.p_b).norm() < 0.05 &&
-                            rotation_angle_rad(one.T_a_b.inverse() * other.T_a_b) < 0.005));
+  const bool published = one.state == AlignmentState::published;
+  return one.together == other.together && published == (other.state == AlignmentState::published) &&
+         (!published || ((one.T_a_b * one.p_b - other.T_a_b * one.p_b).norm() < 0.05 &&
+                         rotation_angle_rad(one.T_a_b.inverse() * other.T_a_b) < 0.005));
 }
 
 /// Pairs whose end differs, in words.
