@@ -38,6 +38,6 @@ Result<KeyframeCloud> decode_points(std::string_view bytes);
 
 /// The encoded cloud as encode_cloud would have made it without intensities, for a reader that does not know form 3.
 /// Its points are not looked at. bad_input when damaged. Thread safe.
-Result<std::string> without_intensity(std::string bytes);
+Result<std::string> without_intensity(std::string_view bytes);
 
 }  // namespace headframe

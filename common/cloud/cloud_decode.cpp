@@ -147,12 +147,12 @@ Result<KeyframeCloud> decode_cloud(std::string_view bytes) { return decode(bytes
 
 Result<KeyframeCloud> decode_points(std::string_view bytes) { return decode(bytes, false); }
 
-Result<std::string> without_intensity(std::string bytes) {
+Result<std::string> without_intensity(std::string_view bytes) {
   const auto content = decompress(bytes);
   if (!content) return tl::unexpected(content.error());
   const auto parts = parts_of(*content);
   if (!parts) return tl::unexpected(parts.error());
-  if (!parts->intensity) return bytes;
+  if (!parts->intensity) return std::string(bytes);
   return compress(std::string(parts->points));
 }
 
