@@ -110,6 +110,7 @@ Result<Parts> parts_of(std::string_view content) {
 Result<KeyframeCloud> read_points(std::string_view content) {
   VarintReader in(content);
   const std::uint64_t form = in.varint();
+  if (form == with_intensity) return damaged("intensities of a cloud that holds intensities");
   if (form != differences && form != octree)
     return damaged("form " + std::to_string(form) + ", only 1 to 3 are known: update whoever reads it");
   const float cell_m = in.float32();
