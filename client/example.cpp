@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
   });
   for (std::size_t i = 0; i < recording->size(); ++i)
     if (const auto scan = recording->load(i))
-      if (const auto added = (*robot)->add_scan(recording->stamp_s(i), recording->T_local_sensor(i), scan->points);
+      if (const auto added =
+              (*robot)->add_scan(recording->stamp_s(i), recording->T_local_sensor(i), scan->points, scan->intensity);
           !added)
         std::fprintf(stderr, "scan %zu: %s\n", i, added.error().message.c_str());
 

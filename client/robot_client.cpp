@@ -8,6 +8,7 @@
 #include "client/spooled_link.hpp"
 #include "client/uplink/uplink.hpp"
 #include "common/cloud/cloud_codec.hpp"
+#include "common/cloud/intensity_scale.hpp"
 #include "common/descriptor/family.hpp"
 #include "common/descriptor/level.hpp"
 #include "common/descriptor/wall_profile.hpp"
@@ -31,13 +32,15 @@ struct RobotClient::State {
   Result<void> restore_selection();
   void on_event(const UplinkEvent& event);
   Result<bool> judge(double stamp_s, const Pose& T_local_sensor) const;
-  Result<bool> spool_keyframe(Keyframe keyframe, const Points& points_sensor, const Points& points_level);
+  Result<Returns> usable(const Points& points_sensor, const std::vector<float>& intensity);
+  Result<bool> spool_keyframe(Keyframe keyframe, const Returns& scan_sensor, const Points& points_level);
   void warn_of(const Points& points_level);
 
   const RobotConfig config;
   const std::unique_ptr<DescriptorFamily> family;  // null with own descriptors
   KeyframeSelector selector;
   SweepCollector sweeps;
+  IntensityScale intensity_scale;
   SpooledLink link;
   std::optional<CredentialFile> credential;  // of the uplink's thread; none: in the clear
   std::uint64_t sequence = 0;                // of the last keyframe
@@ -144,18 +147,30 @@ Result<bool> RobotClient::State::judge(double stamp_s, const Pose& T_local_senso
   return sequence == 0 || stamp_s > last_stamp_s;
 }
 
-Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor) {
+/// The points that are returns.
+Result<Returns> RobotClient::State::usable(const Points& points_sensor, const std::vector<float>& intensity) {
+  if (!intensity.empty() && intensity.size() != points_sensor.size())
+    return failure(ErrorCode::invalid_argument, std::to_string(intensity.size()) + " intensities of " +
+                                                    std::to_string(points_sensor.size()) + " points");
+  return finite_points(points_sensor, config.intensity ? intensity_scale.scaled(intensity) : Intensities{},
+                       config.min_range_m);
+}
+
+Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor,
+                                   const std::vector<float>& intensity) {
   State& s = *state_;
   if (!s.family) return failure(ErrorCode::invalid_argument, "add_scan with own descriptors: use add_keyframe");
   auto fresh = s.judge(stamp_s, T_local_sensor);
   if (!fresh || !*fresh) return fresh;
   s.link.say_pose(stamp_s, T_local_sensor);
-  const Points points = finite_points(points_sensor, s.config.min_range_m);
+  const auto scan = s.usable(points_sensor, intensity);
+  if (!scan) return tl::unexpected(scan.error());
+  const Points& points = scan->points;
   if (points.empty()) return failure(ErrorCode::bad_input, "a scan without a usable point");
 
   const auto decision = s.selector.add(T_local_sensor, mean_range_m(points));
   if (!decision.keyframe) {
-    s.sweeps.add(T_local_sensor, points);
+    s.sweeps.add(T_local_sensor, points, scan->intensity);
     return false;
   }
   const Points points_level = level(T_local_sensor, points);
@@ -167,7 +182,7 @@ Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, c
   keyframe.T_local_sensor = T_local_sensor;
   keyframe.spaciousness_m = decision.spaciousness_m;
   keyframe.descriptor = std::move(*descriptor);
-  return s.spool_keyframe(std::move(keyframe), points, points_level);
+  return s.spool_keyframe(std::move(keyframe), *scan, points_level);
 }
 
 /// Once: one scan says it all.
@@ -182,7 +197,7 @@ void RobotClient::State::warn_of(const Points& points_level) {
 }
 
 Result<bool> RobotClient::add_keyframe(double stamp_s, const Pose& T_local_sensor, const Descriptor& descriptor,
-                                       const Points& points_sensor) {
+                                       const Points& points_sensor, const std::vector<float>& intensity) {
   State& s = *state_;
   const auto& own = s.config.own_descriptors;
   if (!own || descriptor.q.size() != own->q_size || descriptor.w.size() != own->w_size)
@@ -190,20 +205,21 @@ Result<bool> RobotClient::add_keyframe(double stamp_s, const Pose& T_local_senso
   auto fresh = s.judge(stamp_s, T_local_sensor);
   if (!fresh || !*fresh) return fresh;
   s.link.say_pose(stamp_s, T_local_sensor);
-  const Points points = finite_points(points_sensor, s.config.min_range_m);
+  const auto scan = s.usable(points_sensor, intensity);
+  if (!scan) return tl::unexpected(scan.error());
   Keyframe keyframe;
   keyframe.stamp_s = stamp_s;
   keyframe.T_local_sensor = T_local_sensor;
-  keyframe.spaciousness_m = mean_range_m(points);
+  keyframe.spaciousness_m = mean_range_m(scan->points);
   keyframe.descriptor = descriptor;
-  return s.spool_keyframe(std::move(keyframe), points, level(T_local_sensor, points));
+  return s.spool_keyframe(std::move(keyframe), *scan, level(T_local_sensor, scan->points));
 }
 
-Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Points& points_sensor,
+Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Returns& scan_sensor,
                                                 const Points& points_level) {
   keyframe.sequence = sequence + 1;
   keyframe.walls = wall_profile(points_level);
-  const KeyframeCloud cloud = sweeps.take(keyframe.T_local_sensor, points_sensor);
+  const KeyframeCloud cloud = sweeps.take(keyframe.T_local_sensor, scan_sensor.points, scan_sensor.intensity);
   std::string encoded;
   const std::size_t count = point_count(cloud);
   if (count > 0 && config.clouds != CloudPolicy::never) {

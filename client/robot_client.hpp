@@ -51,6 +51,7 @@ struct RobotConfig {
   std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // of the spool; the oldest clouds go first
   bool provisional = false;  // be told of merges that still wait for path, too (Transforms::provisional)
   bool sync = true;          // false: a power cut may take the last seconds
+  bool intensity = true;     // false: clouds go without, which takes about a seventh off their bytes
   float min_range_m = 0.1F;  // nearer points are no returns
   KeyframeConfig keyframes;
   SweepConfig sweeps;
@@ -66,12 +67,15 @@ class RobotClient {
   /// milliseconds; more when it stalls). Stamps go up; a scan whose stamp is not after the last keyframe in the spool
   /// adds nothing: that is how a recording, or a driver that repeats itself, resumes. A fault (invalid_argument,
   /// bad_input) loses this scan alone; unavailable is the disk's.
-  Result<bool> add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor);
+  /// Intensity: as many as points, or none; how strong their returns were, as the sensor says it, on a scale to 1, to
+  /// 255 or to 65535, which is found out (see IntensityScale). Surveyors see it in exports; nothing else rests on it.
+  Result<bool> add_scan(double stamp_s, const Pose& T_local_sensor, const Points& points_sensor,
+                        const std::vector<float>& intensity = {});
 
   /// A keyframe that the robot chose and described itself; points may be empty (no cloud). q and w must have the sizes
   /// of own_descriptors. False: its stamp is not after the last keyframe's.
   Result<bool> add_keyframe(double stamp_s, const Pose& T_local_sensor, const Descriptor& descriptor,
-                            const Points& points_sensor);
+                            const Points& points_sensor, const std::vector<float>& intensity = {});
 
   /// Called when transforms change, on the link's thread, and at once when some are known. It must not throw, block or
   /// call close(). The last one set counts.

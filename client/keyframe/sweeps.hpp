@@ -25,16 +25,17 @@ class SweepCollector {
   explicit SweepCollector(SweepConfig config = {});
 
   /// Keeps the scan if the sensor moved or turned enough since the last one kept or the last keyframe.
-  void add(const Pose& T_local_sensor, const Points& points_sensor);
+  /// Of intensities there are as many as points, or none.
+  void add(const Pose& T_local_sensor, const Points& points_sensor, const Intensities& intensity = {});
 
   /// The keyframe's cloud in its own sensor frame: the sweeps kept so far, oldest first, moved there by odometry, then
   /// the keyframe's own scan, thinned too, with origin zero (there also when it is empty). Empties the collector.
-  KeyframeCloud take(const Pose& T_local_keyframe, const Points& own_scan);
+  KeyframeCloud take(const Pose& T_local_keyframe, const Points& own_scan, const Intensities& intensity = {});
 
  private:
   struct Kept {
     Pose T_local_sensor;
-    Points points_sensor;
+    Returns scan;  // in the sensor frame
   };
   SweepConfig config_;
   std::deque<Kept> kept_;

@@ -16,5 +16,6 @@ with headframe.Robot("example", spool="example-spool", server=server, enrolment=
                                   [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
                                   [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
         T_local_sensor[:3, 3] = t
-        robot.add_scan(stamp_s, T_local_sensor, np.fromfile(scan, np.float32).reshape(-1, 4))
+        points = np.fromfile(scan, np.float32).reshape(-1, 4)  # x, y, z, intensity
+        robot.add_scan(stamp_s, T_local_sensor, points, points[:, 3])
     robot.finish()

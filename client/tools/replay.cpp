@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all",
                                                                                 family = RobotConfig().family;
-  bool insecure = false, fast = false, provisional = false, localize = false, around = false;
+  bool insecure = false, fast = false, provisional = false, localize = false, around = false, no_intensity = false;
   double map_radius_m = 0, rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
 
@@ -45,7 +45,7 @@ Result<void> play(const SessionFolder& session, const Options& options, RobotCli
     const auto scan = session.load(i);
     if (!scan) return tl::unexpected(scan.error());
     dropped += scan->dropped;
-    const auto added = robot.add_scan(session.stamp_s(i), session.T_local_sensor(i), scan->points);
+    const auto added = robot.add_scan(session.stamp_s(i), session.T_local_sensor(i), scan->points, scan->intensity);
     if (!added && added.error().code == ErrorCode::bad_input)
       report.warning("scan " + std::to_string(i) + " passed over: " + added.error().message);
     else if (!added)
@@ -127,6 +127,7 @@ int replay(Options options) {
   config.family = options.family;
   config.bytes_per_s = options.bytes_per_s;
   config.provisional = options.provisional;
+  config.intensity = !options.no_intensity;
   config.clouds = options.clouds == "all"     ? CloudPolicy::all
                   : options.clouds == "never" ? CloudPolicy::never
                                               : CloudPolicy::on_request;
@@ -171,6 +172,7 @@ int main(int argc, char** argv) {
   app.add_option("--clouds", o.clouds, "which clouds to send")
       ->capture_default_str()
       ->check(CLI::IsMember({"all", "on_request", "never"}));
+  app.add_flag("--no-intensity", o.no_intensity, "leave out how strong the returns were, which exports show");
   app.add_option(
          "--family", o.family,
          "what describes a keyframe: learned, scan_context, lidar_iris, or onnx:FILE (with FILE.json beside it)")

@@ -45,7 +45,7 @@ Result<MapAround> whole_map(const v1::MapPart& head, const std::string& bytes) {
   MapAround out = about(head);
   if (!out.origin_local_m.allFinite()) return failure(ErrorCode::bad_input, "a map whose origin is not finite");
   if (bytes.empty()) return out;
-  auto cloud = decode_cloud(bytes);
+  auto cloud = decode_points(bytes);
   if (!cloud) return failure(ErrorCode::bad_input, "a map that does not decode: " + cloud.error().message);
   for (Sweep& sweep : cloud->sweeps) out.points.insert(out.points.end(), sweep.points.begin(), sweep.points.end());
   return out;

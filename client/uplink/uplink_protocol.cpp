@@ -175,6 +175,7 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
   localizes_ = knows(localize_capability);
   knows_around_ = knows(surroundings_capability);
   takes_live_ = knows(live_capability);
+  takes_intensity_ = knows(cloud_intensity_capability);
   events.emplace_back(Welcomed{message.spares(), std::move(capabilities)});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
   for (const auto& range : message.durable_clouds())

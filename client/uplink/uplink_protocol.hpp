@@ -178,9 +178,10 @@ class UplinkProtocol {
   bool carries_ = true;              // the session; false: a spare
   bool carried_alone_ = true;        // never a spare: what is acknowledged was sent here
   Probed probed_ = Probed::no;
-  bool localizes_ = false;     // the server knows the question
-  bool knows_around_ = false;  // and those about others
-  bool takes_live_ = false;    // and how the robot is
+  bool localizes_ = false;        // the server knows the question
+  bool knows_around_ = false;     // and those about others
+  bool takes_live_ = false;       // and how the robot is
+  bool takes_intensity_ = false;  // and clouds that hold intensities
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "client/uplink/uplink_protocol.hpp"
+#include "common/cloud/cloud_codec.hpp"
 #include "common/wire/limits.hpp"
 
 namespace headframe {
@@ -70,6 +71,8 @@ std::uint64_t UplinkProtocol::next_background() {
 
 void UplinkProtocol::begin(std::optional<Transfer>& transfer, std::uint64_t sequence, Events& events) {
   auto bytes = source_.cloud(sequence);
+  if (bytes && !takes_intensity_)  // what is damaged goes as it is: the server says so
+    if (auto plain = without_intensity(*bytes); plain) bytes = std::move(*plain);
   if (bytes && !bytes->empty() && bytes->size() <= limits::cloud_bytes) {
     transfer = Transfer{sequence, std::move(*bytes), 0};
     return;

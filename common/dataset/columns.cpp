@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstring>
 
 namespace headframe::dataset {
@@ -34,40 +35,54 @@ bool readable(ScalarKind kind, std::size_t size_bytes) {
   return wide || (kind != ScalarKind::real && (size_bytes == 1 || size_bytes == 2));
 }
 
-Points points_of_binary(std::string_view bytes, std::size_t count, const XyzColumns& columns) {
-  Points points(count);
-  for (std::size_t i = 0; i < count; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      const Column& column = columns[axis];
-      const char* at = bytes.data() + column.offset_bytes + i * column.stride_bytes;
-      points[i][axis] = static_cast<float>(value_of(at, column));
+std::optional<std::size_t> find_intensity(const std::vector<std::string_view>& names) {
+  constexpr std::string_view prefix = "scalar_";
+  for (const std::string_view wanted : {"intensity", "reflectivity", "reflectance"})
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::string name(names[i]);
+      std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+      if (name == wanted || (name.starts_with(prefix) && name.substr(prefix.size()) == wanted)) return i;
     }
-  return points;
+  return std::nullopt;
 }
 
-Result<Points> points_of_text(Lines& lines, std::size_t count, std::size_t width,
-                              const std::array<std::size_t, 3>& xyz) {
+ScanTable points_of_binary(std::string_view bytes, std::size_t count, const PointColumns& columns) {
+  const auto value = [&](const Column& column, std::size_t i) {
+    return static_cast<float>(value_of(bytes.data() + column.offset_bytes + i * column.stride_bytes, column));
+  };
+  ScanTable table{Points(count)};
+  for (std::size_t i = 0; i < count; ++i)
+    for (int axis = 0; axis < 3; ++axis) table.points[i][axis] = value(columns.xyz[axis], i);
+  if (!columns.intensity) return table;
+  table.intensity.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) table.intensity.push_back(value(*columns.intensity, i));
+  return table;
+}
+
+Result<ScanTable> points_of_text(Lines& lines, std::size_t count, std::size_t width, const PointWords& places) {
   const auto at = [&] { return "line " + std::to_string(lines.number()) + ": "; };
-  Points points;
-  while (points.size() < count) {
+  ScanTable table;
+  while (table.points.size() < count) {
     const auto line = lines.next();
     if (!line)
       return failure(ErrorCode::bad_input, at() + "truncated: the header says " + std::to_string(count) + " points, " +
-                                               std::to_string(points.size()) + " are there");
+                                               std::to_string(table.points.size()) + " are there");
     const auto parts = words(*line);
     if (parts.empty()) continue;
     if (parts.size() != width)
       return failure(ErrorCode::bad_input,
                      at() + std::to_string(parts.size()) + " values, the header says " + std::to_string(width));
-    Eigen::Vector3f p;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto value = to_number(parts[xyz[axis]]);
-      if (!value) return failure(ErrorCode::bad_input, at() + in_quotes(parts[xyz[axis]]) + " is no number");
-      p[axis] = static_cast<float>(*value);
+    std::array<float, 4> row{};  // x, y, z, intensity
+    for (std::size_t i = 0; i < (places.intensity ? 4 : 3); ++i) {
+      const std::string_view word = parts[i < 3 ? places.xyz[i] : *places.intensity];
+      const auto value = to_number(word);
+      if (!value) return failure(ErrorCode::bad_input, at() + in_quotes(word) + " is no number");
+      row[i] = static_cast<float>(*value);
     }
-    points.push_back(p);
+    table.points.emplace_back(row[0], row[1], row[2]);
+    if (places.intensity) table.intensity.push_back(row[3]);
   }
-  return points;
+  return table;
 }
 
 }  // namespace headframe::dataset

@@ -3,7 +3,7 @@
 
 namespace headframe::dataset {
 
-Result<Points> parse_kitti(std::string_view bytes) {
+Result<ScanTable> parse_kitti(std::string_view bytes) {
   constexpr std::size_t stride = 16;
   if (bytes.size() % stride != 0)
     return failure(ErrorCode::bad_input,
@@ -12,8 +12,9 @@ Result<Points> parse_kitti(std::string_view bytes) {
                        "point ends at byte " +
                        std::to_string(bytes.size() / stride * stride));
   return points_of_binary(bytes, bytes.size() / stride,
-                          {Column{ScalarKind::real, 4, 0, stride}, Column{ScalarKind::real, 4, 4, stride},
-                           Column{ScalarKind::real, 4, 8, stride}});
+                          {{Column{ScalarKind::real, 4, 0, stride}, Column{ScalarKind::real, 4, 4, stride},
+                            Column{ScalarKind::real, 4, 8, stride}},
+                           Column{ScalarKind::real, 4, 12, stride}});
 }
 
 }  // namespace headframe::dataset

@@ -1,5 +1,6 @@
 // Our own reader, for PCL's (1.13) does not stand up to damaged files: of 1203 whose bytes were changed, cut or doubled
 // it died of 179 by a segmentation fault, among them one whose only fault is a damaged first word ("VE9RSION .7").
+#include <algorithm>
 #include <cstring>
 
 #include "common/dataset/columns.hpp"
@@ -115,49 +116,70 @@ Result<std::size_t> count_of(const PcdHeader& header) {
   return count;
 }
 
-struct Axis {
+/// Where a field lies.
+struct Place {
   std::size_t field = 0;
   std::size_t bytes_before = 0;  // of one point, ahead of this field
   std::size_t words_before = 0;
 };
 
-Result<std::array<Axis, 3>> find_axes(const PcdHeader& header) {
-  std::array<Axis, 3> axes;
-  for (int a = 0; a < 3; ++a) {
-    const std::string name(1, "xyz"[a]);
-    Axis axis;
-    while (axis.field < header.fields.size() && header.fields[axis.field].name != name) {
-      axis.bytes_before += header.fields[axis.field].bytes();
-      axis.words_before += header.fields[axis.field].count;
-      ++axis.field;
-    }
-    if (axis.field == header.fields.size()) return bad("no field '" + name + "'");
-    const Field& field = header.fields[axis.field];
-    if (field.count != 1 || !readable(field.kind, field.size_bytes))
-      return bad("field '" + name + "' is not one number of 1, 2, 4 or 8 bytes");
-    axes[a] = axis;
+struct Places {
+  std::array<Place, 3> xyz;
+  std::optional<Place> intensity;
+};
+
+Place place_of(const PcdHeader& header, std::size_t field) {
+  Place place{field};
+  for (std::size_t i = 0; i < field; ++i) {
+    place.bytes_before += header.fields[i].bytes();
+    place.words_before += header.fields[i].count;
   }
-  return axes;
+  return place;
 }
 
-Result<Points> read_binary(const PcdHeader& header, const std::array<Axis, 3>& axes, std::size_t count,
-                           std::string_view body) {
+bool is_one_number(const Field& field) { return field.count == 1 && readable(field.kind, field.size_bytes); }
+
+Result<Places> find_places(const PcdHeader& header) {
+  std::vector<std::string_view> names;
+  for (const Field& field : header.fields) names.push_back(field.name);
+  Places places;
+  for (int a = 0; a < 3; ++a) {
+    const std::string name(1, "xyz"[a]);
+    const auto field = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    if (field == names.size()) return bad("no field '" + name + "'");
+    if (!is_one_number(header.fields[field]))
+      return bad("field '" + name + "' is not one number of 1, 2, 4 or 8 bytes");
+    places.xyz[a] = place_of(header, field);
+  }
+  const auto intensity = find_intensity(names);
+  if (intensity && is_one_number(header.fields[*intensity])) places.intensity = place_of(header, *intensity);
+  return places;
+}
+
+/// column(place) says where the values of a field lie.
+template <class ColumnOf>
+PointColumns columns_of(const Places& places, const ColumnOf& column) {
+  PointColumns columns{{column(places.xyz[0]), column(places.xyz[1]), column(places.xyz[2])}};
+  if (places.intensity) columns.intensity = column(*places.intensity);
+  return columns;
+}
+
+Result<ScanTable> read_binary(const PcdHeader& header, const Places& places, std::size_t count, std::string_view body) {
   const std::size_t row = header.row_bytes();
   if (count > body.size() / row)
     return bad("truncated: the header says " + std::to_string(count) + " points of " + std::to_string(row) +
                " bytes, " + std::to_string(body.size()) + " bytes follow it");
-  XyzColumns columns;
-  for (int a = 0; a < 3; ++a) {
-    const Field& field = header.fields[axes[a].field];
-    columns[a] = {field.kind, field.size_bytes, axes[a].bytes_before, row};
-  }
-  return points_of_binary(body, count, columns);
+  const auto column = [&](const Place& place) {
+    const Field& field = header.fields[place.field];
+    return Column{field.kind, field.size_bytes, place.bytes_before, row};
+  };
+  return points_of_binary(body, count, columns_of(places, column));
 }
 
 // Two lengths, then LZF data of all values of the first field, all of the second, and so on.
-Result<Points> read_compressed(const PcdHeader& header, const std::array<Axis, 3>& axes, std::size_t count,
-                               std::string_view body) {
-  if (count == 0) return Points{};
+Result<ScanTable> read_compressed(const PcdHeader& header, const Places& places, std::size_t count,
+                                  std::string_view body) {
+  if (count == 0) return ScanTable{};
   std::uint32_t lengths[2] = {0, 0};
   if (body.size() < sizeof lengths) return bad("truncated: no room for the two lengths of compressed data");
   std::memcpy(lengths, body.data(), sizeof lengths);
@@ -171,31 +193,32 @@ Result<Points> read_compressed(const PcdHeader& header, const std::array<Axis, 3
                " bytes, the compressed data unpacks to " + std::to_string(lengths[1]) + " bytes");
   const auto unpacked = lzf_unpack(body.substr(0, lengths[0]), lengths[1]);
   if (!unpacked) return bad("the compressed data is damaged");
-  XyzColumns columns;
-  for (int a = 0; a < 3; ++a) {
-    const Field& field = header.fields[axes[a].field];
-    columns[a] = {field.kind, field.size_bytes, axes[a].bytes_before * count, field.size_bytes};
-  }
-  return points_of_binary(*unpacked, count, columns);
+  const auto column = [&](const Place& place) {
+    const Field& field = header.fields[place.field];
+    return Column{field.kind, field.size_bytes, place.bytes_before * count, field.size_bytes};
+  };
+  return points_of_binary(*unpacked, count, columns_of(places, column));
 }
 
 }  // namespace
 
-Result<Points> parse_pcd(std::string_view bytes) {
+Result<ScanTable> parse_pcd(std::string_view bytes) {
   Lines lines(bytes);
   const auto header = read_pcd_header(lines);
   if (!header) return tl::unexpected(header.error());
   const auto count = count_of(*header);
   if (!count) return tl::unexpected(count.error());
-  const auto axes = find_axes(*header);
-  if (!axes) return tl::unexpected(axes.error());
+  const auto places = find_places(*header);
+  if (!places) return tl::unexpected(places.error());
   const std::string_view body = bytes.substr(lines.at_byte());
-  if (header->data == "binary") return read_binary(*header, *axes, *count, body);
-  if (header->data == "binary_compressed") return read_compressed(*header, *axes, *count, body);
+  if (header->data == "binary") return read_binary(*header, *places, *count, body);
+  if (header->data == "binary_compressed") return read_compressed(*header, *places, *count, body);
   if (header->data != "ascii")
     return bad("DATA " + in_quotes(header->data) + " is not ascii, binary or binary_compressed");
-  return points_of_text(lines, *count, header->row_words(),
-                        {(*axes)[0].words_before, (*axes)[1].words_before, (*axes)[2].words_before});
+  const auto& [x, y, z] = places->xyz;
+  PointWords words_of_point{{x.words_before, y.words_before, z.words_before}};
+  if (places->intensity) words_of_point.intensity = places->intensity->words_before;
+  return points_of_text(lines, *count, header->row_words(), words_of_point);
 }
 
 }  // namespace headframe::dataset

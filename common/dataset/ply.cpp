@@ -85,25 +85,34 @@ Result<std::array<std::size_t, 3>> find_axes(const PlyHeader& header) {
   return places;
 }
 
+std::optional<std::size_t> place_of_intensity(const PlyHeader& header) {
+  std::vector<std::string_view> names;
+  for (const Property& property : header.properties) names.push_back(property.name);
+  return find_intensity(names);
+}
+
 }  // namespace
 
-Result<Points> parse_ply(std::string_view bytes) {
+Result<ScanTable> parse_ply(std::string_view bytes) {
   Lines lines(bytes);
   const auto header = read_ply_header(lines);
   if (!header) return tl::unexpected(header.error());
   const auto axes = find_axes(*header);
   if (!axes) return tl::unexpected(axes.error());
-  if (header->format == "ascii") return points_of_text(lines, header->count, header->properties.size(), *axes);
+  const auto intensity = place_of_intensity(*header);
+  if (header->format == "ascii")
+    return points_of_text(lines, header->count, header->properties.size(), {*axes, intensity});
 
   const std::string_view body = bytes.substr(lines.at_byte());
   if (header->count > body.size() / header->row_bytes)
     return bad("truncated: the header says " + std::to_string(header->count) + " vertices of " +
                std::to_string(header->row_bytes) + " bytes, " + std::to_string(body.size()) + " bytes follow it");
-  XyzColumns columns;
-  for (int a = 0; a < 3; ++a) {
-    const Property& property = header->properties[(*axes)[a]];
-    columns[a] = {property.kind, property.size_bytes, property.offset_bytes, header->row_bytes};
-  }
+  const auto column = [&](std::size_t place) {
+    const Property& property = header->properties[place];
+    return Column{property.kind, property.size_bytes, property.offset_bytes, header->row_bytes};
+  };
+  PointColumns columns{{column((*axes)[0]), column((*axes)[1]), column((*axes)[2])}};
+  if (intensity) columns.intensity = column(*intensity);
   return points_of_binary(body, header->count, columns);
 }
 

@@ -13,7 +13,7 @@ namespace {
 constexpr float nearest_m = 0.01F;
 constexpr float farthest_m = 1e4F;
 
-using Parser = Result<Points> (*)(std::string_view);
+using Parser = Result<dataset::ScanTable> (*)(std::string_view);
 
 Parser parser_of(const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
@@ -32,19 +32,26 @@ Result<Scan> load_scan(const std::filesystem::path& path) {
   if (parse == nullptr) return failure(ErrorCode::invalid_argument, path.string() + ": not a .bin, .pcd or .ply scan");
   const auto bytes = dataset::read_file(path, dataset::most_scan_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  const auto points = parse(*bytes);
-  if (!points) return failure(points.error().code, path.string() + ": " + points.error().message);
+  const auto table = parse(*bytes);
+  if (!table) return failure(table.error().code, path.string() + ": " + table.error().message);
   Scan scan;
-  scan.points = finite_points(*points, nearest_m);
-  std::erase_if(scan.points, [](const Eigen::Vector3f& p) { return p.cwiseAbs().maxCoeff() > farthest_m; });
-  scan.dropped = points->size() - scan.points.size();
+  scan.points.reserve(table->points.size());
+  scan.intensity.reserve(table->intensity.size());
+  for (std::size_t i = 0; i < table->points.size(); ++i) {
+    const Eigen::Vector3f& p = table->points[i];
+    if (!p.allFinite() || p.squaredNorm() < nearest_m * nearest_m || p.cwiseAbs().maxCoeff() > farthest_m) continue;
+    scan.points.push_back(p);
+    if (!table->intensity.empty()) scan.intensity.push_back(table->intensity[i]);
+  }
+  scan.dropped = table->points.size() - scan.points.size();
   return scan;
 }
 
-Result<void> write_kitti(const std::filesystem::path& path, const Points& points) {
+Result<void> write_kitti(const std::filesystem::path& path, const Points& points, const std::vector<float>& intensity) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  for (const auto& p : points) {
-    const float row[4] = {p.x(), p.y(), p.z(), 0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& p = points[i];
+    const float row[4] = {p.x(), p.y(), p.z(), i < intensity.size() ? intensity[i] : 0};
     file.write(reinterpret_cast<const char*>(row), sizeof row);
   }
   file.close();

@@ -11,7 +11,8 @@ namespace headframe {
 /// Points in the sensor frame. May be empty: a covered lidar sees nothing.
 struct Scan {
   Points points;
-  std::size_t dropped = 0;  // NaN, infinite, zero ("no return") or absurdly far points that were left out
+  std::vector<float> intensity = {};  // as many, as the file says it (see IntensityScale); empty: it has none
+  std::size_t dropped = 0;            // NaN, infinite, zero ("no return") or absurdly far points that were left out
 };
 
 /// Whether load_scan knows the ending of this name.
@@ -21,7 +22,8 @@ bool is_scan_file(const std::filesystem::path& path);
 /// file and the line or byte. Thread safe.
 Result<Scan> load_scan(const std::filesystem::path& path);
 
-/// Writes points as KITTI .bin, intensity 0. Replaces the file. Fails with unavailable.
-Result<void> write_kitti(const std::filesystem::path& path, const Points& points);
+/// Writes points as KITTI .bin, of the intensity 0 where none is given. Replaces the file. Fails with unavailable.
+Result<void> write_kitti(const std::filesystem::path& path, const Points& points,
+                         const std::vector<float>& intensity = {});
 
 }  // namespace headframe

@@ -13,14 +13,20 @@ namespace headframe::dataset {
 /// The most that a scan file may hold, packed or unpacked: a thousand revolutions of a large lidar would fit.
 inline constexpr std::size_t most_scan_bytes = std::size_t{256} << 20;
 
+/// What a file says of each point, as it says it.
+struct ScanTable {
+  Points points;
+  std::vector<float> intensity = {};  // as many, in the units of the file (see IntensityScale); empty: it has none
+};
+
 /// KITTI: x y z intensity as float32, nothing else.
-Result<Points> parse_kitti(std::string_view bytes);
+Result<ScanTable> parse_kitti(std::string_view bytes);
 
-/// PCD: ascii, binary or binary_compressed, fields in any order. VIEWPOINT is not applied: scans are in the sensor
-/// frame.
-Result<Points> parse_pcd(std::string_view bytes);
+/// PCD: ascii, binary or binary_compressed, fields in any order; the intensity by its name (see find_intensity).
+/// VIEWPOINT is not applied: scans are in the sensor frame.
+Result<ScanTable> parse_pcd(std::string_view bytes);
 
-/// PLY: ascii or binary little endian, properties in any order; the vertices must be the first element.
-Result<Points> parse_ply(std::string_view bytes);
+/// PLY: ascii or binary little endian, properties in any order, likewise; the vertices must be the first element.
+Result<ScanTable> parse_ply(std::string_view bytes);
 
 }  // namespace headframe::dataset

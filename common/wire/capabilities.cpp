@@ -19,6 +19,7 @@ std::vector<std::string> robot_capabilities(bool provisional) {
 std::vector<std::string> server_capabilities() {
   return {"cloud_form_1",
           "cloud_form_2",
+          std::string(cloud_intensity_capability),
           std::string(live_capability),
           std::string(localize_capability),
           std::string(provisional_capability),

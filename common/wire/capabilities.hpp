@@ -31,6 +31,9 @@ inline constexpr std::string_view live_capability = "live";
 /// A robot that lists it is told how sure each transform is, and on what it rests (TransformSupport).
 inline constexpr std::string_view transform_support_capability = "transform_support";
 
+/// A robot sends clouds with intensities (cloud_codec.hpp) to a server that lists it, to others the same without.
+inline constexpr std::string_view cloud_intensity_capability = "cloud_form_3";
+
 /// What the robot library lists in its hello, and this server in its welcome.
 std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();

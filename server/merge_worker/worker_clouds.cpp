@@ -19,7 +19,7 @@ CloudState MergeWorker::state(const KeyframeRef& keyframe) const {
 Result<KeyframeCloud> MergeWorker::load(const KeyframeRef& keyframe) {
   const auto encoded = read_patiently([&] { return store_.cloud(keyframe); });
   if (!encoded) return tl::unexpected(encoded.error());
-  return decode_cloud(*encoded);
+  return decode_points(*encoded);
 }
 
 Result<std::size_t> MergeWorker::ask_for_clouds(SessionId session) {

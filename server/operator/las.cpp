@@ -60,9 +60,9 @@ std::string las_header(const LasHead& head) {
 
 void append_las_point(std::string& out, const LasPoint& point, const Eigen::Vector3d& offset_m) {
   for (const std::int32_t value : units(point.p_m, offset_m)) append_bytes(out, value);
-  append_bytes(out, std::uint16_t{0});    // intensity: clouds carry none
-  append_bytes(out, std::uint8_t{0x09});  // the first return of one
-  out.append(3, '\0');                    // class, angle, user data
+  append_bytes(out, static_cast<std::uint16_t>(point.intensity * 257));  // 16 bits of full scale, as for colours
+  append_bytes(out, std::uint8_t{0x09});                                 // the first return of one
+  out.append(3, '\0');                                                   // class, angle, user data
   append_bytes(out, point.source);
   append_bytes(out, point.time_s);
   for (const std::uint8_t channel : point.colour) append_bytes(out, static_cast<std::uint16_t>(channel * 257));

@@ -1,5 +1,5 @@
 #pragma once
-// LAS 1.2, point format 3 (coordinates, time and colour), for survey software. Pure.
+// LAS 1.2, point format 3 (coordinates, intensity, time and colour), for survey software. Pure.
 
 #include <array>
 #include <cstdint>
@@ -27,6 +27,7 @@ struct LasPoint {
   std::array<std::uint8_t, 3> colour{};
   std::uint16_t source = 0;  // which session saw it, from 1 on
   double time_s = 0;
+  std::uint8_t intensity = 0;  // 0: not known
 };
 
 /// The 227 bytes before the points.

@@ -31,6 +31,21 @@ std::string one_line(std::string name) {
   return name;
 }
 
+/// Of all sweeps together. Where one of them has intensities, those of the others count as 0.
+Returns all_returns(const KeyframeCloud& cloud) {
+  Returns out;
+  out.points.reserve(point_count(cloud));
+  const bool has_intensity = std::any_of(cloud.sweeps.begin(), cloud.sweeps.end(),
+                                         [](const Sweep& sweep) { return !sweep.intensity.empty(); });
+  for (const Sweep& sweep : cloud.sweeps)
+    for (std::size_t i = 0; i < sweep.points.size(); ++i) {
+      if (!sweep.points[i].allFinite()) continue;
+      out.points.push_back(sweep.points[i]);
+      if (has_intensity) out.intensity.push_back(sweep.intensity.empty() ? std::uint8_t{0} : sweep.intensity[i]);
+    }
+  return out;
+}
+
 }  // namespace
 
 Result<std::optional<std::string>> MapExport::next() {
@@ -81,9 +96,10 @@ Result<void> MapExport::list_keyframes() {
 Result<void> MapExport::count(Item& item) {
   const auto points = thinned(item);
   if (points) {
-    item.points = points->size();
+    item.points = points->points.size();
+    has_intensity_ = has_intensity_ || !points->intensity.empty();
     if (request_.format == CloudFormat::las)
-      for (const Eigen::Vector3f& p_sensor : *points)
+      for (const Eigen::Vector3f& p_sensor : points->points)
         box_m_.extend(las_place(item.T_frame_sensor * p_sensor.cast<double>(), origin_m_));
   } else if (points.error().code != ErrorCode::not_found) {  // a keyframe whose cloud is not stored is left out
     return tl::unexpected(points.error());
@@ -91,34 +107,35 @@ Result<void> MapExport::count(Item& item) {
   return {};
 }
 
-Result<Points> MapExport::thinned(const Item& item) const {
+Result<Returns> MapExport::thinned(const Item& item) const {
   const auto cloud = station_.cloud(item.session, item.sequence);
   if (!cloud) return tl::unexpected(cloud.error());
-  Points points;
-  points.reserve(point_count(*cloud));
-  for (const Sweep& sweep : cloud->sweeps)
-    for (const Eigen::Vector3f& p_sensor : sweep.points)
-      if (p_sensor.allFinite()) points.push_back(p_sensor);
-  return request_.voxel_m > 0 ? voxel_grid(points, static_cast<float>(request_.voxel_m)) : std::move(points);
+  Returns all = all_returns(*cloud);
+  if (request_.voxel_m <= 0) return all;
+  return voxel_grid(all.points, all.intensity, static_cast<float>(request_.voxel_m));
 }
 
 Result<std::string> MapExport::written(const Item& item) const {
-  const auto points = thinned(item);
-  if (!points) return tl::unexpected(points.error());
-  if (points->size() != item.points)
+  const auto cloud = thinned(item);
+  if (!cloud) return tl::unexpected(cloud.error());
+  const auto& [points, intensity] = *cloud;
+  if (points.size() != item.points)
     return failure(ErrorCode::internal, "the cloud of keyframe " + std::to_string(item.sequence) + " of session " +
                                             std::to_string(item.session) + " changed during the export; start again");
   std::string out;
-  out.reserve(points->size() * point_bytes());
-  for (const Eigen::Vector3f& p_sensor : *points)
-    append_point(out, item.T_frame_sensor * p_sensor.cast<double>(), item);
+  out.reserve(points.size() * point_bytes());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    append_point(out, item.T_frame_sensor * points[i].cast<double>(),
+                 intensity.empty() ? std::uint8_t{0} : intensity[i], item);
   return out;
 }
 
-void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, const Item& item) const {
+void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, std::uint8_t intensity,
+                             const Item& item) const {
   if (request_.format == CloudFormat::las)
     return append_las_point(
-        out, {p_frame, item.colour, item.source, has_wall_clock_ ? adjusted_gps_s(item.stamp_s) : item.stamp_s},
+        out,
+        {p_frame, item.colour, item.source, has_wall_clock_ ? adjusted_gps_s(item.stamp_s) : item.stamp_s, intensity},
         origin_m_);
   if (wide()) {
     for (int axis = 0; axis < 3; ++axis) append_bytes(out, p_frame[axis]);
@@ -127,9 +144,13 @@ void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, c
     for (int axis = 0; axis < 3; ++axis) append_bytes(out, p[axis]);
   }
   const auto [red, green, blue] = item.colour;
-  if (request_.format == CloudFormat::pcd)
-    return append_bytes(out, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
+  if (request_.format == CloudFormat::pcd) {
+    append_bytes(out, static_cast<std::uint32_t>(red << 16 | green << 8 | blue));
+    if (has_intensity_) append_bytes(out, static_cast<float>(intensity));
+    return;
+  }
   for (const std::uint8_t channel : item.colour) append_bytes(out, channel);
+  if (has_intensity_) append_bytes(out, intensity);
 }
 
 /// Coordinates far from zero are doubles in PLY; the other formats count from an origin.
@@ -139,8 +160,10 @@ bool MapExport::wide() const {
 
 std::size_t MapExport::point_bytes() const {
   if (request_.format == CloudFormat::las) return las_point_bytes;
-  if (request_.format == CloudFormat::pcd) return 3 * sizeof(float) + sizeof(std::uint32_t);
-  return 3 * (wide() ? sizeof(double) : sizeof(float)) + 3;
+  const std::size_t intensities = has_intensity_ ? 1 : 0;
+  if (request_.format == CloudFormat::pcd)
+    return 3 * sizeof(float) + sizeof(std::uint32_t) + intensities * sizeof(float);
+  return 3 * (wide() ? sizeof(double) : sizeof(float)) + 3 + intensities;
 }
 
 std::string MapExport::header() {
@@ -175,11 +198,14 @@ std::string MapExport::text_header(std::size_t points) const {
     out << "element vertex " << points << '\n';
     for (const char* axis : {"x", "y", "z"}) out << "property " << (wide() ? "double " : "float ") << axis << '\n';
     for (const char* channel : {"red", "green", "blue"}) out << "property uchar " << channel << '\n';
+    if (has_intensity_) out << "property uchar intensity\n";
     out << "end_header\n";
   } else {
     // PCL wants a packed "rgb" declared as a float; its bits are the integer 0x00RRGGBB.
-    out << "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " << points
-        << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << points << "\nDATA binary\n";
+    out << (has_intensity_
+                ? "VERSION 0.7\nFIELDS x y z rgb intensity\nSIZE 4 4 4 4 4\nTYPE F F F F F\nCOUNT 1 1 1 1 1\nWIDTH "
+                : "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH ")
+        << points << "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " << points << "\nDATA binary\n";
   }
   return out.str();
 }

@@ -20,9 +20,11 @@ struct ExportRequest {
 };
 
 /// The stored clouds of one component as binary little-endian PLY or PCD, or as LAS, in metres, coloured by robot; LAS
-/// tells the session and the time of each point too. Grid coordinates are doubles in PLY, counted from an offset in LAS
-/// (in its header) and PCD (in a comment). All formats say the number of points first, so the first pass counts and the
-/// second writes; one keyframe's cloud is in memory at a time. Clouds stored after the first pass are left out.
+/// tells the session and the time of each point too. All tell the intensity of points, 0 to 255 (in LAS to 65535), 0
+/// where a robot gave none; PLY and PCD have no such column where no robot gave any. Thinned points have the mean. Grid
+/// coordinates are doubles in PLY, counted from an offset in LAS (in its header) and PCD (in a comment). All formats
+/// say the number of points first, so the first pass counts and the second writes; one keyframe's cloud is in memory at
+/// a time. Clouds stored after the first pass are left out.
 class MapExport : public BodySource {
  public:
   MapExport(const Station& station, ExportRequest request) : station_(station), request_(request) {}
@@ -47,8 +49,8 @@ class MapExport : public BodySource {
   Result<void> list_keyframes();
   Result<void> count(Item& item);
   Result<std::string> written(const Item& item) const;
-  Result<Points> thinned(const Item& item) const;
-  void append_point(std::string& out, const Eigen::Vector3d& p_frame, const Item& item) const;
+  Result<Returns> thinned(const Item& item) const;
+  void append_point(std::string& out, const Eigen::Vector3d& p_frame, std::uint8_t intensity, const Item& item) const;
   bool wide() const;
   std::size_t point_bytes() const;
   std::string header();
@@ -62,6 +64,7 @@ class MapExport : public BodySource {
   std::vector<std::string> legend_;  // one line for each robot
   std::size_t at_ = 0;
   bool has_wall_clock_ = false;  // all stamps are of one
+  bool has_intensity_ = false;   // of any point
   Eigen::AlignedBox3d box_m_;    // of all points, for LAS
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
   std::optional<std::uint64_t> total_bytes_;  // since the header

@@ -63,7 +63,7 @@ Result<ComponentMaps::MapAnswer> ComponentMaps::map_of(const SessionSurroundings
   const auto read = [&](const KeyframeRef& keyframe) -> Result<KeyframeCloud> {
     const auto encoded = store_.cloud(keyframe);
     if (!encoded) return tl::unexpected(encoded.error());
-    return decode_cloud(*encoded);
+    return decode_points(*encoded);
   };
   const auto fused = fuse(near, region, resolution_m, limits_, read, [&] { return stopping_.load(); });
   if (!fused) return tl::unexpected(fused.error());

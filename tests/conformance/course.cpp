@@ -74,7 +74,8 @@ void Course::write(const std::filesystem::path& folder) const {
     const Eigen::Quaterniond q(scans_[i].T_local_sensor.linear());
     poses << scans_[i].stamp_s << ' ' << scans_[i].T_local_sensor.translation().transpose() << ' '
           << q.coeffs().transpose() << '\n';
-    if (const auto written = write_kitti(folder / "scans" / name_of(i), scans_[i].points_sensor); !written)
+    const std::vector<float> intensity(scans_[i].points_sensor.size(), 0.5F);
+    if (const auto written = write_kitti(folder / "scans" / name_of(i), scans_[i].points_sensor, intensity); !written)
       throw std::runtime_error(written.error().message);
   }
   if (!poses.flush()) throw std::runtime_error((folder / "poses.txt").string() + " can not be written");

@@ -147,6 +147,10 @@ void Judge::cloud(std::uint64_t sequence, const std::string& encoded) {
   const std::string name = "cloud of keyframe " + std::to_string(sequence);
   const auto cloud = decode_cloud(encoded);
   if (!cloud) return findings_.wrong("cloud-code", name + ": " + cloud.error().message);
+  const bool has_intensity = std::any_of(cloud->sweeps.begin(), cloud->sweeps.end(),
+                                         [](const Sweep& sweep) { return !sweep.intensity.empty(); });
+  findings_.check(!has_intensity, "cloud-form",
+                  name + " has intensities, and this server does not list cloud_form_3: it could not read them");
   findings_.check(point_count(*cloud) == points_of(sequence), "point-count",
                   name + " has " + std::to_string(point_count(*cloud)) + " points, its keyframe says " +
                       std::to_string(points_of(sequence)));

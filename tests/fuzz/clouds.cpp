@@ -21,6 +21,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::require(points <= limits::cloud_points && cloud->sweeps.size() <= limits::cloud_sweeps);
   for (const Sweep& sweep : cloud->sweeps)
     for (const auto& point : sweep.points) fuzz::require(point.allFinite());
+  for (const Sweep& sweep : cloud->sweeps)
+    fuzz::require(sweep.intensity.empty() || sweep.intensity.size() == sweep.points.size());
+  const auto plain = without_intensity(encoded);
+  fuzz::require(plain && point_count(decode_cloud(*plain).value()) == points);
   if (const auto again = encode_cloud(*cloud, 1.0F); again) {
     const auto back = decode_cloud(*again);
     fuzz::require(back.has_value() && point_count(*back) == points);

@@ -10,13 +10,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   auto bytes = fuzz::text(data, size);
   switch (fuzz::take_byte(bytes) % 6) {
     case 0:
-      if (const auto points = dataset::parse_pcd(bytes); points) fuzz::require(points->size() <= 88 * size);
+      if (const auto points = dataset::parse_pcd(bytes); points) fuzz::require(points->points.size() <= 88 * size);
       break;
     case 1:
-      if (const auto points = dataset::parse_ply(bytes); points) fuzz::require(points->size() <= size);
+      if (const auto points = dataset::parse_ply(bytes); points) fuzz::require(points->points.size() <= size);
       break;
     case 2:
-      if (const auto points = dataset::parse_kitti(bytes); points) fuzz::require(points->size() == bytes.size() / 16);
+      if (const auto points = dataset::parse_kitti(bytes); points)
+        fuzz::require(points->points.size() == bytes.size() / 16);
       break;
     case 3:
       if (const auto poses = dataset::parse_poses(bytes); poses)

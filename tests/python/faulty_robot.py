@@ -290,6 +290,14 @@ def cloud_not_in_a_zstd_frame():
     cloud.zstd_of_raw_blocks = lambda data: data
 
 
+@fault("cloud-form")
+def intensities_for_a_server_that_does_not_read_them():
+    def encode(sweeps, cell_m=0.01, form=1):
+        painted = [(origin, points, [90] * len(points)) for origin, points in sweeps]
+        return cloud.zstd_of_raw_blocks(cloud.content_with_intensity(painted, cell_m, form))
+    cloud.encode = encode
+
+
 @fault("point-count")
 def points_of_the_last_sweep_only():
     def make(before):

@@ -118,7 +118,9 @@ class Module(unittest.TestCase):
                 self.assertRaises(ValueError, robot.add_scan, 1, bad, points)
             self.assertRaises(TypeError, robot.add_scan, 1, np.eye(3), points)
             self.assertRaises(headframe.BadInput, robot.add_scan, 1, T, np.zeros((500, 3)))
-            self.assertTrue(robot.add_scan(1, T, points))
+            for bad in (np.ones(499), np.ones((500, 1)), 7):
+                self.assertRaises(ValueError, robot.add_scan, 1, T, points, bad)
+            self.assertTrue(robot.add_scan(1, T, points, intensity=np.arange(500, dtype=np.uint16) % 256))
             self.assertFalse(robot.add_scan(1, T, points.astype(np.float32)[::-1]))  # its stamp is not after the last
             robot.finish(60)
         robot.close()  # once more: harmless

@@ -57,6 +57,7 @@ def cloud_message(stamp_s, points):
                        "itemsize": 22})
     data = np.zeros(len(points), layout)
     data["x"], data["y"], data["z"] = points.T
+    data["intensity"] = np.arange(len(points)) % 100
     out = PointCloud2(height=1, width=len(points), point_step=22, row_step=22 * len(points), data=data.tobytes())
     out.fields = [PointField(name, offset, PointField.FLOAT32, 1) for name, offset in
                   (("x", 0), ("y", 4), ("z", 8), ("intensity", 16))]
@@ -161,7 +162,14 @@ class Messages(unittest.TestCase):
             cloud.fields = fields[:2]
             self.assertRaisesRegex(ValueError, "'z'", messages.points_of, cloud)
         points[2, 1], points[4, 0] = np.nan, np.inf
-        self.assertEqual(len(messages.points_of(cloud_message(1, points))), 4)
+        kept, intensity = messages.returns_of(cloud_message(1, points))
+        self.assertEqual(len(kept), 4)
+        np.testing.assert_array_equal(intensity, [0, 1, 3, 5])
+        cloud = cloud_message(1, points)
+        cloud.fields[3].name = "ring"
+        self.assertIsNone(messages.returns_of(cloud)[1])
+        cloud.fields[2].name, cloud.fields[3].name = "reflectivity", "z"
+        np.testing.assert_array_equal(messages.returns_of(cloud)[1], points[np.isfinite(points[:, :2]).all(axis=1), 2])
 
     def test_rotations_come_back(self):
         for q in np.random.default_rng(4).normal(size=(200, 4)):
@@ -175,12 +183,12 @@ class Pairing(unittest.TestCase):
         pairs = pairing.Pairing()
         pairs.static("base", "mast", pose(0.2, 0, 0, 1))
         pairs.static("lidar", "mast", pose(-0.1, 1, 0, 0))  # the other way round
-        pairs.cloud(10.25, "lidar", "a")
+        pairs.cloud(10.25, "lidar", "a", "b")
         pairs.odometry(10, "base", pose(0.0, 0, 0, 0))
         self.assertEqual(pairs.take(), [])
         pairs.odometry(10.5, "base", pose(1.0, 4, 2, 0))
-        ((stamp_s, T, points),) = pairs.take()
-        self.assertEqual((stamp_s, points), (10.25, "a"))
+        ((stamp_s, T, points, intensity),) = pairs.take()
+        self.assertEqual((stamp_s, points, intensity), (10.25, "a", "b"))
         np.testing.assert_allclose(T, pose(0.5, 2, 1, 0) @ pose(0.2, 0, 0, 1) @ np.linalg.inv(pose(-0.1, 1, 0, 0)), atol=1e-9)
         self.assertEqual((pairs.take(), pairs.lost), ([], {}))
 
@@ -192,7 +200,7 @@ class Pairing(unittest.TestCase):
         pairs.odometry(12.001, "base", np.eye(4))
         for stamp_s, frame in ((9.9, "base"), (10.999, "base"), (11.5, "base"), (12.001, "lidar")):
             pairs.cloud(stamp_s, frame, None)
-        self.assertEqual([s for s, _, _ in pairs.take()], [10.999])
+        self.assertEqual([s for s, *_ in pairs.take()], [10.999])
         self.assertEqual(pairs.lost, {"odometry that goes back in time": 1, "no odometry near its stamp": 2,
                                       "no transform from base to lidar": 1})
         for i in range(pairing.MOST_WAITING + 3):

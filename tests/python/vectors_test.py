@@ -141,6 +141,15 @@ class Vectors(unittest.TestCase):
             if "zstd_raw_blocks" in row:
                 self.assertEqual(cloud.encode(sweeps, row["cell_m"], form=2).hex(), row["zstd_raw_blocks"])
 
+    def test_clouds_with_intensity(self):
+        for row in vectors("clouds")["with_intensity"]:
+            sweeps = [(np.array(s["origin"]), np.array(s["points"], float).reshape(-1, 3), s["intensity"])
+                      for s in row["sweeps"]]
+            self.assertEqual(cloud.content([s[:2] for s in sweeps], row["cell_m"], form=2).hex(), row["without"], row["what"])
+            self.assertEqual(cloud.content_with_intensity(sweeps, row["cell_m"]).hex(), row["form_3"], row["what"])
+            for (_, _, intensity), read in zip(sweeps, row["intensity_read"]):
+                self.assertEqual(sorted(round(255 * (cloud.intensity_level(i) / 31) ** 2) for i in intensity), sorted(read))
+
     def test_transforms(self):
         rows = vectors("transforms")
         ours = geometry.inverse(pose(rows["T_component_mine"])) @ pose(rows["T_component_other"])

@@ -20,7 +20,9 @@ void write_session(const std::filesystem::path& folder, const Drive& drive, std:
           << q.coeffs().transpose() << '\n';
     char name[32];
     std::snprintf(name, sizeof name, "%06zu.bin", i);
-    if (const auto written = write_kitti(folder / "scans" / name, drive.clouds[i].sweeps.front().points); !written)
+    const Points& points = drive.clouds[i].sweeps.front().points;
+    const std::vector<float> intensity(points.size(), 0.5F);
+    if (const auto written = write_kitti(folder / "scans" / name, points, intensity); !written)
       throw std::runtime_error(written.error().message);
   }
 }

@@ -243,6 +243,10 @@ class FakeStation : public Station {
       out.sweeps[static_cast<std::size_t>(i % 2)].points.emplace_back(static_cast<float>(i), 0.F,
                                                                       static_cast<float>(session));
     out.sweeps[1].points.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0.F, 0.F);
+    // Of the sweep that has them: its first point's, and 10 more for each further one.
+    if (session == painted)
+      for (std::size_t i = 0; i < out.sweeps[1].points.size(); ++i)
+        out.sweeps[1].intensity.push_back(static_cast<std::uint8_t>(100 + 10 * i));
     return out;
   }
 
@@ -256,6 +260,7 @@ class FakeStation : public Station {
   KeepPolicy keep;
   int points = 10;
   double first_stamp_s = 0;
+  SessionId painted = 0;       // whose clouds have intensities, in their second sweep
   std::uint64_t withheld = 0;  // the keyframe whose cloud has not come
   bool broken_trajectory = false;
   bool floor = false;         // clouds are a flat floor of 9 m around the sensor instead

@@ -64,11 +64,12 @@ class UplinkProtocolTest : public testing::Test {
     return words;
   }
 
-  static std::string word(const v1::RobotMessage& m) {
+  std::string word(const v1::RobotMessage& m) {
     if (m.has_hello()) return m.hello().spare() ? "hello of a spare" : "hello";
     if (m.has_probe()) return m.probe().keyframe_follows() ? "probe with" : "probe";
     if (m.has_take_over()) return "take over";
     if (m.has_keyframe()) return "k" + std::to_string(m.keyframe().sequence());
+    if (m.has_cloud_chunk()) chunks_ += m.cloud_chunk().data();
     if (m.has_cloud_chunk())
       return "c" + std::to_string(m.cloud_chunk().sequence()) + ":" + std::to_string(m.cloud_chunk().offset() / 1024);
     if (m.has_submap_unavailable()) return "none" + std::to_string(m.submap_unavailable().sequences(0));
@@ -86,8 +87,9 @@ class UplinkProtocolTest : public testing::Test {
     take(link_->receive(frame, now_));
   }
   void take(const std::vector<UplinkEvent>& events) { events_.insert(events_.end(), events.begin(), events.end()); }
-  void welcome(std::uint64_t durable = 0) {
+  void welcome(std::uint64_t durable = 0, const std::vector<std::string>& capabilities = {}) {
     v1::ServerMessage m;
+    for (const auto& name : capabilities) m.mutable_welcome()->add_capabilities(name);
     m.mutable_welcome()->set_protocol_version(protocol_version);
     m.mutable_welcome()->set_durable_keyframes(durable);
     hear(m);
@@ -116,6 +118,7 @@ class UplinkProtocolTest : public testing::Test {
   UplinkProtocol::Time now_{};
   std::optional<UplinkProtocol> link_;
   std::vector<UplinkEvent> events_;
+  std::string chunks_;  // the data of all that were sent
 };
 
 }  // namespace headframe

@@ -5,7 +5,9 @@
 #include <csignal>
 #include <functional>
 #include <map>
+#include <set>
 
+#include "common/dataset/scan_file.hpp"
 #include "tests/support/base_station.hpp"
 #include "tests/support/drawn_session.hpp"
 
@@ -79,7 +81,7 @@ class EndToEnd : public testing::Test {
 TEST_F(EndToEnd, ThreeRobotsBecomeOneComponentAndEachIsToldOfAll) {
   auto station = BaseStation::start(folder("data"));
   ASSERT_TRUE(station) << station.error().message;
-  auto a = station->replay("a", folder("a")), b = station->replay("b", folder("b"));
+  auto a = station->replay("a", folder("a")), b = station->replay("b", folder("b"), {"--no-intensity"});
   expect_done(*a);
   expect_done(*b);
   EXPECT_EQ(components(*station), 1U);
@@ -99,6 +101,10 @@ TEST_F(EndToEnd, ThreeRobotsBecomeOneComponentAndEachIsToldOfAll) {
   const std::string id = station->settled_atlas()->at("components")[0].at("id").dump();
   EXPECT_EQ(station->command({"export", "--component", id, ply.string()})->status, 0);
   EXPECT_GT(std::filesystem::file_size(ply), 100000U);
+  const auto map = load_scan(ply);
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_EQ(std::set<float>(map->intensity.begin(), map->intensity.end()), (std::set<float>{0, 128}))
+      << "what the scans of a and c say, and nothing of b";
   EXPECT_EQ(station->command({"trajectory", "a", tum.string()})->status, 0);
   EXPECT_GT(std::filesystem::file_size(tum), 500U);
 }

@@ -97,9 +97,9 @@ TEST(CloudCodec, CloudsOfTheFirstFormAreStillRead) {
 }
 
 TEST(CloudCodec, AFormOfLaterVersionsIsRefusedByName) {
-  const auto later = decode_cloud(compressed(header(0, 3)));
+  const auto later = decode_cloud(compressed(header(0, 4)));
   ASSERT_FALSE(later);
-  EXPECT_NE(later.error().message.find("form 3, only 1 and 2 are known"), std::string::npos) << later.error().message;
+  EXPECT_NE(later.error().message.find("form 4, only 1 to 3 are known"), std::string::npos) << later.error().message;
 }
 
 TEST(CloudCodec, CloudsThatWouldBeSlowToReadTakeTheFirstForm) {

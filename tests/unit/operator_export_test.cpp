@@ -120,6 +120,33 @@ TEST_F(OperatorExportTest, LasHasTheSamePointsToAMillimetre) {
   EXPECT_EQ(sources, (std::set<std::uint16_t>{1, 2})) << "a session each";
 }
 
+/// The fifth to ninth point of each keyframe of session 2 are its second sweep's, which has intensities from 100 on.
+TEST_F(OperatorExportTest, IntensitiesGoWithTheirPointsInEveryFormat) {
+  ASSERT_EQ(get("component=1").find("intensity"), std::string::npos) << "no robot gave any";
+  server.station.painted = 2;
+  const auto wanted = [](std::size_t i) { return i < 20 || i % 10 < 5 ? 0U : 100U + 10U * (i % 10 - 5); };
+  const std::string ply = get("component=1"), pcd = get("component=1&format=pcd"), las = get("component=1&format=las");
+  EXPECT_NE(ply.find("property uchar blue\nproperty uchar intensity\nend_header\n"), std::string::npos);
+  EXPECT_NE(pcd.find("\nFIELDS x y z rgb intensity\nSIZE 4 4 4 4 4\nTYPE F F F F F\nCOUNT 1 1 1 1 1\nWIDTH 40\n"),
+            std::string::npos);
+  const std::size_t ply_body = ply.find("end_header\n") + 11, pcd_body = pcd.find("DATA binary\n") + 12;
+  ASSERT_EQ(ply.size(), ply_body + std::size_t{40} * 16);
+  ASSERT_EQ(pcd.size(), pcd_body + std::size_t{40} * 20);
+  for (std::size_t i = 0; i < 40; ++i) {
+    EXPECT_EQ(value_at<std::uint8_t>(ply, ply_body + 16 * i + 15), wanted(i)) << i;
+    EXPECT_EQ(value_at<float>(pcd, pcd_body + 20 * i + 16), static_cast<float>(wanted(i))) << i;
+    EXPECT_EQ(value_at<std::uint16_t>(las, 227 + 34 * i + 12), wanted(i) * 257) << i;
+  }
+}
+
+TEST_F(OperatorExportTest, ThinnedPointsHaveTheMeanIntensity) {
+  server.station.painted = 2;
+  const std::string las = get("component=1&format=las&voxel=100");
+  ASSERT_EQ(las.size(), 227U + 34U * 4U) << "one point a keyframe";
+  EXPECT_EQ(value_at<std::uint16_t>(las, 227 + 12), 0);
+  EXPECT_EQ(value_at<std::uint16_t>(las, 227 + 34 * 3 + 12), 60 * 257) << "five of 0, and 100 to 140";
+}
+
 TEST(Las, TimeIsThatOfTheSatellites) {
   EXPECT_EQ(adjusted_gps_s(315964800 + 1e9 - 15), 0) << "a billion seconds of GPS, when UTC was 15 s behind";
   EXPECT_EQ(adjusted_gps_s(1483228799), 1483228799 - 315964800 + 17 - 1e9) << "before the leap second";

@@ -29,6 +29,7 @@ class ScriptedStation {
   int drop_after_chunks = -1;       // of the first connection
   std::uint64_t refused_cloud = 0;  // by its keyframe's sequence
   v1::ErrorReport refusal;          // sent instead of a welcome when it has a message
+  std::vector<std::string> capabilities;
 
   void start() {
     thread_ = std::thread([this] { serve(); });
@@ -84,6 +85,7 @@ class ScriptedStation {
       } else {
         reply.mutable_welcome()->set_protocol_version(protocol_version);
         reply.mutable_welcome()->set_durable_keyframes(keyframes.size());
+        for (const auto& name : capabilities) reply.mutable_welcome()->add_capabilities(name);
         for (const auto& [sequence, cloud] : clouds) {
           auto& range = *reply.mutable_welcome()->add_durable_clouds();
           range.set_first(sequence);
@@ -163,11 +165,11 @@ class RobotClientTest : public testing::Test {
   }
 
   /// 31 scans, 1 m apart.
-  static std::size_t drive(RobotClient& robot) {
+  static std::size_t drive(RobotClient& robot, const std::vector<float>& intensity = {}) {
     const Points scan = drift_scan();
     std::size_t keyframes = 0;
     for (int i = 0; i <= 30; ++i) {
-      const auto added = robot.add_scan(i * 0.5, pose_from_yaw(0, {static_cast<double>(i), 0, 0}), scan);
+      const auto added = robot.add_scan(i * 0.5, pose_from_yaw(0, {static_cast<double>(i), 0, 0}), scan, intensity);
       EXPECT_TRUE(added) << added.error().message;
       if (added && *added) ++keyframes;
     }
@@ -259,6 +261,46 @@ TEST_F(RobotClientTest, EverythingArrivesThoughTheLinkBreaksWithinACloud) {
     EXPECT_TRUE(cloud.sweeps.back().origin.isZero());
     EXPECT_GT(std::count_if(k.walls.code.begin(), k.walls.code.end(), [](auto c) { return c != 0; }), 50);
   }
+}
+
+TEST_F(RobotClientTest, IntensitiesArriveWhereTheyAreWantedAndCanBeRead) {
+  const struct {
+    const char* capability;
+    bool wanted, arrive;
+  } cases[] = {{"cloud_form_3", true, true}, {"cloud_form_2", true, false}, {"cloud_form_3", false, false}};
+  for (const auto& one : cases) {
+    ScriptedStation station;
+    station.capabilities = {one.capability};
+    station.start();
+    const TempDir folder;
+    RobotConfig c = config(station.port());
+    c.spool = folder.path();
+    c.intensity = one.wanted;
+    {
+      const auto robot = RobotClient::open(c);
+      ASSERT_TRUE(robot) << robot.error().message;
+      ASSERT_EQ(drive(**robot, std::vector<float>(drift_scan().size(), 0.25F)), 4U);
+      ASSERT_TRUE((*robot)->finish(20s));
+    }
+    ASSERT_EQ(station.clouds.size(), 4U);
+    for (const auto& [sequence, cloud] : station.clouds)
+      for (const Sweep& sweep : cloud.sweeps) {
+        ASSERT_EQ(sweep.intensity.size(), one.arrive ? sweep.points.size() : 0);
+        for (const int value : sweep.intensity) EXPECT_NEAR(value, 64, 4);
+      }
+  }
+}
+
+TEST_F(RobotClientTest, OneIntensityTooManyOrTooFewIsAnError) {
+  const auto robot = RobotClient::open(config(1));
+  ASSERT_TRUE(robot);
+  const Points scan = drift_scan();
+  for (const std::size_t n : {scan.size() - 1, scan.size() + 1, std::size_t{1}}) {
+    const auto added = (*robot)->add_scan(1, Pose::Identity(), scan, std::vector<float>(n, 1));
+    ASSERT_FALSE(added) << n;
+    EXPECT_EQ(added.error().code, ErrorCode::invalid_argument);
+  }
+  EXPECT_TRUE((*robot)->add_scan(1, Pose::Identity(), scan, std::vector<float>(scan.size(), 1)).value());
 }
 
 TEST_F(RobotClientTest, ARefusedCloudIsDroppedWithAWordAndAllElseArrives) {

@@ -19,7 +19,7 @@ const Points some_points{{1.5F, -2.25F, 3}, {0, 0, 0}, {0, 0, 0}, {-100.125F, 0.
 
 struct Format {
   const char* name;
-  Result<Points> (*parse)(std::string_view);
+  Result<dataset::ScanTable> (*parse)(std::string_view);
   std::string bytes;
   bool text;
 };
@@ -33,7 +33,7 @@ std::vector<Format> formats(const Points& points) {
           {"ply binary", parse_ply, ply(points, "binary_little_endian"), false}};
 }
 
-std::string error_of(const Result<Points>& result) { return result ? "no error" : result.error().message; }
+std::string error_of(const Result<dataset::ScanTable>& result) { return result ? "no error" : result.error().message; }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -45,7 +45,7 @@ TEST(ScanFormats, EveryFormatGivesThePointsBack) {
   for (const auto& format : formats(some_points)) {
     const auto read = format.parse(format.bytes);
     ASSERT_TRUE(read) << format.name << ": " << read.error().message;
-    EXPECT_EQ(*read, some_points) << format.name;
+    EXPECT_EQ(read->points, some_points) << format.name;
   }
 }
 
@@ -53,7 +53,7 @@ TEST(ScanFormats, NoPointsAreAScanToo) {
   for (const auto& format : formats({})) {
     const auto read = format.parse(format.bytes);
     ASSERT_TRUE(read) << format.name << ": " << read.error().message;
-    EXPECT_TRUE(read->empty()) << format.name;
+    EXPECT_TRUE(read->points.empty()) << format.name;
   }
 }
 
@@ -81,7 +81,7 @@ TEST(ScanFormats, DamagedBytesNeverDoMoreThanFail) {
       for (unsigned flips = 0; flips <= rng() % 3; ++flips) bytes[rng() % bytes.size()] = static_cast<char>(rng());
       const auto read = format.parse(bytes);
       if (read) {
-        EXPECT_LE(read->size(), 100 * bytes.size()) << format.name;
+        EXPECT_LE(read->points.size(), 100 * bytes.size()) << format.name;
       }
     }
 }
@@ -107,7 +107,7 @@ TEST(ScanFormats, ACountThatLiesIsFoundBeforeMemoryIsTaken) {
 }
 
 TEST(ScanFormats, ErrorsSayWhere) {
-  const auto expect = [](const Result<Points>& result, const std::string& words) {
+  const auto expect = [](const Result<dataset::ScanTable>& result, const std::string& words) {
     EXPECT_NE(error_of(result).find(words), std::string::npos) << error_of(result) << "\n  lacks: " << words;
   };
   expect(parse_kitti(std::string(40, 'x')), "40 bytes are no multiple of 16");
@@ -134,7 +134,7 @@ TEST(ScanFormats, IntegersOfEverySizeAreRead) {
   append_raw<std::int64_t>(bytes, -1000);
   const auto read = parse_pcd(bytes);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(*read, (Points{{-5, 65535, -1000}}));
+  EXPECT_EQ(read->points, (Points{{-5, 65535, -1000}}));
 }
 
 TEST(ScanFormats, LineEndsOfOtherSystemsAreRead) {
@@ -142,7 +142,32 @@ TEST(ScanFormats, LineEndsOfOtherSystemsAreRead) {
   for (const char c : pcd(some_points, "ascii")) dos += c == '\n' ? std::string("\r\n") : std::string(1, c);
   const auto read = parse_pcd(dos);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(*read, some_points);
+  EXPECT_EQ(read->points, some_points);
+}
+
+TEST(ScanFormats, IntensitiesAreReadByTheirNames) {
+  EXPECT_EQ(parse_kitti(kitti(some_points))->intensity, std::vector<float>(5, 0.5F));
+  const std::vector<float> sevens(5, 7);
+  for (const std::string name : {"intensity", "Intensity", "scalar_Intensity", "reflectivity", "REFLECTANCE"}) {
+    for (const std::string data : {"ascii", "binary", "binary_compressed"}) {
+      const auto read = parse_pcd(replaced(pcd(some_points, data), "ring", name));
+      ASSERT_TRUE(read) << read.error().message;
+      EXPECT_EQ(read->intensity, sevens) << name << " " << data;
+      EXPECT_EQ(read->points, some_points);
+    }
+    for (const std::string format : {"ascii", "binary_little_endian"})
+      EXPECT_EQ(parse_ply(replaced(ply(some_points, format), "ring", name))->intensity, sevens) << name << format;
+  }
+  for (const std::string name : {"ring", "intensities", "scalar_", "scalar_ring"})
+    EXPECT_TRUE(parse_pcd(replaced(pcd(some_points, "ascii"), "ring", name))->intensity.empty()) << name;
+  const std::string both =
+      "FIELDS reflectivity x y z intensity\nSIZE 4 4 4 4 4\nTYPE F F F F F\nCOUNT 1 1 1 1 1\nWIDTH 1\nHEIGHT 1\n"
+      "DATA ascii\n1 2 3 4 5\n";
+  EXPECT_EQ(parse_pcd(both)->intensity, std::vector<float>{5}) << "the first of the names";
+  std::string wide = replaced(pcd(some_points, "binary"), "ring", "intensity");
+  wide = replaced(replaced(wide, "SIZE 8 2 4", "SIZE 8 1 4"), "COUNT 1 1", "COUNT 1 2");
+  EXPECT_TRUE(parse_pcd(wide)->intensity.empty()) << "two numbers are no intensity";
+  EXPECT_EQ(parse_pcd(wide)->points, some_points);
 }
 
 TEST(Lzf, UnpacksLiteralsAndCopiesThatOverlap) {

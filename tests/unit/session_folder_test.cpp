@@ -173,17 +173,20 @@ TEST_F(SessionFolderTest, ScansAreOrderedByTheNumbersInTheirNames) {
 TEST_F(SessionFolderTest, PointsThatAreNoneAreDroppedAndCounted) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
-  ASSERT_TRUE(write_kitti(scan(0), {{0, 0, 0},
-                                    {1, nan, 0},
-                                    {inf, 0, 0},
-                                    {0.009F, 0, 0},
-                                    {0.011F, 0, 0},
-                                    {0, -9999, 0},
-                                    {0, -10001, 0},
-                                    {1e30F, 0, 0}}));
+  ASSERT_TRUE(write_kitti(scan(0),
+                          {{0, 0, 0},
+                           {1, nan, 0},
+                           {inf, 0, 0},
+                           {0.009F, 0, 0},
+                           {0.011F, 0, 0},
+                           {0, -9999, 0},
+                           {0, -10001, 0},
+                           {1e30F, 0, 0}},
+                          {1, 2, 3, 4, 5, 6, 7, 8}));
   const auto read = load_scan(scan(0));
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->points, (Points{{0.011F, 0, 0}, {0, -9999, 0}}));
+  EXPECT_EQ(read->intensity, (std::vector<float>{5, 6}));
   EXPECT_EQ(read->dropped, 6U);
 }
 

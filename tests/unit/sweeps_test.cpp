@@ -93,6 +93,18 @@ TEST(SweepCollector, ThinsEverySweepAndTheOwnScan) {
   EXPECT_EQ(cloud.sweeps[2].points.size(), 1U);
 }
 
+TEST(SweepCollector, IntensitiesGoWithTheirPoints) {
+  SweepCollector collector;
+  collector.add(at(0), {{1.01F, 0, 0}, {1.02F, 0, 0}, {3, 0, 0}}, {10, 20, 70});
+  collector.add(at(5), {{1, 0, 0}});
+  const KeyframeCloud cloud = collector.take(at(10, 180), {{2, 0, 0}, {1, 0, 0}}, {5, 6});
+  ASSERT_EQ(cloud.sweeps.size(), 3U);
+  EXPECT_EQ(cloud.sweeps[0].intensity, (Intensities{15, 70})) << "the mean of each cube";
+  EXPECT_EQ(cloud.sweeps[0].points.size(), 2U);
+  EXPECT_TRUE(cloud.sweeps[1].intensity.empty());
+  EXPECT_EQ(cloud.sweeps[2].intensity, (Intensities{5, 6}));
+}
+
 TEST(SweepCollector, TakeEmptiesTheCollector) {
   SweepCollector collector;
   collector.add(at(0), {{1, 0, 0}});

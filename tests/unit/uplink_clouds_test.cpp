@@ -1,3 +1,4 @@
+#include "common/cloud/cloud_codec.hpp"
 #include "tests/support/uplink_fixture.hpp"
 
 namespace headframe {
@@ -23,6 +24,32 @@ TEST_F(UplinkProtocolTest, ARefusedCloudIsDroppedHoweverFarItWas) {
   EXPECT_FALSE(refuse(1)) << "said twice";
   EXPECT_EQ(sent(), Words{"c3:0"});
   EXPECT_FALSE(link_->ended());
+}
+
+/// Each server gets the most that it reads, byte for byte what a robot without intensities would have sent.
+TEST_F(UplinkProtocolTest, IntensitiesGoOnlyToAServerThatReadsThem) {
+  KeyframeCloud cloud{{{{0, 0, 0}, {{1, 2, 3}, {4, 5, 6}}, {70, 80}}}};
+  const std::string full = encode_cloud(cloud).value();
+  cloud.sweeps[0].intensity.clear();
+  const std::string plain = encode_cloud(cloud).value();
+  ASSERT_NE(full, plain);
+  table_.keyframes = 1;
+  table_.clouds = {{1, full}};
+  const auto sent_to = [&](const std::vector<std::string>& capabilities) {
+    start();
+    (void)sent();
+    welcome(0, capabilities);
+    chunks_.clear();
+    EXPECT_EQ(sent(), (Words{"k1", "c1:0"}));
+    return chunks_;
+  };
+  EXPECT_EQ(sent_to({"cloud_form_1", "cloud_form_2", "cloud_form_3"}), full);
+  EXPECT_EQ(sent_to({"cloud_form_1", "cloud_form_2"}), plain);
+  EXPECT_EQ(sent_to({}), plain) << "older than the lists";
+  table_.clouds = {{1, plain}};
+  EXPECT_EQ(sent_to({"cloud_form_2"}), plain);
+  table_.clouds = {{1, "no cloud"}};
+  EXPECT_EQ(sent_to({"cloud_form_2"}), "no cloud") << "the server refuses it";
 }
 
 TEST_F(UplinkProtocolTest, CloudsWaitForAcksWhenTheWindowIsFull) {

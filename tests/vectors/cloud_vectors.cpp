@@ -1,4 +1,4 @@
-// Sweeps and the code of a cloud, in both forms; what is refused.
+// Sweeps and the code of a cloud, in all forms; what is refused.
 #include <zstd.h>
 
 #include <algorithm>
@@ -98,6 +98,24 @@ Json row_of(const std::string& what, const KeyframeCloud& cloud, float cell_m, b
   return row;
 }
 
+Json intensity_row(const std::string& what, const KeyframeCloud& cloud) {
+  const auto encoded = encode_cloud(cloud, 0.01F).value();
+  const auto read = decode_cloud(encoded).value();
+  Json sweeps = Json::array(), values = Json::array();
+  for (const Sweep& sweep : cloud.sweeps)
+    sweeps.push_back({{"origin", to_json(Points{sweep.origin})[0]},
+                      {"points", to_json(sweep.points)},
+                      {"intensity", sweep.intensity}});
+  for (const Sweep& sweep : read.sweeps) values.push_back(sweep.intensity);
+  return {{"what", what},
+          {"cell_m", 0.01},
+          {"form_3", to_hex(content_of(encoded))},
+          {"without", to_hex(content_of(without_intensity(encoded).value()))},
+          {"sweeps", sweeps},
+          {"cells_read", cells_of(read, 0.01F)},
+          {"intensity_read", values}};
+}
+
 /// No coordinate half-way between two cells, where 32 and 64 bits may round to different sides.
 Points even(Points points) {
   for (auto& p : points)
@@ -131,21 +149,50 @@ Json codes() {
   return rows;
 }
 
+Json with_intensity() {
+  const Points asymmetric{{0, 0, 0}, {0.01F, 0, 0}, {0, 0.01F, 0}, {0, 0, 0.01F}, {0.07F, 0.02F, 0.05F}};
+  const Intensities some{0, 255, 1, 128, 17};
+  Intensities rising, noise;
+  for (int i = 0; i < 80; ++i) rising.push_back(static_cast<std::uint8_t>(3 * i));
+  std::mt19937 rng(8);
+  const Points room = even(room_scan(36, 4));
+  for (std::size_t i = 0; i < room.size(); ++i) noise.push_back(static_cast<std::uint8_t>(rng() >> 24U));
+  Json rows = Json::array();
+  rows.push_back(intensity_row("five points", {{Sweep{{0, 0, 0}, asymmetric, some}}}));
+  rows.push_back(
+      intensity_row("points in one cell: the faintest first; its cloud is of form 1",
+                    {{Sweep{{0, 0, 0}, Points(12, {1, 2, 3}), {9, 200, 9, 0, 77, 3, 3, 3, 255, 8, 40, 41}}}}));
+  rows.push_back(intensity_row("sweeps with and without share what was learned",
+                               {{Sweep{{-1.5F, 0.25F, 0}, scattered(80, 3), rising}, Sweep{{1, 1, 1}, {}, {}},
+                                 Sweep{{0, 0, 1}, asymmetric, {}}, Sweep{{0, 0, 0}, room, noise}}}));
+  return rows;
+}
+
 Json refused() {
   const std::string good = as_form_1({{Sweep{{0, 0, 0}, {{1, 2, 3}, {2, 3, 4}}}}}, 0.01F);
   std::string form = good, sweeps = good, points = good, cell = good;
-  form[0] = 3;
+  form[0] = 4;
   sweeps.replace(5, 1, "\x81\x02");  // 257
   points[9] = 3;
   cell.replace(1, 4, std::string("\x00\x00\x30\x41", 4));  // 11 m
-  const std::vector<std::pair<std::string, std::string>> bytes{{"no zstd frame", "a cloud"},
-                                                               {"bytes behind the frame", raw_frame(good) + "x"},
-                                                               {"cut short", raw_frame(good).substr(0, good.size())},
-                                                               {"form 3", raw_frame(form)},
-                                                               {"257 sweeps", raw_frame(sweeps)},
-                                                               {"more points than there are", raw_frame(points)},
-                                                               {"bytes behind the points", raw_frame(good + "x")},
-                                                               {"cells of 11 m", raw_frame(cell)}};
+  const std::string bright =
+      content_of(encode_cloud({{Sweep{{0, 0, 0}, {{1, 2, 3}, {2, 3, 4}}, {90, 100}}}}, 0.01F).value());
+  std::string longer = bright;
+  ++longer[1];
+  const std::vector<std::pair<std::string, std::string>> bytes{
+      {"no zstd frame", "a cloud"},
+      {"bytes behind the frame", raw_frame(good) + "x"},
+      {"cut short", raw_frame(good).substr(0, good.size())},
+      {"form 4", raw_frame(form)},
+      {"257 sweeps", raw_frame(sweeps)},
+      {"more points than there are", raw_frame(points)},
+      {"bytes behind the points", raw_frame(good + "x")},
+      {"cells of 11 m", raw_frame(cell)},
+      {"bytes behind the intensities", raw_frame(bright + "x")},
+      {"intensities cut short", raw_frame(bright.substr(0, bright.size() - 1))},
+      {"a longer cloud than there is before the intensities", raw_frame(longer)},
+      {"intensities of a cloud with intensities",
+       raw_frame("\x03" + std::string(1, static_cast<char>(bright.size())) + bright)}};
   if (!decode_cloud(raw_frame(good))) throw std::logic_error("the cloud that is spoilt is none");
   Json rows = Json::array();
   for (const auto& [what, encoded] : bytes) {
@@ -184,6 +231,8 @@ File sweeps() {
 
 }  // namespace
 
-std::vector<File> cloud_files() { return {sweeps(), {"clouds", {{"clouds", codes()}, {"refused", refused()}}}}; }
+std::vector<File> cloud_files() {
+  return {sweeps(), {"clouds", {{"clouds", codes()}, {"with_intensity", with_intensity()}, {"refused", refused()}}}};
+}
 
 }  // namespace headframe::vectors

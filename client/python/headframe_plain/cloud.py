@@ -1,10 +1,11 @@
 """A cloud's code. A cloud is a list of sweeps (origin (3), points (n, 3)), metres, in the keyframe's sensor frame."""
 
+import math
 import struct
 
 import numpy as np
 
-from .octree import OctreeEncoder
+from .octree import Model, OctreeEncoder, RangeEncoder
 
 MOST_BLOCK_BYTES = 131072
 
@@ -63,6 +64,31 @@ def content(sweeps, cell_m=0.01, form=1):
             return content(sweeps, cell_m, form=1)
         out.append(stream)
     return b"".join(out)
+
+
+def intensity_level(intensity):
+    return round(31 * math.sqrt(intensity / 255))
+
+
+def content_with_intensity(sweeps, cell_m=0.01, form=2):
+    """Form 3. Sweeps are (origin, points, intensity): of a sweep with points as many, 0 to 255, or none."""
+    plain = content([(origin, points) for origin, points, _ in sweeps], cell_m, form)
+    coder, models = RangeEncoder(), {}
+    for _, points, intensity in sweeps:
+        if not len(points):
+            continue
+        coder.plain(1 if len(intensity) else 0, 1)
+        grid = cells(points, cell_m)
+        levels = [intensity_level(i) for i in intensity]
+        before = 0
+        for _, level in sorted(zip(morton(grid - grid.min(axis=0)).tolist(), levels)):
+            pattern = 1
+            for i in reversed(range(5)):
+                bit = level >> i & 1
+                coder.bit(models.setdefault((before, pattern), Model()), bit)
+                pattern = 2 * pattern + bit
+            before = level
+    return varint(3) + varint(len(plain)) + plain + coder.finish()
 
 
 def zstd_of_raw_blocks(data):

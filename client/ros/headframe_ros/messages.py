@@ -2,6 +2,7 @@
 
 import numpy as np
 
+INTENSITY = ("intensity", "reflectivity", "reflectance")  # the first of these that a cloud has counts, as in files
 TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 
 
@@ -12,11 +13,18 @@ def stamp_s(header):
 
 def points_of(cloud):
     """(n, 3) of a sensor_msgs/PointCloud2, in its own frame, without what is not finite. ValueError: it is none."""
+    return returns_of(cloud)[0]
+
+
+def returns_of(cloud):
+    """The same, and how strong the returns of these points were (n), as the driver says it, or None."""
     fields = {field.name: field for field in cloud.fields}
     order = ">" if cloud.is_bigendian else "<"
+    strength = next((name for name in INTENSITY if name in fields and fields[name].datatype in TYPES), None)
+    names = list("xyz") + ([strength] if strength else [])
     try:
-        layout = np.dtype({"names": list("xyz"), "formats": [order + TYPES[fields[n].datatype] for n in "xyz"],
-                           "offsets": [fields[n].offset for n in "xyz"], "itemsize": cloud.point_step})
+        layout = np.dtype({"names": names, "formats": [order + TYPES[fields[n].datatype] for n in names],
+                           "offsets": [fields[n].offset for n in names], "itemsize": cloud.point_step})
     except KeyError as missing:
         raise ValueError(f"a cloud has no field {missing} that can be read") from None
     if cloud.row_step < cloud.width * cloud.point_step or len(cloud.data) < cloud.height * cloud.row_step:
@@ -24,7 +32,8 @@ def points_of(cloud):
     rows = [np.frombuffer(cloud.data, layout, cloud.width, row * cloud.row_step) for row in range(cloud.height)]
     points = np.concatenate(rows) if rows else np.empty(0, layout)
     out = np.stack([points[n].astype(np.float32) for n in "xyz"], axis=1)
-    return out[np.isfinite(out).all(axis=1)]
+    finite = np.isfinite(out).all(axis=1)
+    return out[finite], points[strength].astype(np.float32)[finite] if strength else None
 
 
 def rotation_of(x, y, z, w):

@@ -188,7 +188,8 @@ def main():
         with headframe.Robot(str(param("~robot")), spool=str(param("~spool")), server=str(param("~server")),
                              enrolment=str(param("~enrol", "")), insecure=bool(param("~insecure", False)),
                              family=str(param("~family", "learned")), clouds=str(param("~clouds", "all")),
-                             bytes_per_s=float(param("~bytes_per_s", 0))) as robot:
+                             bytes_per_s=float(param("~bytes_per_s", 0)),
+                             intensity=bool(param("~intensity", True))) as robot:
             run(robot)
             robot.finish(float(param("~patience", 5)))
     except (ValueError, headframe.Error) as fault:

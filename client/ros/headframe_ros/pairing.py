@@ -53,17 +53,17 @@ class Pairing:
             del self._stamps[:old], self._poses[:old]
         return None
 
-    def cloud(self, stamp_s, frame, points):
-        self._waiting.append((stamp_s, frame, points))
+    def cloud(self, stamp_s, frame, points, intensity=None):
+        self._waiting.append((stamp_s, frame, points, intensity))
         if len(self._waiting) > MOST_WAITING:
             self._waiting.popleft()
             self._lose("no odometry came for it")
 
     def take(self):
-        """[(stamp_s, T_local_sensor, points)] of the clouds whose odometry has come."""
+        """[(stamp_s, T_local_sensor, points, intensity)] of the clouds whose odometry has come."""
         out = []
         while self._waiting and self._stamps and self._waiting[0][0] <= self._stamps[-1]:
-            stamp_s, frame, points = self._waiting.popleft()
+            stamp_s, frame, points, intensity = self._waiting.popleft()
             T_base_sensor = self._mounting(frame)
             T_local_base = self._pose_at(stamp_s)
             if T_local_base is None:
@@ -71,7 +71,7 @@ class Pairing:
             elif T_base_sensor is None:
                 self._lose(f"no transform from {self._base} to {frame}")
             else:
-                out.append((stamp_s, T_local_base @ T_base_sensor, points))
+                out.append((stamp_s, T_local_base @ T_base_sensor, points, intensity))
         return out
 
     def end(self):

@@ -32,6 +32,7 @@ def arguments():
     parser.add_argument("--rate", type=float, default=0, help="times real time; without it as fast as it goes")
     parser.add_argument("--family", default="learned", help="what describes a keyframe")
     parser.add_argument("--clouds", default="all", choices=["all", "on_request", "never"], help="which clouds to send")
+    parser.add_argument("--no-intensity", action="store_true", help="leave out how strong the returns were, which exports show")
     parser.add_argument("--patience", type=float, default=30, help="give up after so many seconds without progress")
     parser.add_argument("--linger", type=float, default=0, help="stay so many seconds after the last news of the map")
     parser.add_argument("--insecure", action="store_true", help="to a server that runs with --insecure")
@@ -55,13 +56,13 @@ def play(options, robot):
     first = None
     for topic, message in messages(options.bag, listener.topics):
         listener.take(topic, message)
-        for stamp_s, T_local_sensor, points in pairing.take():
+        for stamp_s, T_local_sensor, points, intensity in pairing.take():
             first = first or (stamp_s, time.monotonic())
             if options.rate > 0:
                 time.sleep(max(0, first[1] + (stamp_s - first[0]) / options.rate - time.monotonic()))
             scans += 1
             try:
-                keyframes += robot.add_scan(stamp_s, T_local_sensor, points)
+                keyframes += robot.add_scan(stamp_s, T_local_sensor, points, intensity)
             except headframe.BadInput as passed_over:
                 pairing.lost[str(passed_over)] = pairing.lost.get(str(passed_over), 0) + 1
             if sys.stderr.isatty():
@@ -76,7 +77,8 @@ def main():
     options = arguments()
     try:
         with headframe.Robot(options.robot, spool=options.spool, server=options.server, enrolment=options.enrol,
-                             insecure=options.insecure, family=options.family, clouds=options.clouds) as robot:
+                             insecure=options.insecure, family=options.family, clouds=options.clouds,
+                             intensity=not options.no_intensity) as robot:
             news = threading.Event()
 
             def told(transforms):

@@ -1,6 +1,6 @@
 """Which messages mean what: those of a bag, and those that a node hears."""
 
-from .messages import points_of, pose_of, stamp_s
+from .messages import pose_of, returns_of, stamp_s
 
 
 class Listener:
@@ -15,7 +15,7 @@ class Listener:
     def take(self, topic, message):
         """ValueError: the message is no cloud or pose."""
         if topic == self._points:
-            self._pairing.cloud(stamp_s(message.header), frame(message.header.frame_id), points_of(message))
+            self._pairing.cloud(stamp_s(message.header), frame(message.header.frame_id), *returns_of(message))
         elif topic == "/tf_static":
             for t in message.transforms:
                 self._pairing.static(frame(t.header.frame_id), frame(t.child_frame_id), pose_of(t.transform))

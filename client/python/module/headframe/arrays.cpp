@@ -21,6 +21,11 @@ Points points_of(const PointArray& points) {
   return out;
 }
 
+std::vector<float> values_of(const ValueArray& values) {
+  if (values.ndim() != 1) throw py::value_error("intensity has to be an array of (n), as many as points");
+  return {values.data(), values.data() + values.size()};
+}
+
 py::array_t<double> array_of(const std::vector<Eigen::Vector3d>& points) {
   py::array_t<double> out({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
   auto to = out.mutable_unchecked<2>();

@@ -14,6 +14,7 @@ namespace py = pybind11;
 
 using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 using PointArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
+using ValueArray = PointArray;
 
 /// headframe.Error
 struct Fault : std::runtime_error {
@@ -37,6 +38,9 @@ inline Matrix4 matrix_of(const Pose& T) { return T.matrix(); }
 
 /// From (n, 3) or (n, more), of which the first three columns count; else ValueError.
 Points points_of(const PointArray& points);
+
+/// From (n); else ValueError.
+std::vector<float> values_of(const ValueArray& values);
 
 /// (n, 3) of doubles.
 py::array_t<double> array_of(const std::vector<Eigen::Vector3d>& points);

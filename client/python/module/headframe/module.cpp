@@ -54,7 +54,7 @@ std::unique_ptr<RobotClient, Unlocked> open(const std::string& robot, const std:
                                             const std::string& session, const std::string& credential,
                                             const std::string& fingerprint, bool insecure, const Sensor& sensor,
                                             const std::string& family, const std::string& clouds, double bytes_per_s,
-                                            bool provisional) {
+                                            bool provisional, bool intensity) {
   RobotConfig config;
   const Endpoint peer = value_of(parse_peer(server));
   config.robot = robot;
@@ -71,15 +71,18 @@ std::unique_ptr<RobotClient, Unlocked> open(const std::string& robot, const std:
   config.clouds = policy_of(clouds);
   config.bytes_per_s = bytes_per_s;
   config.provisional = provisional;
+  config.intensity = intensity;
   const py::gil_scoped_release others_run;
   return std::unique_ptr<RobotClient, Unlocked>(value_of(RobotClient::open(config)).release());
 }
 
-bool add_scan(RobotClient& robot, double stamp_s, const Matrix4& T_local_sensor, const PointArray& points) {
+bool add_scan(RobotClient& robot, double stamp_s, const Matrix4& T_local_sensor, const PointArray& points,
+              const std::optional<ValueArray>& intensity) {
   const Pose T = pose_of(T_local_sensor);
   const Points copied = points_of(points);
+  const auto values = intensity ? values_of(*intensity) : std::vector<float>{};
   const py::gil_scoped_release others_run;
-  return value_of(robot.add_scan(stamp_s, T, copied));
+  return value_of(robot.add_scan(stamp_s, T, copied, values));
 }
 
 void say_live(RobotClient& robot, std::optional<double> battery, const std::string& health,
@@ -239,8 +242,10 @@ PYBIND11_MODULE(_robot, m) {
       .def(py::init(&open), py::arg("robot"), py::kw_only(), py::arg("spool"), py::arg("server"),
            py::arg("enrolment") = "", py::arg("session") = "", py::arg("credential") = "", py::arg("fingerprint") = "",
            py::arg("insecure") = false, py::arg("sensor") = Sensor{}, py::arg("family") = RobotConfig().family,
-           py::arg("clouds") = "all", py::arg("bytes_per_s") = 0.0, py::arg("provisional") = false)
-      .def("add_scan", &add_scan, py::arg("stamp_s"), py::arg("T_local_sensor"), py::arg("points"))
+           py::arg("clouds") = "all", py::arg("bytes_per_s") = 0.0, py::arg("provisional") = false,
+           py::arg("intensity") = true)
+      .def("add_scan", &add_scan, py::arg("stamp_s"), py::arg("T_local_sensor"), py::arg("points"),
+           py::arg("intensity") = std::nullopt)
       .def("on_transforms", subscription(&RobotClient::on_transform), py::arg("callback"))
       .def("localize", subscription(&RobotClient::localize), py::arg("callback"))
       .def("trajectories", subscription(&RobotClient::trajectories), py::arg("callback"))
