@@ -63,7 +63,8 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
                  100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
        formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
-       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), shared(e) + ": hardly any"}};
+       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), shared(e) + ": hardly any",
+       formatted("%.1f other placements fit as well; ", e.aliases) + descriptors(e)}};
 }
 
 /// The figure that moves a contribution, and how it reads.
@@ -97,7 +98,8 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {&Evidence::inlier_fraction, 1, "%.0f %% would suffice", 100},
            {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
            {&Evidence::tilt_deg, 0, "%.2f deg at most would suffice"},
-           path}};
+           path,
+           alike}};
 }
 
 /// The figure that would do, all else as it is: the nearest to what was measured. Nothing where not even the best

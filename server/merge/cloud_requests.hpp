@@ -1,7 +1,8 @@
 #pragma once
 // Which clouds are asked of the robots, for links are thin: those around the spot where a hypothesis is looked at
 // first; while these leave it in doubt, more of the overlap's; and before it is believed those that tell whether the
-// mine repeats itself, and where it does what the long-range check needs.
+// mine repeats itself, and where it does what the long-range check needs; of a merge whose sessions have ended, what is
+// missing along the overlap.
 
 #include "server/atlas/alignment.hpp"
 #include "server/merge/attempt.hpp"

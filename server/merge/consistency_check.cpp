@@ -123,9 +123,11 @@ bool ConsistencyCheck::record_agreeing(const MergeResult& merged, AttemptReport&
 
 void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
   const Stopwatch watch(attempt.report.times.verification_ms);
-  for (auto& [pair, kept] : contacts_)  // not in between: what was found is not asked for twice, so this ends
+  for (auto& [pair, kept] : contacts_) {  // not in between: what was found is not asked for twice, so this ends
     if (kept.size() > placements_kept)
       kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(placements_kept));
+    for (SeenContact& contact : kept) contact.recorded = false;  // the pair may have been judged by itself since
+  }
   look_while_news(AlignmentBook::Waiting::none, attempt);
   if (book_.anything_may_come()) look_while_news(AlignmentBook::Waiting::all, attempt);
 }

@@ -17,12 +17,12 @@ struct VerdictTerm {
   double value = 0;
 };
 inline constexpr std::size_t verdict_term_count = 8;
-inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 8;
+inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 9;
 std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& evidence);
 
 /// What each term adds to the log-odds, as named by verdict_terms(), and what was set by hand: that places look alike,
 /// the overlap that is missing where the mine repeats itself, how much path is shared, a long overlap whose places all
-/// agree, what lies farther off, how few points meet, and how far it leans.
+/// agree, what lies farther off, how few points meet, how far it leans, and whether another placement fits as well.
 struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_contribution_count> contributions;

@@ -206,6 +206,24 @@ TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
   EXPECT_GT(odds(1, 0.85) - odds(1, 0.76), odds(0, 0.85) - odds(0, 0.76)) << "below .85 a copy's mine asks for more";
 }
 
+TEST(Probability, BesideAnotherPlacementThatFitsDescriptorsHaveToTell) {
+  const auto p = [](double aliases, double alike, double count = 5) {
+    Evidence e = convincing();
+    e.overlap_m = 23;
+    e.aliases = aliases;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = count;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_GT(p(0, 0.77), 0.9);
+  EXPECT_LT(p(0.25, 0.77), 0.7);
+  EXPECT_GT(p(0.25, 0.84), 0.9);
+  EXPECT_GT(p(0.25, 0, 0), 0.9) << "none were compared";
+  EXPECT_NEAR(p(0.25, 0.829), p(0.25, 0.831), 0.05) << "no cliff";
+  EXPECT_GE(p(0.1, 0.77), p(0.2, 0.77));
+  EXPECT_NEAR(p(0.2, 0.77), p(0.21, 0.77), 0.01) << "one that fits is enough";
+}
+
 TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
   Evidence e;
   e.aliases = 4;
