@@ -206,22 +206,26 @@ TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
   EXPECT_GT(odds(1, 0.85) - odds(1, 0.76), odds(0, 0.85) - odds(0, 0.76)) << "below .85 a copy's mine asks for more";
 }
 
-TEST(Probability, BesideAnotherPlacementThatFitsDescriptorsHaveToTell) {
-  const auto p = [](double aliases, double alike, double count = 5) {
+TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) {
+  const auto p = [](double likeness, double alike, double count = 5, double overlap_m = 23) {
     Evidence e = convincing();
-    e.overlap_m = 23;
-    e.aliases = aliases;
+    e.overlap_m = overlap_m;
+    e.aliases = 0.2 * likeness;
     e.descriptors_alike = alike;
     e.descriptors_compared = count;
-    return probability(RegistrationStatus::converged, e);
+    const double beside_another = probability(RegistrationStatus::converged, e);
+    e.aliases = 0;
+    e.look_alikes = 0.5 * likeness;
+    return std::max(beside_another, probability(RegistrationStatus::converged, e));
   };
   EXPECT_GT(p(0, 0.77), 0.9);
-  EXPECT_LT(p(0.25, 0.77), 0.7);
-  EXPECT_GT(p(0.25, 0.84), 0.9);
-  EXPECT_GT(p(0.25, 0, 0), 0.9) << "none were compared";
-  EXPECT_NEAR(p(0.25, 0.829), p(0.25, 0.831), 0.05) << "no cliff";
-  EXPECT_GE(p(0.1, 0.77), p(0.2, 0.77));
-  EXPECT_NEAR(p(0.2, 0.77), p(0.21, 0.77), 0.01) << "one that fits is enough";
+  EXPECT_LT(p(1, 0.77), 0.6);
+  EXPECT_GT(p(1, 0.84), 0.9);
+  EXPECT_GT(p(1, 0.77, 3), 0.9) << "three tell little";
+  EXPECT_GT(p(1, 0.77, 4), p(1, 0.77, 5));
+  EXPECT_GT(p(1, 0.77, 5, 36), 0.9) << "a longer overlap tells by itself";
+  EXPECT_LT(p(1, 0.77, 5, 26), p(1, 0.77, 5, 31));
+  EXPECT_NEAR(p(1, 0.829), p(1, 0.831), 0.05) << "no cliff";
 }
 
 TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
