@@ -23,7 +23,7 @@ bool is_over(const std::vector<float>& raw, float full) {
 std::uint8_t to_byte(float value, float full) {
   if (!(value > 0 && value <= std::numeric_limits<float>::max())) return 0;
   const float share = std::min(value / full, 1.0F);
-  return static_cast<std::uint8_t>(of_bytes * (full == of_words ? std::sqrt(share) : share) + 0.5F);
+  return static_cast<std::uint8_t>(std::lround(of_bytes * (full == of_words ? std::sqrt(share) : share)));
 }
 
 }  // namespace
