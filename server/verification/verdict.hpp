@@ -22,7 +22,8 @@ std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& eviden
 
 /// What each term adds to the log-odds, as named by verdict_terms(), and what was set by hand: that places look alike,
 /// the overlap that is missing where the mine repeats itself, how much path is shared, a long overlap whose places all
-/// agree, what lies farther off, how few points meet, how far it leans, and whether descriptors tell it from what looks alike.
+/// agree, what lies farther off, how few points meet, how far it leans, and whether descriptors tell it from what looks
+/// alike.
 struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_contribution_count> contributions;
