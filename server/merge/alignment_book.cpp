@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "server/merge/frozen_places.hpp"
 #include "server/session/same_placement.hpp"
@@ -148,27 +149,21 @@ std::vector<Alignment> AlignmentBook::wake(SessionId id) {
   std::vector<Alignment> changed;
   for (Alignment& k : alignments_) {
     if (k.a != id && k.b != id) continue;
-    const AlignmentState was = k.state;
-    k.state = across_sites(k) ? AlignmentState::rejected : decided_state(k);
+    const AlignmentState was = std::exchange(k.state, decided_state(k));
     if (k.state != was) changed.push_back(k);
   }
   return changed;
 }
 
-bool AlignmentBook::is_here(const Alignment& alignment) const {
-  return sessions_.contains(alignment.a) && sessions_.contains(alignment.b);
-}
-
-/// And the operator did not rule on it.
-bool AlignmentBook::across_sites(const Alignment& alignment) const {
-  return is_here(alignment) && !sessions_.at_one_site(alignment.a, alignment.b) && alignment.ruling == Ruling::none;
-}
-
 MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const {
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
-  for (Alignment& alignment : spoken)  // one whose session is set aside says nothing
-    if (!is_here(alignment)) alignment.state = AlignmentState::candidate;
+  for (Alignment& k : spoken) {
+    if (!sessions_.contains(k.a) || !sessions_.contains(k.b))
+      k.state = AlignmentState::candidate;  // one whose session is set aside says nothing
+    else if (!sessions_.at_one_site(k.a, k.b) && k.ruling == Ruling::none)
+      k.state = AlignmentState::rejected;  // across sites the operator has the word
+  }
   FrozenSessions frozen;
   for (const auto& [id, held] : sessions_.frozen()) frozen[id] = local(held, sessions_.frames());
   return merge_sessions(ids, spoken, {}, anchors_, contacts, frozen);

@@ -50,7 +50,7 @@ class AlignmentBook {
   /// False: it was chosen last already. refused: a frozen session of its component keeps the frame.
   Result<bool> anchor(SessionId id);
   /// A session that was set aside is back, or belongs to another site: its alignments stand again as their verdict and
-  /// the operator's word say; those across sites on which he did not rule are rejected. Gives those that changed.
+  /// the operator's word say, until the atlas is updated. Gives those that changed.
   std::vector<Alignment> wake(SessionId id);
 
   /// Whether anything waits for path or clouds that may be told then.
@@ -79,8 +79,6 @@ class AlignmentBook {
   AlignmentState state_of(const OrderedPair& pair, const Judgement& best, const Alignment* known, bool waits) const;
   bool waits(const Alignment& alignment) const;
   bool may_come(const Alignment& alignment) const;
-  bool is_here(const Alignment& alignment) const;
-  bool across_sites(const Alignment& alignment) const;
   MergeResult merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const;
   std::set<SessionId> unsettled_sessions(const MergeResult& then) const;
   MergeResult merge_undisputed(const Contacts& contacts) const;

@@ -9,7 +9,7 @@ const double spot_m = SubmapConfig{}.radius_m;
 constexpr std::size_t more = 2;           // times as many as for a first look
 constexpr std::size_t cases_awaited = 1;  // that may wait for a first look at a time
 constexpr std::size_t cases_asking = 10;  // the most promising: others are looked at with the clouds that are here
-constexpr double settled_m = 3;           // of a place: so near a cloud tells of it
+constexpr double settled_m = 3;           // of a place: so near a cloud tells of it; by hand
 constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {

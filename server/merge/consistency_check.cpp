@@ -112,6 +112,7 @@ bool ConsistencyCheck::record_agreeing(const MergeResult& merged, AttemptReport&
         if (!contact || contact->contact != Contact::agrees || contact->recorded) continue;
         contact->recorded = true;
         const Alignment* known = book_.find(a.session, b.session);
+        if (!sessions_.at_one_site(a.session, b.session)) continue;
         const bool spoken_for = known && (known->ruling != Ruling::none || known->state == AlignmentState::verified ||
                                           known->state == AlignmentState::published);
         if (spoken_for) continue;
@@ -126,7 +127,11 @@ void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
   for (auto& [pair, kept] : contacts_) {  // not in between: what was found is not asked for twice, so this ends
     if (kept.size() > placements_kept)
       kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(placements_kept));
-    for (SeenContact& contact : kept) contact.recorded = false;  // the pair may have been judged by itself since
+    // The pair may have been judged by itself since: what others say counts again where look-alikes alone spoke
+    // against.
+    const Alignment* known = book_.find(pair.first, pair.second);
+    if (known && known->evidence.probability_if_unique >= config_.accept_probability)
+      for (SeenContact& contact : kept) contact.recorded = false;
   }
   look_while_news(AlignmentBook::Waiting::none, attempt);
   if (book_.anything_may_come()) look_while_news(AlignmentBook::Waiting::all, attempt);

@@ -25,9 +25,12 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
   s.close_loops(id, attempt);
-  s.update_atlas(report);                    // 9: maps merge one after another, and bend where they meet again
-  for (const Alignment& k : report.changed)  // it is told first; then its loops are closed, and it is settled
-    if (k.state == AlignmentState::published) s.to_settle.insert({k.a, k.b}), report.unfinished = true;
+  s.update_atlas(report);                      // 9: maps merge one after another, and bend where they meet again
+  for (const Alignment& k : report.changed) {  // it is told first; then its loops are closed, and it is settled
+    if (k.state != AlignmentState::published) continue;
+    s.to_settle.insert({k.a, k.b});
+    report.unfinished = true;
+  }
   report.self_likeness = s.self.take_news();
   return s.book.given_out(std::move(report));
 }
@@ -91,15 +94,17 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
   for (const SessionId other : left)
-    if (sessions.contains(other) && sessions.at_one_site(id, other)) merge_pair(sessions.ordered(id, other), attempt);
+    if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
 }
 
-/// What was published lately of other sessions is looked at once more, until nothing is asked for it: it may have been
-/// released by this one, and nobody tries them any more.
+/// What was published lately, of other sessions, is looked at once more, until nothing is asked for it: it may have
+/// been released by this one, and nobody tries them any more.
 void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
   std::erase_if(to_settle, [&](const std::pair<SessionId, SessionId>& both) {
     const auto [a, b] = both;
-    if (a == id || b == id || !sessions.contains(a) || !sessions.contains(b)) return true;
+    const Alignment* known = book.find(a, b);
+    const bool stands = known && known->state == AlignmentState::published;
+    if (a == id || b == id || !stands || !sessions.contains(a) || !sessions.contains(b)) return true;
     const std::size_t asked = attempt.report.wanted.size();
     merge_pair(sessions.ordered(a, b), attempt);
     return attempt.report.wanted.size() == asked;

@@ -106,15 +106,14 @@ void PartnerRanking::take_in_walls(const std::string& site, const SessionMap& se
 
 std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sessions) {
   const auto partners = static_cast<std::size_t>(config_.partners);
-  const auto here = static_cast<std::size_t>(std::count_if(
-      sessions.all().begin(), sessions.all().end(), [&](const auto& s) { return sessions.at_one_site(id, s.first); }));
-  const bool all = here <= partners + 1;
+  const Session& self = sessions.at(id);
+  std::vector<SessionId> kin, strangers;
+  for (const auto& [other, session] : sessions.all())
+    if (other != id && session.site == self.site) (session.family == self.family ? kin : strangers).push_back(other);
+  const bool all = kin.size() + strangers.size() <= partners;
   std::vector<SessionId> order;
   for (const bool of_family : {true, false}) {
-    std::vector<SessionId> group;
-    for (const auto& [other, session] : sessions.all())
-      if (other != id && sessions.at_one_site(id, other) && (session.family == sessions.at(id).family) == of_family)
-        group.push_back(other);
+    std::vector<SessionId>& group = of_family ? kin : strangers;
     if (group.size() > 1) {
       Votes votes = of_family ? votes_by_places(id, sessions) : votes_by_walls(id, sessions);
       std::stable_sort(group.begin(), group.end(), [&](SessionId x, SessionId y) { return votes[x] > votes[y]; });

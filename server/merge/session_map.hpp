@@ -77,10 +77,11 @@ class SessionMap {
   /// A few metres of path look like many others: a growing session waits until it has seen more.
   bool may_merge(SessionId id) const { return at(id).complete || at(id).path_m() >= config_.least_path_m; }
   bool may_merge(const OrderedPair& pair) const { return may_merge(pair.a) && may_merge(pair.b); }
-  /// Whether the pair is looked at: also for a robot that asks where it is, against sessions that may merge.
+  /// Whether the pair, of one site, is looked at: also for a robot that asks where it is, against sessions that may
+  /// merge.
   bool worth_a_look(const OrderedPair& pair) const {
-    return may_merge(pair) || (may_merge(pair.a) && at(pair.b).asks_where) ||
-           (may_merge(pair.b) && at(pair.a).asks_where);
+    return at_one_site(pair.a, pair.b) && (may_merge(pair) || (may_merge(pair.a) && at(pair.b).asks_where) ||
+                                           (may_merge(pair.b) && at(pair.a).asks_where));
   }
 
   /// Path in metres that a session which still grows has to come along before a placement is told, after

@@ -61,6 +61,32 @@ TEST(Sites, ASessionThatIsTakenToAnotherMergesThereAndNoLongerWhereItWas) {
   EXPECT_FALSE(base.pipeline.set_site(9, "north").atlas_changed) << "there is no such session";
 }
 
+TEST(Sites, WhatIsStillToBeSettledOfAMergeIsNotLookedAtOnceASessionWasTakenAway) {
+  TwoSites base;
+  base.arrive_at("north", test::drive_a_to_c(5));
+  base.pipeline.attempt(3, base.shelf);
+  ASSERT_EQ(base.components(), 2U) << "1 and 3";
+  base.pipeline.set_site(3, "east");
+  base.pipeline.attempt(2, base.shelf);
+  EXPECT_EQ(base.components(), 3U);
+  EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::rejected);
+}
+
+TEST(Sites, WhatAnOperatorMergedAcrossThemBringsNoOthersTogether) {
+  TwoSites base;
+  base.arrive_at("north", test::drive_a_to_c(5));
+  AttemptReport report;
+  const Pose T_1_2 = base.drive(1).T_mine_local.inverse() * base.drive(2).T_mine_local;
+  ASSERT_TRUE(base.pipeline.place(1, 2, T_1_2, base.shelf, report));
+  const AlignmentId by_hand = base.pipeline.alignments().at(0).id;
+  ASSERT_TRUE(base.pipeline.decide(by_hand, Decision::confirm));
+  for (int i = 0; i < 3; ++i) base.attempt_all();
+  ASSERT_EQ(base.components(), 1U) << "2, and 1 with 3";
+  ASSERT_TRUE(base.pipeline.decide(by_hand, Decision::retract));
+  base.attempt_all();
+  EXPECT_EQ(base.components(), 2U) << "nothing else held 2 there";
+}
+
 TEST(Sites, AnOperatorMayMergeAcrossThem) {
   TwoSites base;
   AttemptReport report;

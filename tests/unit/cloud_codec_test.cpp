@@ -1,16 +1,19 @@
 #include "common/cloud/cloud_codec.hpp"
 
 #include <gtest/gtest.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <random>
 
 #include "common/cloud/varint.hpp"
 #include "common/wire/limits.hpp"
+#include "tests/support/zstd_frames.hpp"
 
 namespace headframe {
 namespace {
+
+using test::compressed;
+using test::content_of;
 
 /// A drift 5 m wide: walls, floor and roof with 1 cm of roughness.
 Points drift(std::size_t n, unsigned seed) {
@@ -29,18 +32,6 @@ float nearest(const Points& points, const Eigen::Vector3f& p) {  // largest diff
   float best = 1e9F;
   for (const auto& q : points) best = std::min(best, (q - p).cwiseAbs().maxCoeff());
   return best;
-}
-
-std::string compressed(const std::string& content) {
-  std::string out(ZSTD_compressBound(content.size()), '\0');
-  out.resize(ZSTD_compress(out.data(), out.size(), content.data(), content.size(), 1));
-  return out;
-}
-
-std::string content_of(const std::string& encoded) {
-  std::string out(ZSTD_getFrameContentSize(encoded.data(), encoded.size()), '\0');
-  EXPECT_EQ(ZSTD_decompress(out.data(), out.size(), encoded.data(), encoded.size()), out.size());
-  return out;
 }
 
 char form_of(const std::string& encoded) { return content_of(encoded).at(0); }

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <random>
@@ -9,9 +8,13 @@
 #include "common/cloud/intensity_scale.hpp"
 #include "common/cloud/varint.hpp"
 #include "common/wire/limits.hpp"
+#include "tests/support/zstd_frames.hpp"
 
 namespace headframe {
 namespace {
+
+using test::compressed;
+using test::content_of;
 
 /// A wall 20 m long that grows brighter to one end, with noise.
 Sweep painted_wall(std::size_t n, unsigned seed) {
@@ -30,18 +33,6 @@ Sweep painted_wall(std::size_t n, unsigned seed) {
 KeyframeCloud unpainted(KeyframeCloud cloud) {
   for (Sweep& sweep : cloud.sweeps) sweep.intensity.clear();
   return cloud;
-}
-
-std::string inside(const std::string& encoded) {
-  std::string out(ZSTD_getFrameContentSize(encoded.data(), encoded.size()), '\0');
-  EXPECT_EQ(ZSTD_decompress(out.data(), out.size(), encoded.data(), encoded.size()), out.size());
-  return out;
-}
-
-std::string framed(const std::string& content) {
-  std::string out(ZSTD_compressBound(content.size()), '\0');
-  out.resize(ZSTD_compress(out.data(), out.size(), content.data(), content.size(), 1));
-  return out;
 }
 
 using Row = std::array<int, 4>;  // x, y, z in cells of 1 m, and what is read of the intensity
@@ -63,7 +54,7 @@ TEST(CloudIntensity, EveryPointKeepsItsOwn) {
   cloud.sweeps.push_back({{0, 0, 0}, Points(4, {7, 7, 7}), {200, 10, 10, 0}});
   const auto bytes = encode_cloud(cloud, 1.0F);
   ASSERT_TRUE(bytes) << bytes.error().message;
-  EXPECT_EQ(inside(*bytes).at(0), 3);
+  EXPECT_EQ(content_of(*bytes).at(0), 3);
   const auto back = decode_cloud(*bytes);
   ASSERT_TRUE(back) << back.error().message;
   ASSERT_EQ(back->sweeps.size(), 5U);
@@ -93,7 +84,7 @@ TEST(CloudIntensity, AReaderWithoutGetsTheCloudAsItEverWas) {
   const KeyframeCloud cloud{{painted_wall(800, 4), painted_wall(300, 5)}};
   const auto bytes = encode_cloud(cloud), plain = encode_cloud(unpainted(cloud));
   ASSERT_TRUE(bytes && plain);
-  EXPECT_EQ(inside(*plain).at(0), 2);
+  EXPECT_EQ(content_of(*plain).at(0), 2);
   EXPECT_EQ(without_intensity(*bytes).value(), *plain);
   EXPECT_EQ(without_intensity(*plain).value(), *plain);
   const auto points = decode_points(*bytes);
@@ -101,7 +92,7 @@ TEST(CloudIntensity, AReaderWithoutGetsTheCloudAsItEverWas) {
   EXPECT_EQ(*encode_cloud(*points), *plain);
   for (const Sweep& sweep : points->sweeps) EXPECT_TRUE(sweep.intensity.empty());
   EXPECT_EQ(without_intensity("a cloud").error().code, ErrorCode::bad_input);
-  EXPECT_EQ(without_intensity(framed("\x03\x7f")).error().code, ErrorCode::bad_input);
+  EXPECT_EQ(without_intensity(compressed("\x03\x7f")).error().code, ErrorCode::bad_input);
 }
 
 TEST(CloudIntensity, OneTooManyOrTooFewIsNoCloud) {
@@ -119,39 +110,40 @@ TEST(CloudIntensity, AreLeftOutOfTheLargestClouds) {
   KeyframeCloud cloud{{painted_wall(262'144, 7)}};
   const auto most = encode_cloud(cloud, 0.1F);
   ASSERT_TRUE(most);
-  EXPECT_EQ(inside(*most).at(0), 3);
+  EXPECT_EQ(content_of(*most).at(0), 3);
   EXPECT_EQ(decode_cloud(*most)->sweeps[0].intensity.size(), 262'144U);
   cloud.sweeps.push_back(painted_wall(1, 8));
   const auto more = encode_cloud(cloud, 0.1F);
   ASSERT_TRUE(more);
-  EXPECT_EQ(inside(*more).at(0), 1);
+  EXPECT_EQ(content_of(*more).at(0), 1);
   EXPECT_EQ(*more, *encode_cloud(unpainted(cloud), 0.1F));
 
   std::string announced;
   put_varint(announced, 3);
-  put_varint(announced, inside(*more).size());
-  EXPECT_FALSE(decode_cloud(framed(announced + inside(*more) + std::string(100'000, '\0')))) << "nor are they read";
+  put_varint(announced, content_of(*more).size());
+  EXPECT_FALSE(decode_cloud(compressed(announced + content_of(*more) + std::string(100'000, '\0'))))
+      << "nor are they read";
 }
 
 TEST(CloudIntensity, GoWithCloudsOfTheFirstForm) {
   const KeyframeCloud cloud{{Sweep{{0, 0, 0}, Points(40, {1, 2, 3}), Intensities(40, 99)}}};
   const auto bytes = encode_cloud(cloud);
   ASSERT_TRUE(bytes);
-  EXPECT_EQ(inside(*bytes).at(2), 1) << "one place 40 times";
+  EXPECT_EQ(content_of(*bytes).at(2), 1) << "one place 40 times";
   const auto back = decode_cloud(*bytes);
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(back->sweeps[0].intensity, Intensities(40, intensity_of_level(intensity_level(99))));
 }
 
 TEST(CloudIntensity, AnyChangeGivesACloudOfItsSizeOrBadInput) {
-  const std::string content = inside(*encode_cloud({{painted_wall(200, 9), painted_wall(50, 10)}}));
+  const std::string content = content_of(*encode_cloud({{painted_wall(200, 9), painted_wall(50, 10)}}));
   std::mt19937 random(11);
   int read = 0;
   for (int i = 0; i < 20'000; ++i) {
     std::string changed = content;
     for (unsigned n = random() % 4 + 1; n > 0; --n) changed[random() % changed.size()] = static_cast<char>(random());
     if (random() % 4 == 0) changed.resize(random() % changed.size());
-    const auto cloud = decode_cloud(framed(changed));
+    const auto cloud = decode_cloud(compressed(changed));
     if (!cloud) {
       EXPECT_EQ(cloud.error().code, ErrorCode::bad_input);
       continue;
@@ -161,21 +153,21 @@ TEST(CloudIntensity, AnyChangeGivesACloudOfItsSizeOrBadInput) {
       EXPECT_TRUE(sweep.intensity.empty() || sweep.intensity.size() == sweep.points.size());
   }
   EXPECT_GT(read, 0) << "some changes only move points, or paint them";
-  for (std::size_t n = 0; n < content.size(); ++n) EXPECT_FALSE(decode_cloud(framed(content.substr(0, n)))) << n;
-  EXPECT_FALSE(decode_cloud(framed(content + '\0'))) << "a byte too many";
+  for (std::size_t n = 0; n < content.size(); ++n) EXPECT_FALSE(decode_cloud(compressed(content.substr(0, n)))) << n;
+  EXPECT_FALSE(decode_cloud(compressed(content + '\0'))) << "a byte too many";
 }
 
 TEST(CloudIntensity, LiesAboutTheCloudInFrontAreSeen) {
-  const std::string content = inside(*encode_cloud({{painted_wall(20, 12)}}));
+  const std::string content = content_of(*encode_cloud({{painted_wall(20, 12)}}));
   std::string nested;
   put_varint(nested, 3);
   put_varint(nested, content.size());
-  EXPECT_FALSE(decode_cloud(framed(nested + content))) << "a cloud with intensities in front of intensities";
+  EXPECT_FALSE(decode_cloud(compressed(nested + content))) << "a cloud with intensities in front of intensities";
   std::string far;
   put_varint(far, 3);
   put_varint(far, ~0ULL);
-  EXPECT_FALSE(decode_cloud(framed(far + content.substr(2))));
-  EXPECT_FALSE(decode_points(framed(far + content.substr(2))));
+  EXPECT_FALSE(decode_cloud(compressed(far + content.substr(2))));
+  EXPECT_FALSE(decode_points(compressed(far + content.substr(2))));
 }
 
 TEST(CloudIntensity, TakesLessThanAThirdOfTheCloud) {

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { endAll, finished, launch, needs, open, scratchFolder, shown, start, Station, until } from './support.mjs';
+import { browserAndStation, endAll, finished, needs, open, scratchFolder, shown, until } from './support.mjs';
 
 needs('headframe-server', 'headframe-replay', 'headframe-drawn-sessions');
 const scratch = scratchFolder();
@@ -11,8 +11,7 @@ let browser;
 let station;
 
 before(async () => {
-  await finished(start('headframe-drawn-sessions', [join(scratch, 'drives')]));
-  [browser, station] = [await launch(), await Station.start(join(scratch, 'data'))];
+  [browser, station] = await browserAndStation(scratch);
 });
 
 after(async () => {

@@ -123,6 +123,12 @@ export class Station {
   }
 }
 
+/** A browser and a server, beside drawn drives to play. */
+export async function browserAndStation(scratch, options) {
+  await finished(start('headframe-drawn-sessions', [join(scratch, 'drives')]));
+  return [await launch(), await Station.start(join(scratch, 'data'), options)];
+}
+
 export const browserArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 
 export const launch = () => chromium.launch({ executablePath: browserPath, args: browserArguments });

@@ -5,10 +5,10 @@ import { Feed, type LinkState } from './feed';
 import { dayAndTime, wallClock_s } from '../parts/format';
 import { Log, type ServerEntry } from './log';
 import { readOverview } from './overview';
+import { SiteChoice } from './sites';
 import type { Alignment, Atlas, Change, Component, Keyframe, Me, Note, Pending, Session, SessionName, StationEvent, Status, Survey, Transform } from './types';
 
 const lookAround_ms = 2000;
-const siteKey = 'headframe.site';
 const together_ms = 300; // changes of the atlas within it are one request
 export const mostRejected = 1000; // pairs that came to nothing, the newest: to show all of some years would take too long
 
@@ -23,7 +23,6 @@ export interface ControlPoint {
   p_session: [number, number, number];
 }
 
-const siteOf = (session: Session) => session.site ?? '';
 export const nameOf = ({ robot, session }: SessionName) => `${robot}/${session}`;
 
 /** Everything is replaced, never changed in place, so that a view can tell by identity what is new. */
@@ -67,7 +66,7 @@ export class Station {
   private overviewRead = false;
   private atlasDue = false;
   private rejectedShown = false;
-  private chosenSite = localStorage.getItem(siteKey);
+  private readonly choice = new SiteChoice();
 
   /** askForToken gets why whoever had signed in has to do so again, and settles when somebody has. */
   constructor(private readonly askForToken: (fault: string) => Promise<void>) {
@@ -92,28 +91,24 @@ export class Station {
     for (const listener of this.listeners) listener();
   }
 
-  /** By name; the empty one of sessions that belong to none. */
   get sites(): string[] {
-    return [...new Set([...this.all.values()].map(siteOf))].sort();
+    return this.choice.names(this.all);
   }
 
   /** The one that is looked at; null: all. */
   get site(): string | null {
-    return this.chosenSite !== null && this.sites.includes(this.chosenSite) ? this.chosenSite : null;
+    return this.choice.of(this.all);
   }
 
   lookAtSite(site: string | null): void {
-    this.chosenSite = site;
-    if (site === null) localStorage.removeItem(siteKey);
-    else localStorage.setItem(siteKey, site);
+    this.choice.choose(site);
     this.keep(this.all);
     this.changed();
   }
 
   private keep(all: Map<number, Session>): void {
     this.all = all;
-    const { site } = this;
-    const shown = site === null ? all : new Map([...all].filter(([, session]) => siteOf(session) === site));
+    const shown = this.choice.shown(all);
     if (shown.size !== this.sessions.size || [...shown.keys()].some((id) => !this.sessions.has(id))) this.refreshAtlasSoon();
     this.sessions = shown;
   }
