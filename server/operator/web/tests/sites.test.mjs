@@ -21,7 +21,8 @@ after(async () => {
 
 async function enrolAndReplay(robot) {
   const { enrolment } = await station.json(`api/v1/robots/add?robot=${robot}`, 'POST');
-  await finished(start('headframe-replay', ['--server', station.robots, '--robot', robot, '--enrol', enrolment, '--fast', join(scratch, 'drives', robot)]));
+  const credential = ['--credential', join(scratch, `${robot}.credential`)];
+  await finished(start('headframe-replay', ['--server', station.robots, '--robot', robot, '--enrol', enrolment, ...credential, '--fast', join(scratch, 'drives', robot)]));
 }
 
 test('a session is taken to another site, and what its robot begins goes there', async () => {
