@@ -5,8 +5,6 @@
 #include <set>
 #include <tuple>
 
-#include "server/atlas/relax.hpp"
-
 namespace headframe {
 namespace {
 
@@ -152,14 +150,14 @@ class Merging {
     for (const std::size_t i : order) take(i, tolerance);
   }
 
-  MergeResult result(std::span<const SessionId> anchors, const FrozenSessions& frozen) {
+  MergeResult result(std::span<const SessionId> anchors, const FrozenSessions& frozen, const Meetings& meet) {
     for (Frames& frames : growing_.components) {
       if (frames.empty()) continue;
       std::vector<Alignment> edges;
       for (const Alignment& alignment : published_)
         if (frames.contains(alignment.a)) edges.push_back(alignment);
       const bool loops = edges.size() >= frames.size();
-      if (loops || !frozen_together(frames, frozen).empty()) relax(frames, edges, frozen);
+      if (loops || !frozen_together(frames, frozen).empty()) relax(frames, edges, frozen, meet);
       result_.components.push_back(component_from(frames, anchors, frozen));
     }
     std::sort(result_.components.begin(), result_.components.end(),
@@ -260,12 +258,12 @@ bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
 
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance, std::span<const SessionId> anchors, const Contacts& contacts,
-                           const FrozenSessions& frozen) {
+                           const FrozenSessions& frozen, const Meetings& meet) {
   Doubts doubts;
   for (;;) {
     const std::size_t before = doubts.size();
     Merging merging(sessions, alignments, tolerance, contacts, doubts);
-    if (doubts.size() == before) return merging.result(anchors, frozen);
+    if (doubts.size() == before) return merging.result(anchors, frozen, meet);
   }
 }
 

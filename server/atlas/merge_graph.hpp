@@ -8,6 +8,7 @@
 
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/frozen.hpp"
+#include "server/atlas/relax.hpp"
 
 namespace headframe {
 
@@ -42,14 +43,14 @@ using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a
 /// to lie on each other wait as verified unless their overlap is 1.5 times as long. While a contact is unknown, what is
 /// published stays and what is not waits as verified. Strongest are those that the operator confirmed, then those that
 /// close more triangles with others than they fail to close, then the more probable, aliases aside, with the less
-/// probable runner-up. The published ones are then made to agree by least squares over the session frames. The outcome
-/// depends on the set of alignments only, not on the order they came in. Alignments in state candidate,
+/// probable runner-up. The published ones are then made to agree by least squares over the session frames (relax.hpp).
+/// The outcome depends on the set of alignments only, not on the order they came in. Alignments in state candidate,
 /// provisional, retracted or rejected are not used. Poses of a component are relative to its anchor: of `anchors`, in
 /// the order they were chosen, the last that is in the component; without one its lowest session id. Where a component
 /// holds frozen sessions, one of them is its anchor, chosen likewise, and those that were frozen in one frame keep
 /// their places to each other (T_frame_session between the same frames as T_a_b).
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {},
-                           const Contacts& contacts = {}, const FrozenSessions& frozen = {});
+                           const Contacts& contacts = {}, const FrozenSessions& frozen = {}, const Meetings& meet = {});
 
 }  // namespace headframe

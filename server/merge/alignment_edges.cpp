@@ -36,7 +36,44 @@ std::vector<KeyframePair> meetings(const Session& a, const Session& b, const Pos
   return out;
 }
 
+/// Evenly along the path, in the frame of the other.
+std::vector<Eigen::Vector3d> some_of(const Session& session, const Pose& T) {
+  constexpr std::size_t enough = 100;
+  std::vector<Eigen::Vector3d> out;
+  for (std::size_t i = 0; i < session.keyframes.size();
+       i += std::max<std::size_t>(1, session.keyframes.size() / enough))
+    out.push_back(T * session.keyframes[i].T_local_sensor.translation());
+  return out;
+}
+
+double spacing_m(const Session& session, std::size_t count) {
+  return session.path_m() / static_cast<double>(std::max<std::size_t>(1, count));
+}
+
 }  // namespace
+
+Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& T_a_b) {
+  const std::vector<Eigen::Vector3d> of_a = some_of(a, T_a_b.inverse()), of_b = some_of(b, Pose::Identity());
+  const double reach_m = meet_within_m + std::max(spacing_m(a, of_a.size()), spacing_m(b, of_b.size())) / 2;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), nearest = Eigen::Vector3d::Zero();
+  double count = 0, nearest_m = std::numeric_limits<double>::max();
+  const auto look = [&](const std::vector<Eigen::Vector3d>& path, const std::vector<Eigen::Vector3d>& other) {
+    for (const Eigen::Vector3d& p : path) {
+      double least_m = std::numeric_limits<double>::max();
+      for (const Eigen::Vector3d& q : other) {
+        const double m = (q - p).norm();
+        if (m < nearest_m) nearest_m = m, nearest = (p + q) / 2;
+        least_m = std::min(least_m, m);
+      }
+      if (least_m > reach_m) continue;
+      sum += p;
+      ++count;
+    }
+  };
+  look(of_a, of_b);
+  look(of_b, of_a);
+  return count > 0 ? Eigen::Vector3d(sum / count) : nearest;
+}
 
 Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b) {
   return a.keyframes.at(place.from.sequence - 1).T_local_sensor * place.T_from_to *

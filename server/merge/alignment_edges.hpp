@@ -7,6 +7,11 @@
 
 namespace headframe {
 
+/// The middle of the overlap, in b's frame: the mean of the keyframes of both that lie within 10 m of the other's path,
+/// or half way between the nearest two. It hardly hangs on which of the two is called a. Of a long session some
+/// hundred keyframes are looked at, evenly. Zero: one has none.
+Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& T_a_b);
+
 /// T_a_b that a loop closure alone tells. std::out_of_range: it is of keyframes that the sessions have not.
 Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b);
 
