@@ -18,32 +18,6 @@ std::vector<const DrivenSession*> pointers(const Sessions& sessions) {
   return out;
 }
 
-/// The same sessions together, by the same alignments within 5 cm; what is merged through others alone lies where these
-/// put it.
-bool same_end(const EndState& one, const EndState& other) {
-  const bool published = one.state == AlignmentState::published;
-  return one.together == other.together && published == (other.state == AlignmentState::published) &&
-         (!published || ((one.T_a_b * one.p_b - other.T_a_b * one.p_b).norm() < 0.05 &&
-                         rotation_angle_rad(one.T_a_b.inverse() * other.T_a_b) < 0.005));
-}
-
-/// Pairs whose end differs, in words.
-std::vector<std::string> differences(const std::map<NamedPair, EndState>& one,
-                                     const std::map<NamedPair, EndState>& other) {
-  std::vector<std::string> out;
-  for (const auto& [pair, end] : one) {
-    const EndState& theirs = other.at(pair);
-    if (same_end(end, theirs)) continue;
-    char text[200];
-    std::snprintf(text, sizeof text, "%s and %s: %s%s, else %s%s, %.2f m", pair.first.c_str(), pair.second.c_str(),
-                  std::string(to_string(end.state)).c_str(), end.together ? " together" : "",
-                  std::string(to_string(theirs.state)).c_str(), theirs.together ? " together" : "",
-                  (end.T_a_b * end.p_b - theirs.T_a_b * end.p_b).norm());
-    out.emplace_back(text);
-  }
-  return out;
-}
-
 LiveDrive drive(const LiveSet& set, const LiveConditions& conditions, const Sessions& present, const Sessions& driving,
                 std::optional<std::map<NamedPair, EndState>>& first_end) {
   LiveDrive out;

@@ -1,6 +1,7 @@
 #include "tests/bench/live/live_watch.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace headframe::bench {
 namespace {
@@ -177,6 +178,33 @@ std::map<NamedPair, EndState> LiveWatch::end_of(const LiveRun& run) {
       }
       out[named(run, id_a, id_b)] = end;
     }
+  return out;
+}
+
+namespace {
+
+bool same_end(const EndState& one, const EndState& other) {
+  const bool published = one.state == AlignmentState::published;
+  return one.together == other.together && published == (other.state == AlignmentState::published) &&
+         (!published || ((one.T_a_b * one.p_b - other.T_a_b * one.p_b).norm() < 0.05 &&
+                         rotation_angle_rad(one.T_a_b.inverse() * other.T_a_b) < 0.005));
+}
+
+}  // namespace
+
+std::vector<std::string> differences(const std::map<NamedPair, EndState>& one,
+                                     const std::map<NamedPair, EndState>& other) {
+  std::vector<std::string> out;
+  for (const auto& [pair, end] : one) {
+    const EndState& theirs = other.at(pair);
+    if (same_end(end, theirs)) continue;
+    char text[200];
+    std::snprintf(text, sizeof text, "%s and %s: %s%s, else %s%s, %.2f m", pair.first.c_str(), pair.second.c_str(),
+                  std::string(to_string(end.state)).c_str(), end.together ? " together" : "",
+                  std::string(to_string(theirs.state)).c_str(), theirs.together ? " together" : "",
+                  (end.T_a_b * end.p_b - theirs.T_a_b * end.p_b).norm());
+    out.emplace_back(text);
+  }
   return out;
 }
 

@@ -54,6 +54,11 @@ struct EndState {
   Eigen::Vector3d p_b = Eigen::Vector3d::Zero();  // of b's path, where it comes nearest to a's
 };
 
+/// Pairs whose end differs, in words: not the same sessions together, or not by the same alignments within 5 cm; what
+/// is merged through others alone lies where these put it.
+std::vector<std::string> differences(const std::map<NamedPair, EndState>& one,
+                                     const std::map<NamedPair, EndState>& other);
+
 /// Keeps account of every pair of a run.
 class LiveWatch {
  public:
