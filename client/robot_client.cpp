@@ -79,6 +79,7 @@ Result<UplinkConfig> link_of(const RobotConfig& config, std::optional<Credential
   UplinkConfig link;
   link.host = config.host;
   link.port = config.port;
+  link.more_servers = config.more_servers;
   link.bytes_per_s = config.bytes_per_s;
   if (config.insecure) return link;
   auto opened = credential_of(config);
