@@ -39,6 +39,7 @@ class FakeStation : public Station {
     published.alignment.evidence.tilt_deg = std::numeric_limits<double>::quiet_NaN();
     view.alignments.push_back(published);
     view.alignments.push_back(row_of(2, 3, AlignmentState::rejected, Pose::Identity()));
+    work.standbys = 1;
   }
   ~FakeStation() override {
     timer_stop_.request_stop();
