@@ -18,13 +18,14 @@ tl::unexpected<Error> ended() { return failure(ErrorCode::refused, "it was ended
 Result<void> PostgresStandby::take(PostgresDatabase& database) {
   const Error back{ErrorCode::unavailable, database.name() + " is back; the server that had it goes first"};
   if (waits_ && !plan_.wait(back, active_comes_back)) return ended();
-  while (true) {
+  for (std::optional<Error> in_use_by_another;;) {
     const auto taken = try_to_take(database);
     if (!taken) return tl::unexpected(taken.error());
     if (*taken) return {};
     if (!waits_)
       if (auto may = begin(database); !may) return may;
-    if (!plan_.wait({ErrorCode::refused, in_use(database)}, look_for_turn)) return ended();
+    if (!in_use_by_another) in_use_by_another = {ErrorCode::refused, in_use(database)};
+    if (!plan_.wait(*in_use_by_another, look_for_turn)) return ended();
   }
 }
 

@@ -84,8 +84,7 @@ bool bench_kills(const ServersPlan& plan, const std::filesystem::path& out) {
 
 /// Over SQLite, then over PostgreSQL beside a server that stands by; both on the same disk.
 bool bench_acks(LoadPlan plan, const std::filesystem::path& out) {
-  const test::ScratchFolder disk;
-  const auto cluster = test::PostgresCluster::make(disk.path());
+  const auto cluster = test::PostgresCluster::make(std::filesystem::temp_directory_path());
   if (!cluster) return std::fprintf(stderr, "servers: %s\n", cluster.error().message.c_str()), false;
   std::printf("acks (%d robots, a keyframe and its cloud a second each, %.0f s)\n", plan.robots, plan.seconds);
   Json figures;
