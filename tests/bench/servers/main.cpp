@@ -1,5 +1,6 @@
 // ./run bench servers: two servers on one PostgreSQL under kills, and what that costs robots.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -82,27 +83,35 @@ bool bench_kills(const ServersPlan& plan, const std::filesystem::path& out) {
   return outcome->faults.sum() == 0 && outcome->revisions.contradictions == 0;
 }
 
-/// Over SQLite, then over PostgreSQL beside a server that stands by; both on the same disk.
+struct AckRun {
+  const char* name;
+  const char* key;  // of its figures
+  bool postgres, standby;
+};
+constexpr std::array<AckRun, 3> ack_runs{{{"SQLite", "sqlite_", false, false},
+                                          {"PostgreSQL", "postgresql_", true, false},
+                                          {"PostgreSQL, a server stands by", "", true, true}}};
+
+/// Over SQLite, over PostgreSQL, and over that beside a server that stands by; all on the same disk.
 bool bench_acks(LoadPlan plan, const std::filesystem::path& out) {
   const auto cluster = test::PostgresCluster::make(std::filesystem::temp_directory_path());
   if (!cluster) return std::fprintf(stderr, "servers: %s\n", cluster.error().message.c_str()), false;
   std::printf("acks (%d robots, a keyframe and its cloud a second each, %.0f s)\n", plan.robots, plan.seconds);
   Json figures;
-  for (const bool postgres : {false, true}) {
-    plan.standby = postgres;
-    const auto url = postgres ? (*cluster)->make_database() : Result<std::string>("");
+  for (const AckRun& run : ack_runs) {
+    plan.standby = run.standby;
+    const auto url = run.postgres ? (*cluster)->make_database() : Result<std::string>("");
     if (!url) return std::fprintf(stderr, "servers: %s\n", url.error().message.c_str()), false;
     plan.store_url = *url;
     const test::ScratchFolder scratch;
     const auto o = load(plan, scratch.path(), scratch.path() / "robots");  // whose spools are not synced
     if (!o) return std::fprintf(stderr, "servers: %s\n", o.error().message.c_str()), false;
     std::printf("  %-32s p50 %6.1f  p99 %6.1f  max %6.1f ms, %llu of %llu not acknowledged after two seconds\n",
-                postgres ? "PostgreSQL, a server stands by" : "SQLite", o->ack_p50_ms, o->ack_p99_ms, o->ack_max_ms,
+                run.name, o->ack_p50_ms, o->ack_p99_ms, o->ack_max_ms,
                 static_cast<unsigned long long>(o->unacknowledged), static_cast<unsigned long long>(o->keyframes));
     std::fflush(stdout);
-    const std::string prefix = postgres ? "" : "sqlite_";
-    figures[prefix + "ack_p50_ms"] = o->ack_p50_ms;
-    figures[prefix + "ack_p99_ms"] = o->ack_p99_ms;
+    figures[std::string(run.key) + "ack_p50_ms"] = o->ack_p50_ms;
+    figures[std::string(run.key) + "ack_p99_ms"] = o->ack_p99_ms;
   }
   save(out, figures);
   return true;
