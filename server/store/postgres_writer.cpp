@@ -134,7 +134,7 @@ Result<void> PostgresWriterConnection::look_after() {
 
 Result<bool> PostgresWriterConnection::begin() {
   if (is_lost()) {
-    const auto committed = come_back();
+    auto committed = come_back();
     if (!committed) return committed;
     if (*committed) return false;
   }
