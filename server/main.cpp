@@ -62,7 +62,10 @@ class StartWaits {
 
   /// Who stands by waits for the database, too, however long it is away.
   bool for_database(const Error& why, std::chrono::milliseconds pause) {
-    spdlog::warn("waiting for the database: {}", why.message);
+    if (!stands_by_ || Clock::now() >= say_away_) {
+      spdlog::warn("waiting for the database: {}", why.message);
+      say_away_ = Clock::now() + say_away_every;
+    }
     return passes(pause) && (stands_by_ || Clock::now() < database_until_);
   }
 
@@ -78,6 +81,7 @@ class StartWaits {
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr auto say_so_every = std::chrono::hours(1);
+  static constexpr auto say_away_every = std::chrono::minutes(1);  // while it stands by: it looks often
 
   bool passes(std::chrono::milliseconds pause) {
     const timespec time{pause.count() / 1000, pause.count() % 1000 * 1'000'000};
@@ -87,7 +91,7 @@ class StartWaits {
 
   const sigset_t signals_;
   const Clock::time_point database_until_;
-  Clock::time_point say_so_ = {};
+  Clock::time_point say_so_ = {}, say_away_ = {};
   bool stands_by_ = false, signalled_ = false;
 };
 

@@ -12,6 +12,7 @@ namespace headframe {
 namespace {
 
 constexpr std::chrono::milliseconds first_pause(250), longest_pause(4000);
+constexpr std::chrono::milliseconds longest_standby_pause(1000);  // robots may wait for it
 
 Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, const std::string& name) {
   auto database = std::make_unique<PostgresDatabase>(url, name);
@@ -36,7 +37,8 @@ Result<std::unique_ptr<PostgresWriterConnection>> open_when_there(const std::str
   const auto& wait = opening.wait_for_database;
   std::optional<PostgresStandby> standby;
   if (opening.standby) standby.emplace(*opening.standby);
-  for (auto pause = first_pause;; pause = std::min(2 * pause, longest_pause)) {
+  for (auto pause = first_pause;; pause *= 2) {
+    pause = std::min(pause, standby && standby->waits() ? longest_standby_pause : longest_pause);
     auto writer = open_writer(url, name, opening.mark, standby ? &*standby : nullptr);
     const bool is_away = !writer && writer.error().code == ErrorCode::unavailable;
     if (!is_away || !wait || !wait(writer.error(), pause)) return writer;
