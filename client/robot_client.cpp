@@ -39,13 +39,13 @@ struct RobotClient::State {
   const RobotConfig config;
   const std::unique_ptr<DescriptorFamily> family;  // null with own descriptors
   KeyframeSelector selector;
-  SweepCollector sweeps;
   IntensityScale intensity_scale;
+  std::atomic<bool> finished{false};
+  SweepCollector sweeps;
   SpooledLink link;
   std::optional<CredentialFile> credential;  // of the uplink's thread; none: in the clear
   std::uint64_t sequence = 0;                // of the last keyframe
   double last_stamp_s = 0;                   // of it
-  std::atomic<bool> finished{false};
   std::mutex unfamiliar_mutex;
   std::string unfamiliar;          // what the family said of the first scan that was so
   std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
@@ -79,6 +79,7 @@ Result<UplinkConfig> link_of(const RobotConfig& config, std::optional<Credential
   UplinkConfig link;
   link.host = config.host;
   link.port = config.port;
+  link.more_servers = config.more_servers;
   link.bytes_per_s = config.bytes_per_s;
   if (config.insecure) return link;
   auto opened = credential_of(config);

@@ -18,6 +18,7 @@
 #include "client/transforms.hpp"
 #include "common/cloud/point_cloud.hpp"
 #include "common/descriptor/family.hpp"
+#include "common/endpoint.hpp"
 #include "common/result.hpp"
 #include "common/session/cloud_policy.hpp"
 #include "common/session/keyframe.hpp"
@@ -38,10 +39,11 @@ struct RobotConfig {
   std::filesystem::path spool;  // directory; one directory is one session (one local frame)
   std::string host;             // of the base station
   std::uint16_t port = 7447;
-  std::filesystem::path credential;  // file, of this robot alone; empty: ROBOT.credential beside the spool
-  std::string enrolment;             // what `headframe robot add` printed; only its first use counts, it may stay
-  std::string fingerprint;           // hexadecimal; pins another server than the enrolment did; empty: that one
-  bool insecure = false;             // plain TCP without credential, to a server that runs so: nothing is protected
+  std::vector<Endpoint> more_servers;  // that stand by for that one: tried in turn, with the same credential
+  std::filesystem::path credential;    // file, of this robot alone; empty: ROBOT.credential beside the spool
+  std::string enrolment;               // what `headframe robot add` printed; only its first use counts, it may stay
+  std::string fingerprint;             // hexadecimal; pins another server than the enrolment did; empty: that one
+  bool insecure = false;               // plain TCP without credential, to a server that runs so: nothing is protected
   Sensor sensor;
 
   std::string family{default_family_name};        // of add_scan: see make_family

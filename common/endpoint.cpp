@@ -36,6 +36,17 @@ Result<Endpoint> parse_peer(std::string_view text) {
   return endpoint;
 }
 
+Result<std::vector<Endpoint>> parse_peers(std::string_view text) {
+  std::vector<Endpoint> peers;
+  for (std::size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
+    end = text.find(',', begin);
+    auto peer = parse_peer(text.substr(begin, end - begin));
+    if (!peer) return tl::unexpected(peer.error());
+    peers.push_back(std::move(*peer));
+  }
+  return peers;
+}
+
 bool is_loopback(const Endpoint& endpoint) {
   in_addr v4{};
   in6_addr v6{};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/result.hpp"
 
@@ -17,6 +18,8 @@ struct Endpoint {
 Result<Endpoint> parse_endpoint(std::string_view text);
 /// The same, of somebody to connect to: port 0 is none.
 Result<Endpoint> parse_peer(std::string_view text);
+/// Several of them, with commas between.
+Result<std::vector<Endpoint>> parse_peers(std::string_view text);
 std::string to_string(const Endpoint& endpoint);
 /// Reached from this machine only: an address of the loopback, or "localhost".
 bool is_loopback(const Endpoint& endpoint);

@@ -1,12 +1,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <iostream>
 #include <memory>
+#include <mutex>
 
 #include "common/security/secret.hpp"
 #include "server/map_merge_server.hpp"
@@ -47,20 +49,84 @@ void raise_file_limit() {
   (void)::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-/// Until the database is looked for again; false: it was waited for long enough, or a signal ends the server.
-WaitForDatabase wait_for_database(const sigset_t& signals) {
-  const auto deadline = std::chrono::steady_clock::now() + database_within;
-  return [signals, deadline](const Error& why, std::chrono::milliseconds pause) {
-    spdlog::warn("waiting for the database: {}", why.message);
+/// What a start waits for: that the database answers, and, when it stands by, that another server lets go of it.
+class StartWaits {
+ public:
+  explicit StartWaits(const sigset_t& signals) : signals_(signals), database_until_(Clock::now() + database_within) {}
+
+  void stand_by(const Endpoint& robots, const Endpoint& http, const std::filesystem::path& data) {
+    stands_by_ = true;
+    std::cout << "headframe-server stands by: another server has the database; when it falls free, robots on "
+              << to_string(robots) << ", http on " << to_string(http) << ", data in " << data.string() << std::endl;
+  }
+
+  /// Who stands by waits for the database, too, however long it is away.
+  bool for_database(const Error& why, std::chrono::milliseconds pause) {
+    if (!stands_by_ || Clock::now() >= say_away_) {
+      spdlog::warn("waiting for the database: {}", why.message);
+      say_away_ = Clock::now() + say_away_every;
+    }
+    return passes(pause) && (stands_by_ || Clock::now() < database_until_);
+  }
+
+  bool for_turn(const Error& why, std::chrono::milliseconds pause) {
+    if (Clock::now() >= say_so_) spdlog::info("stands by: {}", why.message);
+    if (Clock::now() >= say_so_) say_so_ = Clock::now() + say_so_every;
+    return passes(pause);
+  }
+
+  /// A signal ended it while it stood by, which is no fault.
+  bool was_sent_home() const { return stands_by_ && signalled_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto say_so_every = std::chrono::hours(1);
+  static constexpr auto say_away_every = std::chrono::minutes(1);  // while it stands by: it looks often
+
+  bool passes(std::chrono::milliseconds pause) {
     const timespec time{pause.count() / 1000, pause.count() % 1000 * 1'000'000};
-    return sigtimedwait(&signals, nullptr, &time) < 0 && std::chrono::steady_clock::now() < deadline;
-  };
-}
+    signalled_ = signalled_ || sigtimedwait(&signals_, nullptr, &time) > 0;
+    return !signalled_;
+  }
+
+  const sigset_t signals_;
+  const Clock::time_point database_until_;
+  Clock::time_point say_so_ = {}, say_away_ = {};
+  bool stands_by_ = false, signalled_ = false;
+};
+
+/// Why the server ends, where that is no signal from outside.
+class TakenOver {
+ public:
+  void say(const Error& why) {
+    {
+      const std::lock_guard lock(mutex_);
+      why_ = why.message;
+    }
+    ::kill(::getpid(), SIGTERM);  // the main thread waits for one
+  }
+  std::string why() {
+    const std::lock_guard lock(mutex_);
+    return why_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string why_;
+};
 
 int serve(ServerOptions options) {
   const sigset_t signals = hold_signals();
-  options.wait_for_database = wait_for_database(signals);
+  StartWaits waits(signals);
+  TakenOver taken_over;
+  options.wait_for_database = [&](const Error& why, auto pause) { return waits.for_database(why, pause); };
+  options.wait_for_turn = [&](const Error& why, auto pause) { return waits.for_turn(why, pause); };
+  options.on_standby = [&](const Endpoint& robots, const Endpoint& http) {
+    waits.stand_by(robots, http, options.data);
+  };
+  options.on_taken_over = [&](const Error& why) { taken_over.say(why); };
   auto server = MapMergeServer::start(options);
+  if (!server && waits.was_sent_home()) return 0;
   if (!server) return fail(server.error().message, 1);
   if (!options.insecure) std::cout << "headframe-server fingerprint: " << to_hex((*server)->fingerprint()) << '\n';
   if (!options.insecure && !(*server)->https() && !is_loopback(options.http))
@@ -75,10 +141,12 @@ int serve(ServerOptions options) {
             << to_string((*server)->http()) << ", data in " << options.data.string() << std::endl;
   int signal = 0;
   sigwait(&signals, &signal);
-  spdlog::info("signal {}: finishing", signal);
-  const StopDeadline deadline(stop_within);
+  const std::string why = taken_over.why();
+  if (why.empty()) spdlog::info("signal {}: finishing", signal);
+  const StopDeadline deadline(stop_within, why.empty() ? 0 : 1);
+  if (!why.empty()) (void)fail(why, 1);
   server->reset();
-  return 0;
+  return why.empty() ? 0 : 1;
 }
 
 int restore(const std::string& backup, const std::string& data) {

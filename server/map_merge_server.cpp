@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "server/membership.hpp"
 #include "server/net/robot_listener.hpp"
 #include "server/operator/operator_api.hpp"
 #include "server/security/operator_guard.hpp"
@@ -30,9 +31,10 @@ constexpr std::size_t mib = 1024UL * 1024;
 
 /// Order of life: what is below uses what is above. stop() goes from the peers inwards.
 struct MapMergeServer::Parts {
-  Parts(const ServerOptions& o, std::unique_ptr<Store> opened, std::optional<boost::asio::ssl::context> door,
-        WorkMark mark, RevocationLog revoked)
+  Parts(const ServerOptions& o, std::unique_ptr<Membership> member, std::unique_ptr<Store> opened,
+        std::optional<boost::asio::ssl::context> door, WorkMark mark, RevocationLog revoked)
       : options(o),
+        membership(std::move(member)),
         revocations(std::move(revoked)),
         store(std::move(opened)),
         worker(make_pipeline(o.config.merge), *store, o.config.schedule, std::move(mark)),
@@ -46,7 +48,8 @@ struct MapMergeServer::Parts {
         tls(std::move(door)),
         listener(io, hub, tls ? Entrance{&*tls, &gate} : Entrance{}, o.config.limits),
         view(io, hub, worker, *store, notes, o.config.merge,
-             {o.config.keep == KeepClouds::newest, static_cast<std::uint64_t>(o.config.free_mib) * mib}),
+             {o.config.keep == KeepClouds::newest, static_cast<std::uint64_t>(o.config.free_mib) * mib},
+             [this] { return membership->servers(); }),
         room(view) {}
   ~Parts() { stop(); }
   Parts(const Parts&) = delete;
@@ -57,6 +60,7 @@ struct MapMergeServer::Parts {
   void stop();
 
   const ServerOptions options;
+  std::unique_ptr<Membership> membership;
   RevocationLog revocations;
   boost::asio::io_context io;
   std::unique_ptr<Store> store;
@@ -85,7 +89,7 @@ Result<void> MapMergeServer::Parts::start() {
   if (done) done = notes.restore();
   if (!done) return done;
   hub.set_uplink_budget(static_cast<std::uint64_t>(options.config.limits.uplink_kib_s) * 1024);
-  auto listening = listener.listen(options.listen);
+  auto listening = listener.listen(membership->listen());
   if (!listening) return tl::unexpected(listening.error());
   robots = *listening;
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
@@ -103,9 +107,10 @@ Result<void> MapMergeServer::Parts::start() {
   api.emplace(io, view, OperatorLimits{},
               OperatorAccess{*token, desk ? &*desk : nullptr, log, options.data / "notes.jsonl", people.get(),
                              https ? &*(given_tls ? given_tls : tls) : nullptr});
-  done = api->listen(options.http.host, options.http.port);
+  done = api->listen(options.http.host, membership->http().port);
   if (!done) return done;
   http = {options.http.host, api->port()};
+  membership->serves(robots, http, fingerprint, *token);
   worker.start(hub);
   room->start(view.keep_policy());
   for (int i = 0; i < options.config.io_threads; ++i) threads.emplace_back([this] { io.run(); });
@@ -144,7 +149,7 @@ MapMergeServer::~MapMergeServer() = default;
 
 namespace {
 
-Result<std::unique_ptr<Store>> open_store(const ServerOptions& options) {
+Result<std::unique_ptr<Store>> open_store(const ServerOptions& options, Membership& membership) {
   const ServerConfig& config = options.config;
   const std::size_t queue_bytes = static_cast<std::size_t>(config.write_queue_mib) * mib;
   if (config.store_url.empty())
@@ -155,14 +160,16 @@ Result<std::unique_ptr<Store>> open_store(const ServerOptions& options) {
                               .clouds_bytes = static_cast<std::uint64_t>(config.clouds_mib) * mib,
                               .retry_ms = 100,
                               .longest_retry_ms = 2000},
-                             options.wait_for_database);
+                             membership.opening());
 }
 
 }  // namespace
 
 Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOptions& options) {
   google::protobuf::SetLogHandler(nullptr);  // it has a line for every bad string of every stranger
-  auto store = open_store(options);
+  auto membership = std::make_unique<Membership>(options);
+  if (auto reserved = membership->reserve_ports(); !reserved) return tl::unexpected(reserved.error());
+  auto store = open_store(options, *membership);
   if (!store) return tl::unexpected(store.error());
   std::optional<boost::asio::ssl::context> tls;
   std::string fingerprint;
@@ -179,8 +186,8 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
   if (!mark) return tl::unexpected(mark.error());
   auto revocations = RevocationLog::open(options.data / "revoked");
   if (!revocations) return tl::unexpected(revocations.error());
-  auto parts =
-      std::make_unique<Parts>(options, std::move(*store), std::move(tls), std::move(*mark), std::move(*revocations));
+  auto parts = std::make_unique<Parts>(options, std::move(membership), std::move(*store), std::move(tls),
+                                       std::move(*mark), std::move(*revocations));
   parts->fingerprint = fingerprint;
   if (auto done = parts->start(); !done) return tl::unexpected(done.error());
   return std::unique_ptr<MapMergeServer>(new MapMergeServer(std::move(parts)));

@@ -7,13 +7,13 @@
 
 namespace headframe {
 
-StopDeadline::StopDeadline(std::chrono::milliseconds after) {
-  thread_ = std::thread([this, after] {
+StopDeadline::StopDeadline(std::chrono::milliseconds after, int status) {
+  thread_ = std::thread([this, after, status] {
     std::unique_lock lock(mutex_);
     if (wake_.wait_for(lock, after, [this] { return done_; })) return;
     std::cerr << "headframe-server: not finished in time, ending all the same; what was acknowledged is on disk\n";
     WorkMark::died();  // what it worked on held it up
-    std::_Exit(EXIT_SUCCESS);
+    std::_Exit(status);
   });
 }
 

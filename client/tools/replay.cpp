@@ -111,10 +111,11 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
 
 int replay(Options options) {
   RobotConfig config;
-  const auto server = parse_peer(options.server);
-  if (!server) return failed("--server: " + server.error().message, 2);
-  config.host = server->host;
-  config.port = server->port;
+  const auto servers = parse_peers(options.server);
+  if (!servers) return failed("--server: " + servers.error().message, 2);
+  config.host = servers->front().host;
+  config.port = servers->front().port;
+  config.more_servers.assign(servers->begin() + 1, servers->end());
   const auto session = SessionFolder::open(options.folder);
   if (!session) return failed(session.error().message);
   config.robot = options.robot;
@@ -154,7 +155,10 @@ int replay(Options options) {
 int main(int argc, char** argv) {
   headframe::Options o;
   CLI::App app{"Plays a recorded session through the robot library, as the robot would have."};
-  app.add_option("--server", o.server, "base station, HOST:PORT")->required();
+  app.add_option("--server", o.server,
+                 "base station, HOST:PORT; given again, or after a comma: those that stand by for it")
+      ->required()
+      ->join(',');
   app.add_option("--robot", o.robot, "name of the robot")->required();
   app.add_option("--spool", o.spool,
                  "directory that keeps the session; without it a temporary one, removed on success");

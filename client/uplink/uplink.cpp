@@ -94,7 +94,7 @@ void Uplink::Thread::tick(const Link& l) {
 void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events) {
   for (const auto& event : events) {
     if (l != link && std::holds_alternative<Welcomed>(event)) continue;  // a spare stands
-    if (l != link && std::holds_alternative<LinkEnded>(event)) return end(l, {});
+    if (l != link && std::holds_alternative<LinkEnded>(event)) return end(l, Again::never);
     if (const auto* policy = std::get_if<PolicyTold>(&event))
       bucket.set_rate(tighter(config.bytes_per_s, policy->bytes_per_s), Clock::now());
     if (const auto* welcomed = std::get_if<Welcomed>(&event)) {
@@ -103,7 +103,7 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
       durable = 0;
       bucket.set_rate(config.bytes_per_s, Clock::now());  // until the server says otherwise
       up = true;
-      backoff.reset();
+      servers.found(l->server);
       if (!pending_trigger.empty()) l->protocol.trigger(std::exchange(pending_trigger, {}));
     }
     if (const auto* keyframes = std::get_if<KeyframesDurable>(&event)) durable = std::max(durable, keyframes->up_to);
@@ -113,7 +113,7 @@ void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events)
       continue;
     }
     const auto* ended = std::get_if<LinkEnded>(&event);
-    if (ended) end(l, ended->permanent ? std::nullopt : std::optional(backoff.next_s()));
+    if (ended) end(l, ended->permanent ? Again::never : Again::later);
     on_event(event);
     if (ended) return;
     if (asks_where && std::holds_alternative<Welcomed>(event)) ask_where(l);

@@ -5,14 +5,17 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/uplink/uplink_protocol.hpp"
+#include "common/endpoint.hpp"
 
 namespace headframe {
 
 struct UplinkConfig {
   std::string host;
   std::uint16_t port = 0;
+  std::vector<Endpoint> more_servers;  // of the same base station: tried in turn when one can not be reached
   std::string fingerprint;  // of the server's certificate, 32 bytes: TLS 1.3 with it alone; empty: in the clear
   double bytes_per_s = 0;   // budget of what is sent; 0: no limit
   double retry_first_s = 0.5;
@@ -28,8 +31,9 @@ struct UplinkConfig {
 
 /// A link that falls silent though an answer is due is doubted: others are tried beside it, and the first that speaks
 /// stays. Over a link that loses packets spares stand ready for that: TCP sends again once a second at most, eight
-/// connections one after the other eight times. Runs a thread of its own between construction and close(). All calls
-/// are thread safe.
+/// connections one after the other eight times. Where there are more servers, a lost link, or an attempt that failed,
+/// is followed at once by one to the next of them, and a pause comes when all have failed. Runs a thread of its own
+/// between construction and close(). All calls are thread safe.
 class Uplink {
  public:
   /// on_event is called on the uplink's thread and must not throw; LinkEnded comes once for every connection or attempt

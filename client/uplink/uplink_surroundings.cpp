@@ -35,7 +35,7 @@ void Uplink::Thread::ask_around(const Link& l) {
 void Uplink::Thread::take(const Link& l, const SurroundingsMessage& told) {
   auto taken = book.take(*told.message);
   if (!taken) {
-    end(l, backoff.next_s());
+    end(l, Again::later);
     return on_event(LinkEnded{{ErrorCode::bad_input, "from the server: " + taken.error().message}, false});
   }
   if (taken->next) (void)l->protocol.ask_around(*taken->next);

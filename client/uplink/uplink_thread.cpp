@@ -14,14 +14,16 @@ using tcp = asio::ip::tcp;
 }  // namespace
 
 void Uplink::Thread::connect() {
-  const auto l = std::make_shared<Connection>(io, config, hello, source);
+  const bool is_spare = carried() && !doubtful();  // a spare is of no use at another server
+  const auto l = std::make_shared<Connection>(*this, is_spare ? link->server : servers.take());
   attempts.push_back(l);
   l->deadline.expires_after(seconds(doubtful() ? config.connect_s : config.spare_connect_s));
   l->deadline.async_wait([this, l](const Code& code) {
     if (!code) fail(l, "no connection", asio::error::timed_out);
   });
   next_attempt();
-  resolver.async_resolve(config.host, std::to_string(config.port), [this, l](const Code& code, auto found) {
+  const Endpoint& to = servers.at(l->server);
+  resolver.async_resolve(to.host, std::to_string(to.port), [this, l](const Code& code, auto found) {
     if (l->over) return;
     if (code) return fail(l, "can not be resolved", code);
     asio::async_connect(l->stream.socket(), found, [this, l](const Code& fault, const tcp::endpoint&) {
@@ -45,7 +47,8 @@ void Uplink::Thread::shake_hands(const Link& l) {
   });
 }
 
-/// Beside one that is slow another sets out: over a link that loses packets the last is often the first to arrive.
+/// Beside one that is slow another sets out, to the next server if there are more: over a link that loses packets the
+/// last is often the first to arrive.
 void Uplink::Thread::next_attempt() {
   next.expires_after(seconds(config.connect_again_s));
   next.async_wait([this](const Code& code) {
@@ -78,8 +81,8 @@ void Uplink::Thread::give_up_attempts() {
 void Uplink::Thread::fail(const Link& l, const std::string& what, const Code& code) {
   if (l->over) return;
   const bool beside = (std::erase(attempts, l) > 0 && carried()) || spare(l);
-  end(l, code == asio::error::timed_out ? 0 : backoff.next_s());  // it took its time: the next one at once
-  const std::string where = config.host + ":" + std::to_string(config.port);
+  end(l, code == asio::error::timed_out ? Again::at_once : Again::later);  // what timed out took its time
+  const std::string where = to_string(servers.at(l->server));
   if (!closing && !beside)
     on_event(LinkEnded{{ErrorCode::unavailable, where + ": " + what + ": " + tls_trouble(code)}, false});
 }
@@ -93,8 +96,8 @@ void Uplink::Thread::discard(const Link& l) {
   l->deadline.cancel();
 }
 
-/// Nothing: never again.
-void Uplink::Thread::end(const Link& l, std::optional<double> again_s) {
+/// Later: after the pause that is due.
+void Uplink::Thread::end(const Link& l, Again again) {
   if (l->over) return;
   discard(l);
   if (std::erase(spares, l) > 0) {
@@ -103,10 +106,12 @@ void Uplink::Thread::end(const Link& l, std::optional<double> again_s) {
   }
   if (carried()) return;  // an attempt beside it: tick() tries again as long as there is doubt
   up = false;
-  if (!again_s) give_up_attempts();
-  if (!again_s || closing) give_up_spares();
+  const bool never = again == Again::never;
+  const double pause_s = servers.failed(l->server);
+  if (never) give_up_attempts();
+  if (never || closing) give_up_spares();
   if (closing) return io.stop();
-  if (again_s && attempts.empty()) retry_after(*again_s);
+  if (!never && attempts.empty()) retry_after(again == Again::later ? pause_s : 0);
   doubt();
 }
 

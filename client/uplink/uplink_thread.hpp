@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "client/uplink/pacing.hpp"
+#include "client/uplink/server_list.hpp"
 #include "client/uplink/surroundings_book.hpp"
 #include "client/uplink/uplink.hpp"
 #include "common/security/link_stream.hpp"
@@ -27,8 +28,13 @@ struct Uplink::Thread {
 
   /// One connection or attempt. Handlers hold it; `over` tells late ones to do nothing.
   struct Connection {
-    Connection(boost::asio::io_context& io, const UplinkConfig& config, const Hello& hello, const UplinkSource& source)
-        : stream(io), pace(io), deadline(io), protocol(config.limits, hello, source, Clock::now()) {}
+    Connection(Thread& thread, std::size_t to)
+        : server(to),
+          stream(thread.io),
+          pace(thread.io),
+          deadline(thread.io),
+          protocol(thread.config.limits, thread.hello, thread.source, Clock::now()) {}
+    const std::size_t server;  // of the list
     LinkStream stream;
     boost::asio::steady_timer pace, deadline;
     UplinkProtocol protocol;
@@ -55,7 +61,8 @@ struct Uplink::Thread {
   void tick(const Link& link);
   void take(const Link& link, const std::vector<UplinkEvent>& events);
   void fail(const Link& link, const std::string& what, const Code& code);
-  void end(const Link& link, std::optional<double> again_s);
+  enum class Again { at_once, later, never };
+  void end(const Link& link, Again again);
   static void discard(const Link& link);
   void retry_after(double s);
   void doubt();
@@ -80,6 +87,11 @@ struct Uplink::Thread {
   static constexpr std::size_t most_attempts = 4;
   static constexpr double spare_again_s = 10;  // after one was turned away
 
+  static std::vector<Endpoint> servers_of(const UplinkConfig& config) {
+    std::vector<Endpoint> all{{config.host, config.port}};
+    all.insert(all.end(), config.more_servers.begin(), config.more_servers.end());
+    return all;
+  }
   static Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
   }
@@ -93,7 +105,7 @@ struct Uplink::Thread {
   boost::asio::steady_timer retry{io}, next{io}, probing{io};
   boost::asio::ip::tcp::resolver resolver{io};
   TokenBucket bucket;
-  Backoff backoff{config.retry_first_s, config.retry_most_s, std::random_device{}()};
+  ServerList servers{servers_of(config), {config.retry_first_s, config.retry_most_s, std::random_device{}()}};
   Link link;                              // the one that carries the session; null or over: none does
   std::vector<Link> attempts;             // being made; beside a link in doubt, for a spare, or without one
   std::vector<Link> spares;               // up, and beside the link

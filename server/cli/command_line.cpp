@@ -116,6 +116,8 @@ void add_export_commands(CLI::App& app, Options& options) {
 }
 
 void add_store_commands(CLI::App& app, Options& options) {
+  adder(app, options)("servers", "The server that serves, and those that wait to take over from it",
+                      [](Commands& c) { return c.servers(); });
   CLI::App* store = app.add_subcommand("store", "How much room there is for what robots send");
   store->add_flag("--json", options.json, "Print JSON");
   const auto add_store = adder(*store, options);

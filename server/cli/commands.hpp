@@ -78,6 +78,10 @@ class Commands {
   /// Says which clouds would go for so many MiB, 0: all that may; refused, unless all_the_same.
   Result<int> let_go(int mib, bool all_the_same);
 
+  // servers.cpp
+  /// The servers that are there: which serves, and which wait to take over.
+  Result<int> servers();
+
   Result<int> list_surveys();
   /// The file holds the API's JSON, or control points when it ends in .csv. accept: also points that do not fit each
   /// other.

@@ -22,6 +22,8 @@ std::string survey_view(const nlohmann::json& survey, std::size_t width);
 std::string surveys_view(const nlohmann::json& surveys, std::size_t width);
 /// How much room there is, and which clouds may go.
 std::string store_view(const nlohmann::json& store, std::size_t width);
+/// Which server serves, and which wait.
+std::string servers_view(const nlohmann::json& servers, std::size_t width);
 /// A line, and a table of the sessions that clouds go of; empty: none may go.
 std::string covered_view(const nlohmann::json& covered, std::size_t width);
 /// How far the surfaces lie apart, as bars.

@@ -13,14 +13,16 @@ namespace {
 /// A key of the file and the member that it sets, between low and high.
 struct Key {
   std::string_view section, name;
-  std::variant<int*, double*, RegistrationEngine*, OperatorTls*, KeepClouds*, std::string*> value;
+  std::variant<int*, double*, bool*, RegistrationEngine*, OperatorTls*, KeepClouds*, std::string*> value;
   double low = 0, high = 0;
 };
 
 std::vector<Key> keys_of(ServerConfig& c) {
   return {
       {"server", "io_threads", &c.io_threads, 1, 64},
+      {"server", "name", &c.name},
       {"store", "url", &c.store_url},
+      {"store", "standby", &c.standby},
       {"store", "keep", &c.keep},
       {"store", "free_mib", &c.free_mib, 1, 1e9},
       {"store", "clouds_mib", &c.clouds_mib, 0, 1e9},
@@ -121,12 +123,31 @@ Result<void> set_url(std::string& url, const toml::node& node, const std::string
                                            "SQLite database in --data");
 }
 
+Result<void> set_name(std::string& name, const toml::node& node, const std::string& where) {
+  constexpr std::size_t most_bytes = 256;
+  name = node.value<std::string>().value_or("");
+  if (!name.empty() && name.size() <= most_bytes) return {};
+  return failure(ErrorCode::bad_input, where + ": name must be text of 1 to " + std::to_string(most_bytes) + " bytes");
+}
+
+Result<void> set_text(const Key& key, std::string& text, const toml::node& node, const std::string& where) {
+  if (key.name == "url") return set_url(text, node, where);
+  return key.name == "name" ? set_name(text, node, where) : set_file(text, key.name, node, where);
+}
+
+Result<void> set_switch(bool& on, std::string_view name, const toml::node& node, const std::string& where) {
+  const auto value = node.value_exact<bool>();
+  if (!value) return failure(ErrorCode::bad_input, where + ": " + std::string(name) + " must be true or false");
+  on = *value;
+  return {};
+}
+
 Result<void> set(const Key& key, const toml::node& node, const std::string& where) {
   if (auto* const* engine = std::get_if<RegistrationEngine*>(&key.value)) return set_engine(**engine, node, where);
   if (auto* const* tls = std::get_if<OperatorTls*>(&key.value)) return set_tls(**tls, node, where);
   if (auto* const* keep = std::get_if<KeepClouds*>(&key.value)) return set_keep(**keep, node, where);
-  if (auto* const* text = std::get_if<std::string*>(&key.value))
-    return key.name == "url" ? set_url(**text, node, where) : set_file(**text, key.name, node, where);
+  if (auto* const* on = std::get_if<bool*>(&key.value)) return set_switch(**on, key.name, node, where);
+  if (auto* const* text = std::get_if<std::string*>(&key.value)) return set_text(key, **text, node, where);
   const bool whole = std::holds_alternative<int*>(key.value);
   const auto value = node.value<double>();
   if (!value || (whole && !node.is_integer()) || !(*value >= key.low && *value <= key.high)) {
@@ -178,6 +199,11 @@ Result<ServerConfig> parse_config(std::string_view text, const std::string& name
     return failure(ErrorCode::bad_input, name +
                                              ": database_mib in [limits] is of SQLite's file, and [store] url says "
                                              "that there is none: leave one of them away");
+  if (config.standby && config.store_url.empty())
+    return failure(ErrorCode::bad_input,
+                   name +
+                       ": standby in [store] waits for a PostgreSQL that another server uses, and "
+                       "there is no url: SQLite is one server's alone");
   if (config.clouds_mib > 0 && config.store_url.empty())
     return failure(ErrorCode::bad_input, name +
                                              ": clouds_mib in [store] is of PostgreSQL; beside SQLite the disk, or "

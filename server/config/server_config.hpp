@@ -29,7 +29,9 @@ struct OperatorConfig {
 /// Everything a configuration file may set, with the defaults of a server without one.
 struct ServerConfig {
   int io_threads = 2;                 // [server]
+  std::string name;                   // [server], for the other servers; empty: the host and its data directory
   std::string store_url;              // [store] url: postgresql://...; empty: SQLite in the data directory
+  bool standby = false;               // [store]: a database that another server uses is waited for
   KeepClouds keep = KeepClouds::all;  // [store], and the next two
   int free_mib = 1024;                // that are to stay free while keep = "newest"
   int clouds_mib = 0;                 // that clouds may take in PostgreSQL, whose disk nobody knows; 0: no limit

@@ -124,6 +124,7 @@ std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasVie
            work.merge_work_s);
   page.one("merge_stuck", "gauge", "1 while one piece of work takes longer than merge.stuck_s.",
            work.merge_stuck.empty() ? 0 : 1);
+  page.one("standbys", "gauge", "Other servers that wait to take over should this one die.", work.standbys);
   double worst_m = 0;
   for (const Survey& survey : surveys)
     for (const double residual_m : residuals_m(survey)) worst_m = std::max(worst_m, residual_m);

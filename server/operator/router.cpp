@@ -36,6 +36,7 @@ constexpr std::array all_routes =
                           {"GET", "/api/v1/events", {}, events},
                           {"GET", "/api/v1/log", {"most"}, log},
                           {"GET", "/api/v1/backup", {}, backup},
+                          {"GET", "/api/v1/servers", {}, servers},
                           {"GET", "/api/v1/overview", {"level", "most"}, overview},
                           {"GET", "/api/v1/sessions/{id}/points", {"level", "from", "most"}, points},
                           {"GET", "/api/v1/sessions/{id}/trajectory", {"from"}, path},

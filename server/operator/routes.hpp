@@ -46,6 +46,7 @@ Result<Reply> metrics(const Query&, const Context&);
 Result<Reply> events(const Query&, const Context&);
 Result<Reply> log(const Query&, const Context&);
 Result<Reply> backup(const Query&, const Context&);
+Result<Reply> servers(const Query&, const Context&);
 
 // view_routes.cpp
 Result<Reply> status(const Query&, const Context&);

@@ -1,7 +1,8 @@
-#include "server/operator/routes.hpp"
+#include <nlohmann/json.hpp>
 
 #include "server/operator/backup_body.hpp"
 #include "server/operator/metrics.hpp"
+#include "server/operator/routes.hpp"
 
 namespace headframe::routes {
 
@@ -29,6 +30,19 @@ Result<Reply> metrics(const Query&, const Context& context) {
 
 Result<Reply> backup(const Query&, const Context& context) {
   return Stream{"application/vnd.sqlite3", std::make_unique<BackupBody>(context.station)};
+}
+
+Result<Reply> servers(const Query&, const Context& context) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const ServerRecord& server : context.station.servers())
+    rows.push_back({{"name", server.name},
+                    {"robots", server.robots},
+                    {"http", server.http},
+                    {"role", server.is_active ? "active" : "standby"},
+                    {"self", server.is_self},
+                    {"since_s", server.since_s},
+                    {"heard_ago_s", server.heard_ago_s}});
+  return json(nlohmann::json{{"servers", std::move(rows)}}.dump() + "\n");
 }
 
 Result<Reply> page(const Query&, const Context&) {

@@ -20,6 +20,7 @@
 #include "server/net/link_health.hpp"
 #include "server/session/session_row.hpp"
 #include "server/station/covered_clouds.hpp"
+#include "server/store/server_record.hpp"
 #include "server/support/stage_times.hpp"
 
 namespace headframe {
@@ -49,6 +50,7 @@ struct Workload {
   std::size_t damaged_keyframes = 0, damaged_clouds = 0;  // found so far: not what was written
   double merge_work_s = 0;       // since the merge worker began the piece of work that it is on; 0: it is on none
   std::string merge_stuck = {};  // why merging counts as stuck; empty: it does not
+  std::size_t standbys = 0;      // other servers that wait to take over
 };
 
 /// All calls are thread safe and quick, but trajectory(), cloud(), free_bytes() and covered_clouds(), which read from
@@ -61,6 +63,8 @@ class Station {
   virtual Pending pending() const = 0;
   virtual Workload workload() const = 0;
   virtual LinkHealth link_health() const { return {}; }
+  /// This server, and those that wait to take over from it.
+  virtual std::vector<ServerRecord> servers() const { return {}; }
   virtual MergeConfig merge_config() const = 0;
   /// Calls back once, from any thread, as soon as nothing is pending (at once if so), or when timeout_s is over; with
   /// what is left.

@@ -88,8 +88,11 @@ Workload StationView::workload() const {
     work.damaged_clouds = damaged_clouds_.size();
   }
   work.merge_stuck = worker_.stuck();
+  for (const ServerRecord& server : servers()) work.standbys += server.is_active || server.is_self ? 0 : 1;
   return work;
 }
+
+std::vector<ServerRecord> StationView::servers() const { return servers_ ? servers_() : std::vector<ServerRecord>(); }
 
 LinkHealth StationView::link_health() const {
   const LinkCounts& counts = hub_.counts();

@@ -15,14 +15,23 @@ namespace headframe {
 class StationView : public Station {
  public:
   StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store, StationNotes& notes,
-              const MergeConfig& config, const KeepPolicy& keep = {})
-      : io_(io), hub_(hub), worker_(worker), store_(store), notes_(notes), config_(config), keep_(keep) {}
+              const MergeConfig& config, const KeepPolicy& keep = {},
+              std::function<std::vector<ServerRecord>()> servers = {})
+      : io_(io),
+        hub_(hub),
+        worker_(worker),
+        store_(store),
+        notes_(notes),
+        config_(config),
+        keep_(keep),
+        servers_(std::move(servers)) {}
 
   std::vector<SessionRow> sessions() const override;
   AtlasView atlas() const override;
   Pending pending() const override;
   Workload workload() const override;
   LinkHealth link_health() const override;
+  std::vector<ServerRecord> servers() const override;
   MergeConfig merge_config() const override { return config_; }
   void when_idle(double timeout_s, std::function<void(Pending)> callback) override;
   void merge_all() override;
@@ -65,6 +74,7 @@ class StationView : public Station {
   StationNotes& notes_;
   const MergeConfig config_;
   const KeepPolicy keep_;
+  const std::function<std::vector<ServerRecord>()> servers_;
   mutable std::mutex mutex_;
   mutable std::set<KeyframeRef> damaged_clouds_;
 };

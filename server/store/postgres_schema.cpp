@@ -91,6 +91,13 @@ CREATE TABLE let_go (
 ALTER TABLE sessions ADD COLUMN site TEXT NOT NULL DEFAULT '';
 CREATE TABLE robot_sites (robot TEXT COLLATE "C" PRIMARY KEY, site TEXT NOT NULL);
 )sql",
+    // Who is there now: nothing of it has to outlive the database's processes, and nobody's disk is asked for it.
+    R"sql(
+CREATE UNLOGGED TABLE servers (
+  id BIGINT PRIMARY KEY, name TEXT NOT NULL, robots TEXT NOT NULL, http TEXT NOT NULL, fingerprint BYTEA NOT NULL,
+  token_digest BYTEA NOT NULL, active BIGINT NOT NULL, since_s DOUBLE PRECISION NOT NULL,
+  heard_s DOUBLE PRECISION NOT NULL);
+)sql",
 };
 
 std::string step(std::size_t from) {
@@ -117,19 +124,42 @@ Result<bool> has_tables(PostgresDatabase& database) {
   return there;
 }
 
+namespace {
+
+constexpr auto known_version = static_cast<std::int64_t>(postgres_steps.size());
+
+/// Of a database that has tables.
+Result<std::int64_t> version_of(PostgresDatabase& database) {
+  std::int64_t version = 0;
+  const auto read =
+      database.each("SELECT version FROM schema_version", [&](const Row& row) { version = row.integer(0); });
+  if (!read) return tl::unexpected(read.error());
+  if (version > known_version)
+    return failure(ErrorCode::incompatible, database.name() + " has schema " + std::to_string(version) +
+                                                ", this server knows up to " + std::to_string(known_version) +
+                                                "; use a newer headframe-server or another database");
+  return version;
+}
+
+}  // namespace
+
+Result<void> schema_is_known(PostgresDatabase& database) {
+  const auto there = has_tables(database);
+  if (!there) return tl::unexpected(there.error());
+  if (!*there) return {};
+  const auto version = version_of(database);
+  return version ? Result<void>() : tl::unexpected(version.error());
+}
+
 Result<void> migrate(PostgresDatabase& database) {
   const auto there = has_tables(database);
   if (!there) return tl::unexpected(there.error());
   if (!*there) return database.execute("BEGIN;" + postgres_tables() + "COMMIT");
-  std::int64_t version = 0;
-  auto done = database.each("SELECT version FROM schema_version", [&](const Row& row) { version = row.integer(0); });
-  constexpr auto known = static_cast<std::int64_t>(postgres_steps.size());
-  if (done && version > known)
-    return failure(ErrorCode::incompatible, database.name() + " has schema " + std::to_string(version) +
-                                                ", this server knows up to " + std::to_string(known) +
-                                                "; use a newer headframe-server or another database");
-  for (; done && version < known; ++version)
-    done = database.execute("BEGIN;" + step(static_cast<std::size_t>(version)) + "COMMIT");
+  auto version = version_of(database);
+  if (!version) return tl::unexpected(version.error());
+  Result<void> done;
+  for (; done && *version < known_version; ++*version)
+    done = database.execute("BEGIN;" + step(static_cast<std::size_t>(*version)) + "COMMIT");
   return done;
 }
 

@@ -12,6 +12,7 @@ namespace headframe {
 namespace {
 
 constexpr std::chrono::milliseconds first_pause(250), longest_pause(4000);
+constexpr std::chrono::milliseconds longest_standby_pause(1000);  // robots may wait for it
 
 Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, const std::string& name) {
   auto database = std::make_unique<PostgresDatabase>(url, name);
@@ -19,19 +20,26 @@ Result<std::unique_ptr<PostgresDatabase>> connected(const std::string& url, cons
   return database;
 }
 
-Result<std::unique_ptr<PostgresWriterConnection>> open_writer(const std::string& url, const std::string& name) {
+Result<std::unique_ptr<PostgresWriterConnection>> open_writer(const std::string& url, const std::string& name,
+                                                              std::int64_t mark, PostgresStandby* standby) {
   auto database = connected(url, name);
+  if (!database && standby != nullptr && standby->waits())  // it was well before: whatever it is, it may pass
+    return failure(ErrorCode::unavailable, database.error().message);
   if (!database) return tl::unexpected(database.error());
-  auto done = take_for_one_server(**database);
+  auto done = standby != nullptr ? standby->take(**database) : take_for_one_server(**database);
   if (done) done = migrate(**database);
   if (!done) return tl::unexpected(done.error());
-  return PostgresWriterConnection::open(std::move(*database));
+  return PostgresWriterConnection::open(std::move(*database), mark);
 }
 
 Result<std::unique_ptr<PostgresWriterConnection>> open_when_there(const std::string& url, const std::string& name,
-                                                                  const WaitForDatabase& wait) {
-  for (auto pause = first_pause;; pause = std::min(2 * pause, longest_pause)) {
-    auto writer = open_writer(url, name);
+                                                                  const PostgresOpening& opening) {
+  const auto& wait = opening.wait_for_database;
+  std::optional<PostgresStandby> standby;
+  if (opening.standby) standby.emplace(*opening.standby);
+  for (auto pause = first_pause;; pause *= 2) {
+    pause = std::min(pause, standby && standby->waits() ? longest_standby_pause : longest_pause);
+    auto writer = open_writer(url, name, opening.mark, standby ? &*standby : nullptr);
     const bool is_away = !writer && writer.error().code == ErrorCode::unavailable;
     if (!is_away || !wait || !wait(writer.error(), pause)) return writer;
   }
@@ -50,7 +58,7 @@ Result<std::optional<std::uint64_t>> free_bytes(Database& reader, std::uint64_t 
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& directory, const std::string& url,
-                                                   const StoreOptions& options, const WaitForDatabase& wait) {
+                                                   const StoreOptions& options, const PostgresOpening& opening) {
   const auto name = postgres_name(url);
   if (!name) return tl::unexpected(name.error());
   auto owned = DataDirectory::open(directory, DataDirectory::Database::elsewhere);
@@ -59,7 +67,7 @@ Result<std::unique_ptr<Store>> open_postgres_store(const std::filesystem::path& 
     return failure(ErrorCode::refused, directory.string() + " holds a database of its own, headframe.db, beside " +
                                            *name + ": take it there with --migrate, or move it away");
   remove_unfinished_backups(directory);
-  auto writer = open_when_there(url, *name, wait);
+  auto writer = open_when_there(url, *name, opening);
   if (!writer) return tl::unexpected(writer.error());
   auto reader = connected(url, *name);
   if (!reader) return tl::unexpected(reader.error());

@@ -34,6 +34,12 @@ Holder holder(PostgresDatabase& database) {
   return found;
 }
 
+std::string in_use_by(const PostgresDatabase& database, const Holder& other) {
+  return database.name() + " is in use by another headframe-server" + other.who;
+}
+
+}  // namespace
+
 Result<bool> try_to_take(PostgresDatabase& database) {
   bool taken = false;
   auto asked = database.each(
@@ -42,7 +48,7 @@ Result<bool> try_to_take(PostgresDatabase& database) {
   return taken;
 }
 
-}  // namespace
+std::string in_use(PostgresDatabase& database) { return in_use_by(database, holder(database)); }
 
 Result<void> take_for_one_server(PostgresDatabase& database, bool once) {
   Holder other;
@@ -55,15 +61,20 @@ Result<void> take_for_one_server(PostgresDatabase& database, bool once) {
     if (once) break;
     std::this_thread::sleep_for(look_again);
   }
-  return failure(ErrorCode::refused, database.name() + " is in use by another headframe-server" + other.who +
-                                         "; stop that one, or give this one a database of its own");
+  return failure(ErrorCode::refused, in_use_by(database, other) +
+                                         "; stop that one, give this one a database of its own, or let it wait with "
+                                         "standby = true in [store]");
+}
+
+std::int64_t random_mark() {
+  std::random_device random;
+  return static_cast<std::int64_t>((std::uint64_t{random()} << 32U) | random());
 }
 
 Result<std::unique_ptr<PostgresWriterConnection>> PostgresWriterConnection::open(
-    std::unique_ptr<PostgresDatabase> database) {
+    std::unique_ptr<PostgresDatabase> database, std::int64_t mark) {
   std::unique_ptr<PostgresWriterConnection> made(new PostgresWriterConnection(std::move(database)));
-  std::random_device random;
-  made->owner_ = static_cast<std::int64_t>((std::uint64_t{random()} << 32U) | random());
+  made->owner_ = mark != 0 ? mark : random_mark();
   auto done = made->database_->run_counted(
       "UPDATE writer SET owner=?, commits=0", [&](std::uint64_t rows) { made->counted_ = rows; }, made->owner_);
   if (done) done = made->database_->settle();
@@ -105,13 +116,26 @@ Result<bool> PostgresWriterConnection::found_committed() {
                                            "; was a standby promoted that lagged behind, or a backup restored?");
 }
 
+/// On a new connection: whether the commit in doubt happened.
+Result<bool> PostgresWriterConnection::come_back() {
+  if (auto there = reconnect(); !there) return tl::unexpected(there.error());
+  auto committed = found_committed();
+  if (!committed) return committed;
+  in_doubt_ = false;
+  commits_ += *committed ? 1 : 0;
+  return committed;
+}
+
+Result<void> PostgresWriterConnection::look_after() {
+  if (!is_lost()) return database_->each("SELECT 1", [](const Row&) {});
+  const auto back = come_back();
+  return back ? Result<void>() : tl::unexpected(back.error());
+}
+
 Result<bool> PostgresWriterConnection::begin() {
   if (is_lost()) {
-    if (auto there = reconnect(); !there) return tl::unexpected(there.error());
-    auto committed = found_committed();
+    auto committed = come_back();
     if (!committed) return committed;
-    in_doubt_ = false;
-    commits_ += *committed ? 1 : 0;
     if (*committed) return false;
   }
   counted_ = 0;

@@ -7,7 +7,8 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t group_bytes = 8UL * 1024 * 1024;  // a commit no greater than this, so that acks keep flowing
+constexpr auto look_after_every = std::chrono::seconds(1);  // while nothing is to be written
+constexpr std::size_t group_bytes = 8UL * 1024 * 1024;      // a commit no greater than this, so that acks keep flowing
 
 /// Not one write, nor the disk for now.
 bool is_of_the_database(const Error& error) {
@@ -73,7 +74,8 @@ void StoreWriter::run() {
 
 std::deque<StoreWriter::Item> StoreWriter::next_group() {
   std::unique_lock lock(mutex_);
-  wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
+  const auto has_come = [&] { return stopping_ || !queue_.empty(); };
+  while (!wake_.wait_for(lock, look_after_every, has_come)) look_after_connection(lock);
   wake_.wait_for(lock, std::chrono::milliseconds(options_.group_ms),
                  [&] { return stopping_ || load_.queued_bytes >= group_bytes; });
   std::deque<Item> group;
@@ -83,6 +85,14 @@ std::deque<StoreWriter::Item> StoreWriter::next_group() {
   }
   std::stable_partition(group.begin(), group.end(), [](const Item& item) { return makes_room(item.write); });
   return group;
+}
+
+void StoreWriter::look_after_connection(std::unique_lock<std::mutex>& lock) {
+  if (broken_) return;
+  lock.unlock();
+  const auto well = connection_->look_after();
+  if (!well && is_of_the_database(well.error())) give_up(well.error());
+  lock.lock();
 }
 
 void StoreWriter::commit(std::deque<Item> group) {

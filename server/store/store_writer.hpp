@@ -39,6 +39,7 @@ class StoreWriter {
 
   void run();
   std::deque<Item> next_group();
+  void look_after_connection(std::unique_lock<std::mutex>& lock);
   void commit(std::deque<Item> group);
   Result<void> apply_to_transaction(Item& item);
   Result<void> apply_all(std::deque<Item>& group, std::size_t count);

@@ -18,6 +18,10 @@ class WriterConnection {
   virtual Result<void> commit() = 0;
   virtual void rollback() = 0;
 
+  /// Called now and then while nothing is to be written: a connection that was lost meanwhile is made anew, so that no
+  /// other server takes the database for abandoned. Errors as begin()'s.
+  virtual Result<void> look_after() { return {}; }
+
   /// The database went away: nothing can be written in whatever portions until begin() succeeds again.
   virtual bool is_lost() const = 0;
 };

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <regex>
 
 namespace headframe::test {
 
@@ -20,31 +19,56 @@ ScratchFolder::~ScratchFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Result<BaseStation> BaseStation::start(const std::filesystem::path& data, const std::string& listen, bool insecure,
-                                       const std::filesystem::path& config) {
+Result<BaseStation> BaseStation::launch(const std::filesystem::path& data, const std::string& listen, bool insecure,
+                                        const std::filesystem::path& config) {
   std::vector<std::string> argv{
       program("headframe-server"), "--data", data.string(), "--listen", listen, "--http", "127.0.0.1:0"};
   if (insecure) argv.emplace_back("--insecure");
   if (!config.empty()) argv.insert(argv.end(), {"--config", config.string()});
   auto process = Process::start(argv);
   if (!process) return tl::unexpected(process.error());
-  static const std::regex ready("headframe-server ready: robots on ([^,]+), http on ([^,]+), data in .*");
+  return BaseStation(std::move(*process), data);
+}
+
+/// The line has where robots and operators are served.
+Result<void> BaseStation::read_until(const std::regex& wanted) {
   static const std::regex identity("headframe-server fingerprint: ([0-9a-f]+)");
-  BaseStation station(std::move(*process), data);
   std::string printed;
   while (true) {
-    const auto line = station.process_.read_line(30s);
+    const auto line = process_.read_line(30s);
     if (!line)
       return failure(ErrorCode::unavailable, "the server did not get ready: " + printed + line.error().message);
     std::smatch match;
-    if (std::regex_match(*line, match, identity)) station.fingerprint_ = match[1];
-    if (std::regex_match(*line, match, ready)) {
-      station.robots_ = match[1];
-      station.http_ = match[2];
-      return station;
+    if (std::regex_match(*line, match, identity)) fingerprint_ = match[1];
+    if (std::regex_match(*line, match, wanted)) {
+      robots_ = match[1];
+      http_ = match[2];
+      return {};
     }
     printed += *line + "\n";
   }
+}
+
+Result<void> BaseStation::await_ready() {
+  static const std::regex ready("headframe-server ready: robots on ([^,]+), http on ([^,]+), data in .*");
+  return read_until(ready);
+}
+
+Result<BaseStation> BaseStation::start(const std::filesystem::path& data, const std::string& listen, bool insecure,
+                                       const std::filesystem::path& config) {
+  auto station = launch(data, listen, insecure, config);
+  if (!station) return station;
+  if (auto done = station->await_ready(); !done) return tl::unexpected(done.error());
+  return station;
+}
+
+Result<BaseStation> BaseStation::start_standby(const std::filesystem::path& data, const std::filesystem::path& config,
+                                               bool insecure, const std::string& listen) {
+  static const std::regex stands_by("headframe-server stands by: .* robots on ([^,]+), http on ([^,]+), data in .*");
+  auto station = launch(data, listen, insecure, config);
+  if (!station) return station;
+  if (auto done = station->read_until(stands_by); !done) return tl::unexpected(done.error());
+  return station;
 }
 
 Result<std::string> BaseStation::token() const {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "tests/support/process.hpp"
 
@@ -31,6 +32,12 @@ class BaseStation {
   static Result<BaseStation> start(const std::filesystem::path& data, const std::string& listen = "127.0.0.1:0",
                                    bool insecure = false, const std::filesystem::path& config = {});
 
+  /// One that waits for the database that another server has: returns when it stands by, with where it will serve.
+  static Result<BaseStation> start_standby(const std::filesystem::path& data, const std::filesystem::path& config,
+                                           bool insecure = false, const std::string& listen = "127.0.0.1:0");
+  /// Returns when it serves.
+  Result<void> await_ready();
+
   const std::string& robots() const { return robots_; }  // HOST:PORT
   const std::string& http() const { return http_; }
   Process& process() { return process_; }
@@ -57,6 +64,9 @@ class BaseStation {
 
  private:
   BaseStation(Process process, std::filesystem::path data) : process_(std::move(process)), data_(std::move(data)) {}
+  static Result<BaseStation> launch(const std::filesystem::path& data, const std::string& listen, bool insecure,
+                                    const std::filesystem::path& config);
+  Result<void> read_until(const std::regex& line);
   Process process_;
   std::filesystem::path data_;
   std::string robots_, http_, fingerprint_;

@@ -39,6 +39,7 @@ class FakeStation : public Station {
     published.alignment.evidence.tilt_deg = std::numeric_limits<double>::quiet_NaN();
     view.alignments.push_back(published);
     view.alignments.push_back(row_of(2, 3, AlignmentState::rejected, Pose::Identity()));
+    work.standbys = 1;
   }
   ~FakeStation() override {
     timer_stop_.request_stop();
@@ -48,6 +49,10 @@ class FakeStation : public Station {
   std::vector<SessionRow> sessions() const override {
     const std::lock_guard lock(mutex_);
     return rows;
+  }
+  std::vector<ServerRecord> servers() const override {
+    return {{"pit:/var/lib/headframe", "0.0.0.0:7447", "127.0.0.1:7448", true, true, 1.76e9, 0},
+            {"surface", "0.0.0.0:7447", "127.0.0.1:7448", false, false, 1.76e9 + 60, 1.2}};
   }
   AtlasView atlas() const override {
     const std::lock_guard lock(mutex_);

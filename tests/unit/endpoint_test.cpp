@@ -18,6 +18,16 @@ TEST(Endpoint, APeerHasAPort) {
   EXPECT_NE(parse_peer("host").error().message.find("\"host\" is no HOST:PORT"), std::string::npos);
 }
 
+TEST(Endpoint, SeveralPeersHaveCommasBetween) {
+  const auto peers = parse_peers("base:1,[::1]:2");
+  ASSERT_TRUE(peers);
+  ASSERT_EQ(peers->size(), 2U);
+  EXPECT_EQ(to_string((*peers)[0]), "base:1");
+  EXPECT_EQ(to_string((*peers)[1]), "[::1]:2");
+  for (const char* text : {"", ",", "base:1,", ",base:1", "base:1,,base:2", "base:1, base:2:3", "base:1,base:0"})
+    EXPECT_FALSE(parse_peers(text)) << text;
+}
+
 TEST(Endpoint, TheLoopbackIsReachedFromThisMachineOnly) {
   for (const char* host : {"127.0.0.1", "127.255.255.254", "::1", "localhost"})
     EXPECT_TRUE(is_loopback({host, 1})) << host;

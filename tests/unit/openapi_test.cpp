@@ -124,6 +124,7 @@ TEST_F(OpenApi, DescribesEveryAnswerThatIsJson) {
       {"get", "/api/v1/sites", "/api/v1/sites", ""},
       {"get", "/api/v1/sessions/{id}/dependents", "/api/v1/sessions/2/dependents", ""},
       {"get", "/api/v1/store", "/api/v1/store", ""},
+      {"get", "/api/v1/servers", "/api/v1/servers", ""},
       {"post", "/api/v1/store/let-go", "/api/v1/store/let-go?bytes=1000", ""},
       {"post", "/api/v1/survey", "/api/v1/survey?session=1", survey},
       {"get", "/api/v1/survey", "/api/v1/survey", ""},

@@ -63,6 +63,7 @@ TEST_F(OperatorApiTest, MetricsAreWhatPrometheusReads) {
   EXPECT_EQ(samples["headframe_backlog_keyframes"], 9);
   EXPECT_EQ(samples["headframe_robot_bytes_received_total{kind=\"clouds\"}"], 600);
   EXPECT_EQ(samples["headframe_robot_bytes_received_total{kind=\"keyframes_and_control\"}"], 2400);
+  EXPECT_EQ(samples["headframe_standbys"], 1);
   EXPECT_EQ(samples["headframe_store_commits_total"], 4);
   EXPECT_EQ(samples["headframe_store_commit_seconds_total"], 0.25);
   EXPECT_EQ(samples["headframe_merge_attempts_total"], 5);

@@ -1,4 +1,4 @@
-// headframe place and headframe store: what they show, and what they refuse.
+// headframe place, headframe store and headframe servers: what they show, and what they refuse.
 #include "tests/support/headframe_command_fixture.hpp"
 
 namespace headframe {
@@ -59,6 +59,17 @@ TEST_F(HeadframeCommand, WhatWouldGoForRoomIsShownBeforeItGoes) {
   EXPECT_EQ(server.station.rows[0].let_go, 2U);
   EXPECT_EQ(run("store let-go --yes").out, "no cloud may go\n");
   expect_fault(run("store let-go"), 1, "no cloud may go");
+}
+
+TEST_F(HeadframeCommand, TheServersOfTheBaseStationAreListed) {
+  const std::string shown = run("servers").out;
+  EXPECT_NE(shown.find("pit:/var/lib/headframe  active   0.0.0.0:7447"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("surface"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("standby"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("1 s ago"), std::string::npos) << shown;
+  const auto json = Json::parse(run("servers --json").out);
+  EXPECT_EQ(json["servers"][0]["self"], true);
+  EXPECT_EQ(json["servers"][1]["role"], "standby");
 }
 
 }  // namespace

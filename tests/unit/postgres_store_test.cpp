@@ -68,6 +68,61 @@ TEST_F(PostgresStore, AServerThatDiedIsSucceededWhenItsLastCommandIsDone) {
   works.join();
 }
 
+TEST_F(PostgresStore, AServerThatStandsByTakesOverWhenTheOtherLetsGo) {
+  auto first = open(*home, impatient);
+  const TempDir other;
+  std::atomic<int> asked = 0, waited = 0;
+  PostgresOpening opening;
+  opening.standby = StandbyPlan{[&](const std::optional<ServerCard>& active) -> Result<void> {
+                                  EXPECT_FALSE(active) << "a store alone tells nobody of itself";
+                                  ++asked;
+                                  return {};
+                                },
+                                [&](const Error&, std::chrono::milliseconds) { return ++waited > 0; }};
+  Result<std::unique_ptr<Store>> second;
+  std::thread opens([&] { second = open_postgres_store(other.path(), home->url(), impatient, opening); });
+  while (waited < 3) std::this_thread::yield();
+  ASSERT_TRUE(write_and_wait(*first, PutSession{session_record(1, "ant")})) << "it is in nobody's way";
+  first.reset();
+  opens.join();
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ((*second)->sessions()->size(), 1U);
+}
+
+TEST_F(PostgresStore, AServerStandsByOnlyIfItMayAndAsLongAsItIsNotEnded) {
+  const auto first = open(*home, impatient);
+  const TempDir other;
+  PostgresOpening opening;
+  opening.standby = StandbyPlan{[](const auto&) { return failure(ErrorCode::refused, "it may not"); },
+                                [](const Error&, std::chrono::milliseconds) { return true; }};
+  const auto may_not = open_postgres_store(other.path(), home->url(), impatient, opening);
+  ASSERT_FALSE(may_not);
+  EXPECT_EQ(may_not.error().message, "it may not");
+  opening.standby = StandbyPlan{[](const auto&) { return Result<void>(); },
+                                [](const Error& why, std::chrono::milliseconds) {
+                                  EXPECT_NE(why.message.find("in use by another headframe-server"), std::string::npos);
+                                  return false;
+                                }};
+  const auto ended = open_postgres_store(other.path(), home->url(), impatient, opening);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().message, "it was ended while it stood by");
+  ASSERT_TRUE(home->database()->execute("UPDATE schema_version SET version = 1000"));
+  const auto older = open_postgres_store(other.path(), home->url(), impatient, opening);
+  ASSERT_FALSE(older);
+  EXPECT_EQ(older.error().code, ErrorCode::incompatible) << "found out before it waits";
+}
+
+TEST_F(PostgresStore, AServerThatHasNothingToWriteTakesItsDatabaseBackAllTheSame) {
+  const std::string of_writer = " FROM pg_locks WHERE locktype = 'advisory' AND granted";
+  const auto store = open(*home, impatient);
+  const std::int64_t before = number("SELECT pid::bigint" + of_writer);
+  execute("SELECT pg_terminate_backend(pid)" + of_writer);
+  const std::string another = "SELECT count(*)" + of_writer + " AND pid <> " + std::to_string(before);
+  while (number(another) == 0) std::this_thread::yield();
+  EXPECT_TRUE(write_and_wait(*store, PutSession{session_record(1, "ant")}));
+}
+
 TEST_F(PostgresStore, WhileTheDatabaseIsAwayWritesWaitAndNothingIsLostOrDoubled) {
   constexpr std::uint64_t all = 1500;
   std::atomic<std::uint64_t> durable = 0, failed = 0;

@@ -22,7 +22,7 @@ TEST(ServerConfig, WhatIsNotSetKeepsItsDefault) {
 
 TEST(ServerConfig, UnknownKeysAreNamedWithFileLineAndTheKnownOnes) {
   EXPECT_EQ(error_of("[server]\n\nio_treads = 3\n"),
-            "hf.toml:3: unknown key 'io_treads' in [server]; there are: io_threads");
+            "hf.toml:3: unknown key 'io_treads' in [server]; there are: io_threads, name");
   EXPECT_NE(error_of("[mrege]\nthreads = 1\n").find("hf.toml:1: unknown section or key 'mrege'"), std::string::npos);
   EXPECT_NE(error_of("threads = 1\n").find("unknown section or key 'threads'"), std::string::npos);
   EXPECT_NE(error_of("server = 1\n").find("unknown section or key 'server'"), std::string::npos);
@@ -72,6 +72,21 @@ TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
               "--data");
   EXPECT_NE(error_of("[store]\nurl = 'postgresql://db/mine'\n[limits]\ndatabase_mib = 5").find("database_mib"),
             std::string::npos);
+}
+
+TEST(ServerConfig, AServerStandsByOverPostgresqlAlone) {
+  EXPECT_FALSE(parse_config("", "hf.toml")->standby);
+  const auto config = parse_config(
+      "[server]\nname = 'north shaft'\n[store]\nurl = 'postgresql://db/mine'\nstandby = true\n", "hf.toml");
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_TRUE(config->standby);
+  EXPECT_EQ(config->name, "north shaft");
+  EXPECT_NE(error_of("[store]\nstandby = true").find("SQLite is one server's alone"), std::string::npos);
+  EXPECT_EQ(error_of("[store]\nstandby = false"), "accepted");
+  for (const std::string bad : {"1", "'true'", "[]"})
+    EXPECT_EQ(error_of("[store]\nstandby = " + bad), "hf.toml:2: standby must be true or false");
+  for (const std::string& bad : {std::string("''"), std::string("7"), "'" + std::string(257, 'x') + "'"})
+    EXPECT_EQ(error_of("[server]\nname = " + bad), "hf.toml:2: name must be text of 1 to 256 bytes");
 }
 
 TEST(ServerConfig, WhatIsKeptWhenRoomIsShort) {

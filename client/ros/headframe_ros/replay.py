@@ -19,7 +19,7 @@ from .topics import Listener
 
 def arguments():
     parser = argparse.ArgumentParser(prog="headframe_ros.replay", description=__doc__.split("\n")[0])
-    parser.add_argument("--server", required=True, help="base station, HOST:PORT")
+    parser.add_argument("--server", required=True, help="base station, HOST:PORT; after a comma those that stand by for it")
     parser.add_argument("--robot", required=True, help="name of the robot")
     parser.add_argument("--enrol", default="", help="what `headframe robot add NAME` printed; needed the first time only")
     parser.add_argument("--spool", required=True, help="directory that keeps the session; one that was broken off goes on")

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/result.hpp"
+#include "tests/support/process.hpp"
 
 namespace headframe::bench {
 
@@ -27,6 +28,9 @@ struct Told {
   std::set<std::uint64_t> clouds;  // acknowledged
 };
 Result<Told> told(const std::string& robot, const std::filesystem::path& spool);
+/// The same of a robot that runs, and is halted for the moment; its spool is copied to `copy`, which is replaced.
+Result<Told> told_so_far(const std::string& robot, const std::filesystem::path& spool, const test::Process& process,
+                         const std::filesystem::path& copy);
 
 struct Faults {
   std::uint64_t lost = 0;        // acknowledged and not stored

@@ -5,6 +5,7 @@
 
 #include "tests/bench/link/audit.hpp"
 #include "tests/bench/link/bad_link.hpp"
+#include "tests/bench/link/quantile.hpp"
 
 namespace headframe::bench {
 
@@ -29,8 +30,5 @@ struct FaultOutcome {
 
 /// A server and robots in one process, a namespace each, the radio between them; TLS.
 Result<FaultOutcome> drive_over(const FaultPlan& plan, const std::filesystem::path& scratch);
-
-/// Of sorted or unsorted values; 0 of none.
-double quantile(std::vector<double> values, double q);
 
 }  // namespace headframe::bench

@@ -74,9 +74,9 @@ class Block {
   }
 
   Result<void> start_robot(std::size_t i) {
-    auto started = test::Process::start({test::program("headframe-link-robot"), names_[i], spool(i).string(),
-                                         listen_.substr(listen_.rfind(':') + 1), std::to_string(plan_.keyframes),
-                                         std::to_string(plan_.every_ms), enrolments_[i]});
+    auto started =
+        test::Process::start({test::program("headframe-link-robot"), names_[i], spool(i).string(), listen_,
+                              std::to_string(plan_.keyframes), std::to_string(plan_.every_ms), enrolments_[i]});
     if (!started) return tl::unexpected(started.error());
     robots_[i].emplace(std::move(*started));
     return {};
@@ -131,16 +131,7 @@ class Block {
   Result<std::map<std::string, Told>> snapshot() {
     std::map<std::string, Told> all;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
-      const fs::path copy = scratch_ / "copy";
-      fs::remove_all(copy);
-      robots_[i]->signal(SIGSTOP);
-      fs::create_directories(copy / "clouds");
-      std::error_code gone;
-      if (fs::exists(spool(i) / "session.log")) fs::copy_file(spool(i) / "session.log", copy / "session.log");
-      for (const auto& cloud : fs::directory_iterator(spool(i) / "clouds", gone))
-        fs::create_hard_link(cloud.path(), copy / "clouds" / cloud.path().filename(), gone);
-      robots_[i]->signal(SIGCONT);
-      auto one = told(names_[i], copy);
+      auto one = told_so_far(names_[i], spool(i), *robots_[i], scratch_ / "copy");
       if (!one) return tl::unexpected(one.error());
       all[names_[i]] = std::move(*one);
     }

@@ -7,12 +7,13 @@
 #include <atomic>
 #include <chrono>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <thread>
 
 #include "tests/bench/link/drive.hpp"
 #include "tests/bench/link/enrol.hpp"
-#include "tests/bench/link/faults.hpp"
+#include "tests/bench/link/quantile.hpp"
 #include "tests/bench/link/seconds_since.hpp"
 #include "tests/bench/link/served.hpp"
 
@@ -22,14 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-Result<Served> serve_for(const LoadPlan& plan, const fs::path& scratch) {
+std::string config_of(const LoadPlan& plan) {
   std::ostringstream config;
   config << "[limits]\nrobots = " << plan.robots + 8 << "\n";
   if (!plan.store_url.empty()) config << "[store]\nurl = \"" << plan.store_url << "\"\n";
+  if (plan.standby) config << "standby = true\n";
   if (plan.caches_mb > 0)
     for (const char* cache : {"[merge]\nclouds_mb", "places_mb", "walls_mb"})
       config << cache << " = " << plan.caches_mb << "\n";
-  return serve(scratch, config.str());
+  return config.str();
 }
 
 double rss_mb(int pid) {
@@ -59,8 +61,11 @@ struct Robot {
 
 class Load {
  public:
-  Load(const LoadPlan& plan, Served server)
-      : plan_(plan), server_(std::move(server)), robots_(static_cast<std::size_t>(plan.robots)) {}
+  Load(const LoadPlan& plan, Served server, std::optional<Served> standby)
+      : plan_(plan),
+        server_(std::move(server)),
+        standby_(std::move(standby)),
+        robots_(static_cast<std::size_t>(plan.robots)) {}
 
   Result<void> connect(const fs::path& spools) {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -71,6 +76,7 @@ class Load {
       if (!enrolled) return tl::unexpected(enrolled.error());
       auto config = drive_config(robot.name, spools / robot.name, "127.0.0.1", server_.port, *enrolled);
       config.sync = false;
+      if (standby_) config.more_servers.push_back({"127.0.0.1", standby_->port});
       auto client = RobotClient::open(config);
       if (!client) return tl::unexpected(client.error());
       robot.client = std::move(*client);
@@ -148,6 +154,7 @@ class Load {
 
   const LoadPlan plan_;
   Served server_;
+  std::optional<Served> standby_;
   std::vector<Robot> robots_;
   Clock::time_point start_;
   LoadOutcome outcome_;
@@ -160,9 +167,16 @@ class Load {
 Result<LoadOutcome> load(const LoadPlan& plan, const fs::path& scratch, const fs::path& spools) {
   const rlimit files{65536, 65536};
   (void)::setrlimit(RLIMIT_NOFILE, &files);
-  auto server = serve_for(plan, scratch);
+  auto server = serve(scratch, config_of(plan));
   if (!server) return tl::unexpected(server.error());
-  Load load(plan, std::move(*server));
+  std::optional<Served> standby;
+  if (plan.standby) {
+    if (auto known = make_known_as(*server, scratch / "standby"); !known) return tl::unexpected(known.error());
+    auto waits = serve(scratch / "standby", config_of(plan));
+    if (!waits) return tl::unexpected(waits.error());
+    standby.emplace(std::move(*waits));
+  }
+  Load load(plan, std::move(*server), std::move(standby));
   if (auto done = load.connect(spools); !done) return tl::unexpected(done.error());
   return load.run();
 }

@@ -13,6 +13,7 @@ struct LoadPlan {
   double seconds = 600;        // after all have connected
   int points = 3000;           // of a cloud: some 7 KB
   std::string store_url = {};  // postgresql://...; empty: SQLite
+  bool standby = false;        // with PostgreSQL: a second server waits meanwhile, and robots know both
   int caches_mb = 0;           // each of the server's caches for merging; 0: its defaults. Small ones are full soon
 };
 

@@ -11,11 +11,16 @@
 int main(int argc, char** argv) {
   using namespace headframe;
   if (argc != 7)
-    return std::fprintf(stderr, "usage: headframe-link-robot ROBOT SPOOL PORT KEYFRAMES EVERY_MS ENROLMENT\n"), 2;
+    return std::fprintf(stderr,
+                        "usage: headframe-link-robot ROBOT SPOOL HOST:PORT[,HOST:PORT] KEYFRAMES EVERY_MS ENROLMENT\n"),
+           2;
   const std::string robot = argv[1];
-  const auto port = static_cast<std::uint16_t>(std::atoi(argv[3]));
+  const auto servers = parse_peers(argv[3]);
+  if (!servers) return std::fprintf(stderr, "%s\n", servers.error().message.c_str()), 2;
   const auto keyframes = static_cast<std::uint64_t>(std::atoll(argv[4]));
-  const auto client = RobotClient::open(bench::drive_config(robot, argv[2], "127.0.0.1", port, argv[6]));
+  auto config = bench::drive_config(robot, argv[2], servers->front().host, servers->front().port, argv[6]);
+  config.more_servers.assign(servers->begin() + 1, servers->end());
+  const auto client = RobotClient::open(config);
   if (!client) return std::fprintf(stderr, "%s\n", client.error().message.c_str()), 1;
   for (const auto& warning : (*client)->warnings()) std::printf("%s\n", warning.c_str());
   auto due = std::chrono::steady_clock::now();

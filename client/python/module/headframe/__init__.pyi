@@ -121,7 +121,8 @@ class Robot:
                  credential: str = "", fingerprint: str = "", insecure: bool = False, sensor: Sensor = ...,
                  family: str = "learned", clouds: str = "all", bytes_per_s: float = 0.0,
                  provisional: bool = False, intensity: bool = True) -> None:
-        """server: HOST:PORT. enrolment: what `headframe robot add` printed; needed once. clouds: all, on_request, never.
+        """server: HOST:PORT; after a comma those that stand by for it. enrolment: what `headframe robot add` printed;
+        needed once. clouds: all, on_request, never.
         intensity: False leaves it out of the clouds, which takes about a seventh off their bytes."""
     def add_scan(self, stamp_s: float, T_local_sensor: ArrayLike, points: ArrayLike,
                  intensity: Optional[ArrayLike] = None) -> bool:

@@ -56,11 +56,12 @@ std::unique_ptr<RobotClient, Unlocked> open(const std::string& robot, const std:
                                             const std::string& family, const std::string& clouds, double bytes_per_s,
                                             bool provisional, bool intensity) {
   RobotConfig config;
-  const Endpoint peer = value_of(parse_peer(server));
+  const std::vector<Endpoint> peers = value_of(parse_peers(server));
   config.robot = robot;
   config.spool = spool;
-  config.host = peer.host;
-  config.port = peer.port;
+  config.host = peers.front().host;
+  config.port = peers.front().port;
+  config.more_servers.assign(peers.begin() + 1, peers.end());
   config.enrolment = enrolment;
   config.session = session;
   config.credential = credential;

@@ -9,6 +9,7 @@ import { Icon } from '../parts/icons';
 import type { Live, Session } from '../station/types';
 import { Fleet } from './fleet';
 import { People } from './people';
+import { Servers } from './servers';
 
 /** Heard within so many seconds: four bars, three, two; later one; away none. */
 const heard_s = [4, 10, 20];
@@ -170,6 +171,7 @@ export function RobotsPanel({ desk }: { desk: Desk }) {
       )}
       <Fleet desk={desk} />
       <People desk={desk} />
+      <Servers desk={desk} />
     </section>
   );
 }

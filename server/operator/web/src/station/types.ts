@@ -174,6 +174,17 @@ export interface OperatorRow {
   expires_s: number;
 }
 
+/** One that serves, or waits to take over. */
+export interface ServerRow {
+  name: string;
+  robots: string;
+  http: string;
+  role: 'active' | 'standby';
+  self: boolean;
+  since_s: number;
+  heard_ago_s: number;
+}
+
 /** Who works with this page. */
 export interface Me {
   name: string | null;

@@ -1,0 +1,95 @@
+#include "server/membership.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "common/printable.hpp"
+#include "common/security/secret.hpp"
+#include "server/store/postgres_writer.hpp"
+
+namespace headframe {
+namespace {
+
+/// Of its host and data directory: there is no second one there.
+std::string given_name(const std::filesystem::path& data) {
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0) host = {'?'};
+  std::error_code ignored;
+  return std::string(host.data()) + ":" + std::filesystem::absolute(data, ignored).lexically_normal().string();
+}
+
+bool wait_anyway(const Error&, std::chrono::milliseconds pause) {
+  std::this_thread::sleep_for(pause);
+  return true;
+}
+
+}  // namespace
+
+Membership::Membership(ServerOptions options) : options_(std::move(options)) {
+  card_.id = random_mark();
+  card_.name = printable(options_.config.name.empty() ? given_name(options_.data) : options_.config.name);
+  const std::string& url = options_.config.store_url;
+  if (const auto database = postgres_name(url); !url.empty() && database)
+    presence_ = std::make_unique<PostgresPresence>(url, *database, [told = options_.on_taken_over](const Error& why) {
+      if (told) told(why);
+    });
+}
+
+Result<void> Membership::reserve_ports() {
+  if (!options_.config.standby) return {};
+  for (Endpoint* endpoint : {&options_.listen, &options_.http}) {
+    auto port = ReservedPort::at(*endpoint);
+    if (!port) return tl::unexpected(port.error());
+    *endpoint = port->endpoint();
+    ports_.push_back(std::move(*port));
+  }
+  return {};
+}
+
+PostgresOpening Membership::opening() {
+  PostgresOpening opening{options_.wait_for_database, card_.id, {}};
+  if (options_.config.standby)
+    opening.standby = StandbyPlan{[this](const auto& active) { return begin_to_wait(active); },
+                                  options_.wait_for_turn ? options_.wait_for_turn : wait_anyway};
+  return opening;
+}
+
+Result<void> Membership::begin_to_wait(const std::optional<ServerCard>& active) {
+  if (!options_.insecure) {
+    if (auto fit = fit_to_stand_by(options_.data, active); !fit) return fit;
+    const auto known = known_by(options_.data);
+    if (!known) return tl::unexpected(known.error());
+    card_.fingerprint = known->fingerprint;
+    card_.token_digest = known->token_digest;
+  }
+  card_.robots = to_string(options_.listen);
+  card_.http = to_string(options_.http);
+  presence_->start(card_);
+  if (options_.on_standby) options_.on_standby(options_.listen, options_.http);
+  return {};
+}
+
+void Membership::serves(const Endpoint& robots, const Endpoint& http, const std::string& fingerprint,
+                        const std::string& token) {
+  ports_.clear();
+  const std::lock_guard lock(mutex_);
+  card_.robots = to_string(robots);
+  card_.http = to_string(http);
+  card_.fingerprint = fingerprint;
+  card_.token_digest = token.empty() ? "" : sha256(token);
+  since_s_ = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  if (!presence_) return;
+  presence_->start(card_);
+  presence_->become_active();
+}
+
+std::vector<ServerRecord> Membership::servers() const {
+  const std::lock_guard lock(mutex_);
+  if (presence_) return presence_->servers();
+  return {{card_.name, card_.robots, card_.http, true, true, since_s_, 0}};
+}
+
+}  // namespace headframe

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <mutex>
+#include <vector>
+
+#include "server/map_merge_server.hpp"
+#include "server/standby.hpp"
+#include "server/store/postgres_presence.hpp"
+
+namespace headframe {
+
+/// This server among those that use its database; over SQLite it is alone. Not thread safe, but for servers().
+class Membership {
+ public:
+  explicit Membership(ServerOptions options);
+
+  /// A server that may have to wait makes its ports its own before it does: unavailable when they are in use.
+  Result<void> reserve_ports();
+  Endpoint listen() const { return options_.listen; }  // with the port that was reserved
+  Endpoint http() const { return options_.http; }
+
+  /// How to open the database: at once, or when another server lets go of it. Must not outlive this.
+  PostgresOpening opening();
+
+  /// It is active, and listens there. The fingerprint and the operator's token are empty where it is insecure.
+  void serves(const Endpoint& robots, const Endpoint& http, const std::string& fingerprint, const std::string& token);
+
+  /// All servers that are there. Does not wait.
+  std::vector<ServerRecord> servers() const;
+
+ private:
+  Result<void> begin_to_wait(const std::optional<ServerCard>& active);
+
+  ServerOptions options_;
+  ServerCard card_;
+  std::vector<ReservedPort> ports_;
+  mutable std::mutex mutex_;
+  double since_s_ = 0;
+  std::unique_ptr<PostgresPresence> presence_;  // null: SQLite
+};
+
+}  // namespace headframe

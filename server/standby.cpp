@@ -1,0 +1,61 @@
+#include "server/standby.hpp"
+
+#include "common/security/secret.hpp"
+#include "server/security/operator_guard.hpp"
+#include "server/security/server_identity.hpp"
+
+namespace headframe {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> can_not(const fs::path& data, const std::string& why, const std::optional<ServerCard>& active) {
+  return failure(ErrorCode::refused, "this server can not stand by, for " + why +
+                                         ": copy identity.pem, operator.token and, if it is there, operators.json "
+                                         "from the data directory of " +
+                                         (active ? active->name : "the server that is active") + " into " +
+                                         data.string() + ", readable by their owner alone, and start it again");
+}
+
+}  // namespace
+
+Result<ServerCard> known_by(const fs::path& data) {
+  for (const char* file : {"identity.pem", "operator.token"})
+    if (!fs::exists(data / file)) return failure(ErrorCode::refused, (data / file).string() + " is missing");
+  const auto identity = server_identity(data, false);
+  if (!identity) return tl::unexpected(identity.error());
+  const auto token = operator_token(data);
+  if (!token) return tl::unexpected(token.error());
+  ServerCard card;
+  card.fingerprint = identity->fingerprint;
+  card.token_digest = sha256(*token);
+  return card;
+}
+
+Result<void> fit_to_stand_by(const fs::path& data, const std::optional<ServerCard>& active) {
+  const auto own = known_by(data);
+  if (!own) return can_not(data, own.error().message, active);
+  if (!active) return {};
+  if (own->fingerprint != active->fingerprint)
+    return can_not(data, "robots know the active one by another identity.pem", active);
+  if (own->token_digest != active->token_digest)
+    return can_not(data, "operators know the active one by another operator.token", active);
+  return {};
+}
+
+Result<ReservedPort> ReservedPort::at(const Endpoint& endpoint) {
+  using boost::asio::ip::tcp;
+  ReservedPort port;
+  boost::system::error_code code;
+  tcp::resolver resolver(*port.io_);
+  const auto found = resolver.resolve(endpoint.host, std::to_string(endpoint.port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, code);
+  if (!code) port.socket_.open(found.begin()->endpoint().protocol(), code);
+  if (!code) port.socket_.set_option(tcp::acceptor::reuse_address(true), code);
+  if (!code) port.socket_.bind(found.begin()->endpoint(), code);
+  if (code) return failure(ErrorCode::unavailable, "can not listen on " + to_string(endpoint) + ": " + code.message());
+  port.endpoint_ = {endpoint.host, port.socket_.local_endpoint().port()};
+  return port;
+}
+
+}  // namespace headframe

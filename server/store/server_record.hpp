@@ -1,0 +1,28 @@
+#pragma once
+// The servers of one base station: one serves, others may wait to take over.
+
+#include <cstdint>
+#include <string>
+
+namespace headframe {
+
+/// What a server tells the others that use its database.
+struct ServerCard {
+  std::int64_t id = 0;            // random, of this run of it; while it is active, the mark in table writer
+  std::string name;               // for people: [server] name, or the host and its data directory
+  std::string robots, http;       // HOST:PORT where it serves them, or will
+  std::string fingerprint = {};   // 32 bytes, of the certificate that robots know it by; empty: insecure
+  std::string token_digest = {};  // 32 bytes, SHA-256 of the operator's token; empty: insecure
+};
+
+/// A server as the others see it.
+struct ServerRecord {
+  std::string name;
+  std::string robots, http;
+  bool is_active = false;  // it serves; else it waits to take over
+  bool is_self = false;
+  double since_s = 0;      // when it began to be so, since the epoch
+  double heard_ago_s = 0;  // its last sign of life
+};
+
+}  // namespace headframe

@@ -1,0 +1,272 @@
+// Two servers on one PostgreSQL: one serves, the other waits, and takes over when the first is lost.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <map>
+
+#include "tests/support/base_station.hpp"
+#include "tests/support/drawn_session.hpp"
+#include "tests/support/postgres_cluster.hpp"
+#include "tests/support/raw_robot.hpp"
+
+namespace headframe::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+class Servers : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (PostgresCluster::programs().empty()) GTEST_SKIP() << PostgresCluster::not_installed;
+    auto made = PostgresCluster::make();
+    ASSERT_TRUE(made) << made.error().message;
+    cluster = std::move(*made);
+    auto database = cluster->make_database();
+    ASSERT_TRUE(database) << database.error().message;
+    std::ofstream(config()) << "[store]\nurl = \"" << *database << "\"\nstandby = true\n";
+  }
+
+  fs::path folder(const std::string& name) const { return scratch.path() / name; }
+  fs::path config() const { return folder("config.toml"); }
+
+  /// The first server, and a second one that was given what robots and operators know the first by.
+  void start_both(bool insecure) {
+    auto active = BaseStation::start(folder("first"), "127.0.0.1:0", insecure, config());
+    ASSERT_TRUE(active) << active.error().message;
+    first.emplace(std::move(*active));
+    fs::create_directories(folder("second"));
+    for (const char* file : {"identity.pem", "operator.token"})
+      if (!insecure) fs::copy_file(folder("first") / file, folder("second") / file);
+    auto standby = BaseStation::start_standby(folder("second"), config(), insecure);
+    ASSERT_TRUE(standby) << standby.error().message;
+    second.emplace(std::move(*standby));
+  }
+
+  static Json rows(const BaseStation& station, const std::string& what) {
+    const auto ended = station.command({what, "--json"});
+    EXPECT_TRUE(ended && ended->status == 0) << (ended ? ended->output : ended.error().message);
+    const auto json = ended ? Json::parse(ended->output, nullptr, false) : Json();
+    return json.is_object() ? json.at(what) : Json::array();
+  }
+
+  /// By robot: how many keyframes and clouds the server has.
+  static std::map<std::string, std::pair<int, int>> counts(const BaseStation& station) {
+    std::map<std::string, std::pair<int, int>> out;
+    for (const auto& row : rows(station, "sessions")) {
+      EXPECT_FALSE(out.contains(row.at("robot"))) << "one session a robot";
+      out[row.at("robot")] = {row.at("keyframes"), row.at("clouds")};
+    }
+    return out;
+  }
+
+  static bool lists_a_standby(const BaseStation& station) {
+    const Json servers = rows(station, "servers");
+    return servers.size() == 2 && servers[0]["role"] == "active" && servers[0]["self"] == true &&
+           servers[1]["role"] == "standby" && servers[1]["heard_ago_s"] < 2;
+  }
+
+  /// A robot that knows both servers, and is enrolled at the first.
+  Result<Process> drive(const std::string& robot, const std::string& rate) {
+    std::vector<std::string> argv{program("headframe-replay"),
+                                  "--server",
+                                  first->robots(),
+                                  "--server",
+                                  second->robots(),
+                                  "--robot",
+                                  robot,
+                                  "--rate",
+                                  rate,
+                                  "--linger",
+                                  "5"};
+    const auto admission = first->admission(robot);
+    if (!admission) return tl::unexpected(admission.error());
+    argv.insert(argv.end(), admission->begin(), admission->end());
+    argv.push_back(folder(robot).string());
+    return Process::start(argv);
+  }
+
+  static void expect_done(Process& replay) {
+    const auto ended = replay.wait(120s);
+    ASSERT_TRUE(ended) << ended.error().message;
+    EXPECT_EQ(ended->status, 0) << ended->output;
+  }
+
+  /// Asks until it holds: nothing here waits for a time, only for a state.
+  static bool until(const std::function<bool()>& holds) {
+    const auto deadline = std::chrono::steady_clock::now() + 60s;
+    while (std::chrono::steady_clock::now() < deadline)
+      if (holds()) return true;
+    return false;
+  }
+
+  void cut_off_who_has_the_database() {
+    EXPECT_TRUE(
+        cluster->execute("SELECT pg_terminate_backend(pid) FROM pg_locks WHERE locktype = 'advisory' AND granted"));
+  }
+
+  ScratchFolder scratch;
+  std::unique_ptr<PostgresCluster> cluster;
+  std::optional<BaseStation> first, second;
+};
+
+TEST_F(Servers, OneIsKilledInTheMiddleOfADriveAndTheOtherGoesOn) {
+  write_session(folder("a"), drive_a_to_c(1));
+  write_session(folder("b"), drive_b_to_a(1));
+  ASSERT_NO_FATAL_FAILURE(start_both(false));
+  EXPECT_TRUE(until([&] { return lists_a_standby(*first); }));
+  auto a = drive("a", "20"), b = drive("b", "20");
+  ASSERT_TRUE(a && b);
+  std::map<std::string, std::pair<int, int>> before;
+  ASSERT_TRUE(until([&] {
+    before = counts(*first);
+    return before["a"].first > 10 && before["b"].first > 10;
+  }));
+  first->process().signal(SIGKILL);
+  ASSERT_TRUE(first->process().wait(10s));
+  const auto ready = second->await_ready();
+  ASSERT_TRUE(ready) << ready.error().message;
+  EXPECT_EQ(second->fingerprint(), first->fingerprint());
+  const auto then = counts(*second);
+  for (const auto& [robot, stored] : before) EXPECT_GE(then.at(robot).first, stored.first) << "nothing was lost";
+  auto again = BaseStation::start_standby(folder("first"), config());  // as a service manager would
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_TRUE(until([&] { return lists_a_standby(*second); }));
+  expect_done(*a);
+  expect_done(*b);
+  const auto atlas = second->settled_atlas();
+  ASSERT_TRUE(atlas) << atlas.error().message;
+  EXPECT_EQ(atlas->at("components").size(), 1U);
+
+  auto calm = BaseStation::start(folder("calm"), "127.0.0.1:0", true);
+  ASSERT_TRUE(calm) << calm.error().message;
+  for (const char* robot : {"a", "b"}) {
+    auto alone = calm->replay(robot, folder(robot));
+    ASSERT_TRUE(alone);
+    expect_done(*alone);
+  }
+  EXPECT_EQ(counts(*calm), counts(*second)) << "the same as without any kill";
+}
+
+TEST_F(Servers, OneThatWasCutOffWritesNothingMoreAndEnds) {
+  ASSERT_NO_FATAL_FAILURE(start_both(true));
+  RawRobot robot(*parse_peer(first->robots()));
+  robot.greet(robot_hello());
+  robot.send(keyframe_frame(line_keyframe(1)));
+  ASSERT_TRUE(robot.acknowledged(1));
+  first->process().signal(SIGSTOP);
+  cut_off_who_has_the_database();
+  const auto ready = second->await_ready();
+  ASSERT_TRUE(ready) << ready.error().message;
+  robot.send(keyframe_frame(line_keyframe(2)));  // it lies in the socket of the one that is halted
+  first->process().signal(SIGCONT);
+  EXPECT_FALSE(robot.acknowledged(2)) << "it ends the connection, and acknowledges nothing";
+  const auto ended = first->process().wait(30s);
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(ended->status, 1) << ended->output;
+  EXPECT_NE(ended->output.find("was taken over by another headframe-server"), std::string::npos) << ended->output;
+  EXPECT_EQ(counts(*second)["ant"].first, 1) << "it wrote nothing";
+  RawRobot elsewhere(*parse_peer(second->robots()));
+  EXPECT_EQ(elsewhere.greet(robot_hello()).durable_keyframes(), 1U);
+  elsewhere.send(keyframe_frame(line_keyframe(2)));
+  EXPECT_TRUE(elsewhere.acknowledged(2));
+}
+
+TEST_F(Servers, OneThatNobodyWritesToNoticesAllTheSameThatAnotherTookOver) {
+  ASSERT_NO_FATAL_FAILURE(start_both(true));
+  first->process().signal(SIGSTOP);
+  cut_off_who_has_the_database();
+  ASSERT_TRUE(second->await_ready());
+  first->process().signal(SIGCONT);
+  const auto ended = first->process().wait(30s);
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(ended->status, 1) << ended->output;
+}
+
+TEST_F(Servers, OneThatWaitsOutlastsItsDatabaseAndEndsAtASignal) {
+  ASSERT_NO_FATAL_FAILURE(start_both(true));
+  ASSERT_TRUE(until([&] { return lists_a_standby(*first); }));
+  cluster->kill();
+  EXPECT_TRUE(until([&] { return !lists_a_standby(*first); })) << "nothing is heard of anybody";
+  ASSERT_TRUE(cluster->start());
+  EXPECT_TRUE(until([&] { return lists_a_standby(*first); })) << "the active one goes on, the other one waits again";
+  RawRobot robot(*parse_peer(first->robots()));
+  robot.greet(robot_hello());
+  robot.send(keyframe_frame(line_keyframe(1)));
+  EXPECT_TRUE(robot.acknowledged(1));
+  cluster->kill();
+  second->process().signal(SIGTERM);
+  const auto ended = second->process().wait(30s);
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(ended->status, 0) << ended->output;
+  EXPECT_EQ(first->process().poll(), -1);
+}
+
+TEST_F(Servers, OneThatWaitsEndsAtASignalAndIsListedNoMore) {
+  ASSERT_NO_FATAL_FAILURE(start_both(true));
+  ASSERT_TRUE(until([&] { return lists_a_standby(*first); }));
+  second->process().signal(SIGTERM);
+  const auto ended = second->process().wait(10s);
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(ended->status, 0) << ended->output;
+  EXPECT_TRUE(until([&] { return rows(*first, "servers").size() == 1; }));
+  first->process().signal(SIGTERM);
+  const auto last = first->process().wait(10s);
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->status, 0) << last->output;
+}
+
+TEST_F(Servers, OneThatRobotsWouldNotKnowIsToldSoBeforeItWaits) {
+  auto active = BaseStation::start(folder("first"), "127.0.0.1:0", false, config());
+  ASSERT_TRUE(active) << active.error().message;
+  const auto without = BaseStation::start_standby(folder("second"), config());
+  ASSERT_FALSE(without);
+  EXPECT_NE(without.error().message.find("identity.pem is missing: copy identity.pem, operator.token and, if it is "
+                                         "there, operators.json from the data directory of "),
+            std::string::npos)
+      << without.error().message;
+  EXPECT_NE(without.error().message.find(folder("first").string()), std::string::npos) << without.error().message;
+  ASSERT_TRUE(BaseStation::start(folder("other"))) << "with a key of its own, over SQLite";
+  fs::create_directories(folder("second"));
+  for (const char* file : {"identity.pem", "operator.token"})
+    fs::copy_file(folder("other") / file, folder("second") / file);
+  const auto other = BaseStation::start_standby(folder("second"), config());
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("robots know the active one by another identity.pem"), std::string::npos)
+      << other.error().message;
+  fs::copy_file(folder("first") / "identity.pem", folder("second") / "identity.pem",
+                fs::copy_options::overwrite_existing);
+  const auto token = BaseStation::start_standby(folder("second"), config());
+  ASSERT_FALSE(token);
+  EXPECT_NE(token.error().message.find("another operator.token"), std::string::npos) << token.error().message;
+}
+
+TEST_F(Servers, OneWhosePortIsTakenIsToldSoBeforeItWaits) {
+  ASSERT_NO_FATAL_FAILURE(start_both(true));
+  const auto third = BaseStation::start_standby(folder("third"), config(), true, first->robots());
+  ASSERT_FALSE(third);
+  EXPECT_NE(third.error().message.find("can not listen on " + first->robots()), std::string::npos)
+      << third.error().message;
+}
+
+TEST(OneServer, OverSqliteIsAloneAndNobodyStandsBy) {
+  const ScratchFolder scratch;
+  const auto station = BaseStation::start(scratch.path() / "data", "127.0.0.1:0", true);
+  ASSERT_TRUE(station) << station.error().message;
+  const auto listed = station->command({"servers", "--json"});
+  ASSERT_TRUE(listed && listed->status == 0);
+  const Json servers = Json::parse(listed->output).at("servers");
+  ASSERT_EQ(servers.size(), 1U);
+  EXPECT_EQ(servers[0]["role"], "active");
+  EXPECT_EQ(servers[0]["robots"], station->robots());
+  std::ofstream(scratch.path() / "config.toml") << "[store]\nstandby = true\n";
+  const auto refused = BaseStation::start_standby(scratch.path() / "second", scratch.path() / "config.toml", true);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("SQLite is one server's alone"), std::string::npos) << refused.error().message;
+}
+
+}  // namespace
+}  // namespace headframe::test
