@@ -39,7 +39,7 @@ def mounts(service):
 
 class Image(unittest.TestCase):
     def test_stages_and_what_they_copy(self):
-        self.assertEqual(re.findall(r"^FROM \S+ AS (\w+)$", DOCKERFILE, re.M), ["build", "test", "server", "robot"])
+        self.assertEqual(re.findall(r"^FROM \S+ AS (\w+)$", DOCKERFILE, re.M), ["build", "server", "robot", "test"])
         for source in re.findall(r"^COPY (?!--)(\S+) ", DOCKERFILE, re.M):
             self.assertTrue((ROOT / source).exists(), source)
         made = set(re.findall(r"^package (\S+) ", read("docker/package"), re.M))
