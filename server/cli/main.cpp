@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   app.add_option("--http", options.http,
                  "Where headframe-server answers operators. Without https:// or http://: HTTPS, but on the loopback")
       ->capture_default_str()
+      ->envname("HEADFRAME_HTTP")
       ->type_name("[https://]HOST:PORT");
   app.add_option("--fingerprint", options.fingerprint,
                  "Of the server's certificate, as headframe-server prints it: HTTPS with that server alone")

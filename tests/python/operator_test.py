@@ -254,7 +254,7 @@ class NoServer(unittest.TestCase):
 if __name__ == "__main__":
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
-    for of_this_shell in ("HEADFRAME_TOKEN_FILE", "HEADFRAME_TOKEN", "HEADFRAME_FINGERPRINT", "HEADFRAME_CA"):
+    for of_this_shell in ("HEADFRAME_HTTP", "HEADFRAME_TOKEN_FILE", "HEADFRAME_TOKEN", "HEADFRAME_FINGERPRINT", "HEADFRAME_CA"):
         os.environ.pop(of_this_shell, None)
     os.chdir(OUT)
     subprocess.run([BIN / "headframe-drawn-sessions", OUT / "drives"], check=True)
