@@ -31,8 +31,8 @@ TEST_P(LiveDrives, TellNothingWrongAndEndTheSame) {
   const auto set = std::find_if(sets.begin(), sets.end(), [](const LiveSet& s) { return s.name == GetParam().set; });
   ASSERT_NE(set, sets.end());
   const std::vector<DrivenSession> sessions = set->driving();
-  std::vector<const DrivenSession*> driving;
-  for (const DrivenSession& session : sessions) driving.push_back(&session);
+  std::vector<const DrivenSession*> driving(sessions.size());
+  std::transform(sessions.begin(), sessions.end(), driving.begin(), [](const DrivenSession& s) { return &s; });
   std::optional<std::map<NamedPair, EndState>> first;
   for (const LiveConditions& conditions : GetParam().conditions) {
     SCOPED_TRACE(text_of(conditions));

@@ -9,7 +9,7 @@ Session along(const Eigen::Vector3d& from, const Eigen::Vector3d& to, int keyfra
   Session out;
   for (int i = 0; i < keyframes; ++i) {
     Keyframe k;
-    k.sequence = static_cast<std::uint64_t>(i + 1);
+    k.sequence = static_cast<std::uint64_t>(i) + 1;
     k.T_local_sensor.translation() = from + i * (to - from) / std::max(1, keyframes - 1);
     out.keyframes.push_back(std::move(k));
     out.path_to_m.push_back((from - to).norm() * i / std::max(1, keyframes - 1));
