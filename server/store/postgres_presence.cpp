@@ -18,8 +18,8 @@ constexpr const char* note_self =
 constexpr const char* forget_those_that_went =
     "DELETE FROM servers WHERE heard_s < extract(epoch FROM clock_timestamp())::float8 - ?";
 constexpr const char* see_all =
-    "SELECT name, robots, http, id = owner, id = ?1, since_s, extract(epoch FROM clock_timestamp())::float8 - heard_s"
-    " FROM servers, writer ORDER BY id = owner DESC, name, id";
+    "SELECT name, robots, http, id = owner, id = ?1, since_s, extract(epoch FROM clock_timestamp())::float8 - heard_s,"
+    " active FROM servers, writer ORDER BY id = owner DESC, name, id";
 
 }  // namespace
 
@@ -105,23 +105,23 @@ Result<void> PostgresPresence::note(const ServerCard& card, bool active, double 
 
 Result<void> PostgresPresence::look(const ServerCard& card, bool active) {
   std::vector<ServerRecord> seen;
-  auto read = database_.each(
+  bool lost = false;  // the mark in the database is not this server's any more
+  const auto read = database_.each(
       see_all,
       [&](const Row& row) {
-        seen.push_back({row.text(0), row.text(1), row.text(2), row.integer(3) != 0, row.integer(4) != 0, row.real(5),
-                        std::max(0.0, row.real(6))});
+        const bool owns = row.integer(3) != 0, is_self = row.integer(4) != 0;
+        lost |= active && is_self && !owns;
+        if (row.integer(7) != 0 && !owns) return;  // it served, and was killed or cut off: it does not stand by
+        seen.push_back({row.text(0), row.text(1), row.text(2), owns, is_self, row.real(5), std::max(0.0, row.real(6))});
       },
       card.id);
-  if (!read) return read;
-  std::int64_t owner = card.id;
-  if (active) read = database_.each("SELECT owner FROM writer", [&](const Row& row) { owner = row.integer(0); });
   if (!read) return read;
   {
     const std::lock_guard lock(mutex_);
     seen_ = std::move(seen);
     seen_at_ = Clock::now();
   }
-  if (owner == card.id || std::exchange(told_, true)) return {};
+  if (!lost || std::exchange(told_, true)) return {};
   taken_over_({ErrorCode::refused, database_.name() + " was taken over by another headframe-server while this one was "
                                                       "cut off from it; this one serves nobody any more"});
   return {};

@@ -5,7 +5,7 @@
 
 #include "server/map_merge_server.hpp"
 #include "tests/support/base_station.hpp"
-#include "tests/support/postgres_cluster.hpp"
+#include "tests/support/postgres_fixture.hpp"
 #include "tests/support/raw_robot.hpp"
 
 namespace headframe::test {
@@ -13,18 +13,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class OverPostgres : public testing::Test {
+class OverPostgres : public PostgresFixture {
  protected:
-  void SetUp() override {
-    if (PostgresCluster::programs().empty()) GTEST_SKIP() << PostgresCluster::not_installed;
-    auto made = PostgresCluster::make();
-    ASSERT_TRUE(made) << made.error().message;
-    cluster = std::move(*made);
-    auto database = cluster->make_database();
-    ASSERT_TRUE(database) << database.error().message;
-    url = *database;
-  }
-
   Result<Process> start_server(const std::string& data, const std::string& of_url) {
     const std::string config = (scratch.path() / (data + ".toml")).string();
     std::ofstream(config) << "[store]\nurl = \"" << of_url << "\"\n";
@@ -42,10 +32,6 @@ class OverPostgres : public testing::Test {
       if (line->find(words) != std::string::npos) return all;
     }
   }
-
-  ScratchFolder scratch;
-  std::unique_ptr<PostgresCluster> cluster;
-  std::string url;
 };
 
 TEST_F(OverPostgres, RobotsAreHeldWhileTheDatabaseIsAwayAndGoOnByThemselves) {

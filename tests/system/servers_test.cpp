@@ -8,7 +8,7 @@
 
 #include "tests/support/base_station.hpp"
 #include "tests/support/drawn_session.hpp"
-#include "tests/support/postgres_cluster.hpp"
+#include "tests/support/postgres_fixture.hpp"
 #include "tests/support/raw_robot.hpp"
 
 namespace headframe::test {
@@ -18,16 +18,11 @@ using namespace std::chrono_literals;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-class Servers : public testing::Test {
+class Servers : public PostgresFixture {
  protected:
   void SetUp() override {
-    if (PostgresCluster::programs().empty()) GTEST_SKIP() << PostgresCluster::not_installed;
-    auto made = PostgresCluster::make();
-    ASSERT_TRUE(made) << made.error().message;
-    cluster = std::move(*made);
-    auto database = cluster->make_database();
-    ASSERT_TRUE(database) << database.error().message;
-    std::ofstream(config()) << "[store]\nurl = \"" << *database << "\"\nstandby = true\n";
+    PostgresFixture::SetUp();
+    std::ofstream(config()) << "[store]\nurl = \"" << url << "\"\nstandby = true\n";
   }
 
   fs::path folder(const std::string& name) const { return scratch.path() / name; }
@@ -108,8 +103,6 @@ class Servers : public testing::Test {
         cluster->execute("SELECT pg_terminate_backend(pid) FROM pg_locks WHERE locktype = 'advisory' AND granted"));
   }
 
-  ScratchFolder scratch;
-  std::unique_ptr<PostgresCluster> cluster;
   std::optional<BaseStation> first, second;
 };
 
@@ -130,6 +123,8 @@ TEST_F(Servers, OneIsKilledInTheMiddleOfADriveAndTheOtherGoesOn) {
   const auto ready = second->await_ready();
   ASSERT_TRUE(ready) << ready.error().message;
   EXPECT_EQ(second->fingerprint(), first->fingerprint());
+  ASSERT_TRUE(until([&] { return rows(*second, "servers").at(0).at("self") == true; }));
+  EXPECT_FALSE(lists_a_standby(*second)) << "the one that was killed does not wait for anything";
   const auto then = counts(*second);
   for (const auto& [robot, stored] : before) EXPECT_GE(then.at(robot).first, stored.first) << "nothing was lost";
   auto again = BaseStation::start_standby(folder("first"), config());  // as a service manager would
