@@ -53,7 +53,7 @@ class Block {
     if (!done) return done;
     RevisionWatch watch([this] { return http(); }, token_);
     for (const int last = outcome_.kills + kills; done && outcome_.kills < last;) done = round();
-    const RevisionWatch::Seen seen = watch.finish();
+    const RevisionBook::Seen seen = watch.finish();
     outcome_.revisions.revisions += seen.revisions;
     outcome_.revisions.contradictions += seen.contradictions;
     if (outcome_.revisions.first.empty()) outcome_.revisions.first = seen.first;

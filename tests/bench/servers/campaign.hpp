@@ -27,7 +27,7 @@ struct ServersOutcome {
   std::vector<double> postgres_back_s;  // PostgreSQL takes connections again until a new keyframe is acknowledged
   int compares = 0;
   Faults faults;
-  RevisionWatch::Seen revisions;
+  RevisionBook::Seen revisions;
 };
 
 /// Kills servers, PostgreSQL and robots at seeded moments, and halts active servers whose connection is cut meanwhile;

@@ -39,10 +39,10 @@ RevisionWatch::RevisionWatch(std::function<std::string()> http, std::string toke
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
-RevisionWatch::Seen RevisionWatch::finish() {
+RevisionBook::Seen RevisionWatch::finish() {
   thread_.request_stop();
   thread_.join();
-  return seen_;
+  return book_.seen();
 }
 
 void RevisionWatch::run(const std::stop_token& stop) {
@@ -55,21 +55,9 @@ void RevisionWatch::run(const std::stop_token& stop) {
     if (!atlas || atlas->status != 200) continue;
     const Json json = Json::parse(atlas->body);
     const auto [sessions, content] = merged(json);
-    look(json.at("revision").get<std::uint64_t>(), content);
+    book_.look(json.at("revision").get<std::uint64_t>(), content);
     if (!sessions.empty()) (void)client.post("/api/v1/sessions/" + sessions[turn++ % sessions.size()] + "/anchor");
   }
-}
-
-void RevisionWatch::look(std::uint64_t revision, const std::string& content) {
-  const auto [known, is_new] = content_.emplace(revision, content);
-  const bool went_back = revision < content_.rbegin()->first;
-  seen_.revisions += is_new ? 1 : 0;
-  if (known->second == content && !went_back) return;
-  ++seen_.contradictions;
-  if (seen_.first.empty())
-    seen_.first =
-        "revision " + std::to_string(revision) +
-        (went_back ? " after " + std::to_string(content_.rbegin()->first) : ": " + known->second + " and " + content);
 }
 
 }  // namespace headframe::bench
