@@ -6,6 +6,7 @@
 
 #include "server/atlas/pose_graph.hpp"
 #include "server/session/same_placement.hpp"
+#include "server/verification/meeting.hpp"
 
 namespace headframe {
 namespace {
@@ -36,43 +37,39 @@ std::vector<KeyframePair> meetings(const Session& a, const Session& b, const Pos
   return out;
 }
 
-/// Evenly along the path, in the frame of the other.
-std::vector<Eigen::Vector3d> some_of(const Session& session, const Pose& T) {
+/// Evenly along the path.
+std::vector<KeyframePosition> some_of(const Session& session) {
   constexpr std::size_t enough = 100;
-  std::vector<Eigen::Vector3d> out;
-  for (std::size_t i = 0; i < session.keyframes.size();
-       i += std::max<std::size_t>(1, session.keyframes.size() / enough))
-    out.push_back(T * session.keyframes[i].T_local_sensor.translation());
+  std::vector<KeyframePosition> out;
+  const std::size_t step = std::max<std::size_t>(1, session.keyframes.size() / enough);
+  for (std::size_t i = 0; i < session.keyframes.size(); i += step)
+    out.push_back({i, session.keyframes[i].T_local_sensor.translation()});
   return out;
-}
-
-double spacing_m(const Session& session, std::size_t count) {
-  return session.path_m() / static_cast<double>(std::max<std::size_t>(1, count));
 }
 
 }  // namespace
 
 Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& T_a_b) {
-  const std::vector<Eigen::Vector3d> of_a = some_of(a, T_a_b.inverse()), of_b = some_of(b, Pose::Identity());
-  const double reach_m = meet_within_m + std::max(spacing_m(a, of_a.size()), spacing_m(b, of_b.size())) / 2;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), nearest = Eigen::Vector3d::Zero();
-  double count = 0, nearest_m = std::numeric_limits<double>::max();
-  const auto look = [&](const std::vector<Eigen::Vector3d>& path, const std::vector<Eigen::Vector3d>& other) {
-    for (const Eigen::Vector3d& p : path) {
-      double least_m = std::numeric_limits<double>::max();
-      for (const Eigen::Vector3d& q : other) {
-        const double m = (q - p).norm();
-        if (m < nearest_m) nearest_m = m, nearest = (p + q) / 2;
-        least_m = std::min(least_m, m);
-      }
-      if (least_m > reach_m) continue;
-      sum += p;
-      ++count;
-    }
+  const Pose T_b_a = T_a_b.inverse();
+  const std::vector<KeyframePosition> of_a = some_of(a), of_b = some_of(b);
+  if (of_a.empty() || of_b.empty()) return Eigen::Vector3d::Zero();
+  const auto spacing_m = [](const Session& s, const auto& some) {
+    return s.path_m() / static_cast<double>(some.size());
   };
-  look(of_a, of_b);
-  look(of_b, of_a);
-  return count > 0 ? Eigen::Vector3d(sum / count) : nearest;
+  const double reach_m = meet_within_m + std::max(spacing_m(a, of_a), spacing_m(b, of_b)) / 2;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
+  const auto add = [&](const Eigen::Vector3d& p) { sum += p, ++count; };
+  for (const KeyframePosition& s : near_other(of_a, of_b, T_a_b, reach_m)) add(s.p);
+  for (const KeyframePosition& s : near_other(of_b, of_a, T_b_a, reach_m)) add(T_b_a * s.p);
+  if (count > 0) return sum / count;
+  NearestPosition nearest;
+  Eigen::Vector3d half_way = Eigen::Vector3d::Zero();
+  for (const KeyframePosition& s : of_b) {
+    const NearestPosition other = nearest_to(of_a, T_a_b * s.p);
+    if (other.distance_m < nearest.distance_m) nearest = other, half_way = (s.p + T_b_a * other.position->p) / 2;
+  }
+  return half_way;
 }
 
 Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b) {

@@ -12,9 +12,6 @@ namespace {
 // pairs (tests/bench/README.md) two more merge so; the slowest attempt but for one in twenty took 567 ms and not 350.
 constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
 constexpr double likely = 0.3;  // were it the only place that looks so; by hand
-// What is accepted with less is judged on all clouds of its overlap first: on some of them a placement in a smooth
-// tunnel had .944, on all of them .856, and what is merged may not hang on how clouds come. By hand.
-constexpr double beyond_doubt = 0.98;
 
 /// Fills in what the descriptors say of the judged placement, where the mine has not changed.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
@@ -149,17 +146,15 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
         !same_placement(rival.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration))
       e.aliases += alias_of(e, rival.evidence);
   weigh(verdict.judgement);
-  if (e.probability < config_.accept_probability) {
-    verdict.wanted = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
-    return;
+  if (e.probability >= config_.accept_probability) {
+    const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
+    e.farther_violation = far.violation;
+    e.farther_explained = far.violation - far.unexplained;
+    // Unless the mine repeats itself, it is worth looking at what is here, and not worth asking for more.
+    if (e.repetition >= copies_known) verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
+    weigh(verdict.judgement);
   }
-  const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
-  e.farther_violation = far.violation;
-  e.farther_explained = far.violation - far.unexplained;
-  // Unless the mine repeats itself, it is worth looking at what is here, and not worth asking for more.
-  if (e.repetition >= copies_known) verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
-  weigh(verdict.judgement);
-  if (e.probability >= beyond_doubt) return;
+  if (e.probability >= std::max(beyond_doubt, config_.accept_probability)) return;
   const auto near = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
   verdict.wanted.insert(verdict.wanted.end(), near.begin(), near.end());
 }

@@ -23,12 +23,12 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
 }
 
 // What asks for more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
-constexpr double most_look_alikes = 4, most_doubt = 2, no_doubt = 0.98;
+constexpr double most_look_alikes = 4, most_doubt = 2;
 
 /// In log-odds, how far it is from beyond doubt.
 double doubt(double probability) {
   const auto log_odds = [](double p) { return std::log(std::max(p, 1e-9) / std::max(1 - p, 1e-9)); };
-  return std::max(0.0, log_odds(no_doubt) - log_odds(probability));
+  return std::max(0.0, log_odds(beyond_doubt) - log_odds(probability));
 }
 
 /// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
