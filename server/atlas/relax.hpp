@@ -17,8 +17,8 @@ using Meetings = std::function<Eigen::Vector3d(const Alignment&)>;
 
 /// Least squares over the session frames of one component (the first stays), each alignment with equal weight: a metre
 /// counts as much as 0.05 rad. An error is that of where the two meet, not of where a session happens to begin: so it
-/// is the same in whatever frames they came, and whichever of the two is called a. Without `meet` it is that of b's
-/// origin. Sessions that were frozen in one frame keep their places relative to each other: what
+/// is, to first order, the same in whatever frames they came, and whichever of the two is called a. Without `meet` it
+/// is that of b's origin. Sessions that were frozen in one frame keep their places relative to each other: what
 /// alignments between them say does not count, and they move as one.
 void relax(Frames& frames, const std::vector<Alignment>& edges, const FrozenSessions& frozen = {},
            const Meetings& meet = {});
