@@ -106,7 +106,7 @@ Result<void> PostgresPresence::note(const ServerCard& card, bool active, double 
 Result<void> PostgresPresence::look(const ServerCard& card, bool active) {
   std::vector<ServerRecord> seen;
   bool lost = false;  // the mark in the database is not this server's any more
-  const auto read = database_.each(
+  auto read = database_.each(
       see_all,
       [&](const Row& row) {
         const bool owns = row.integer(3) != 0, is_self = row.integer(4) != 0;

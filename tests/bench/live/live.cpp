@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <stdexcept>
 
 #include "tests/bench/live/live_report.hpp"
 #include "tests/bench/live/live_sets.hpp"
@@ -68,6 +69,9 @@ nlohmann::json live(const LiveBench& bench) {
       lines << to_json(drives.back()).dump() << std::endl;
     }
   }
+  if (drives.empty())
+    throw std::runtime_error("no drive has \"" + bench.only + "\" in its set's name and \"" + bench.conditions +
+                             "\" in its conditions; without --only and --conditions all are driven");
   return summary(drives);
 }
 

@@ -125,10 +125,12 @@ int servers_main(int argc, char** argv, const std::filesystem::path& out) {
   auto* kills_part = app.add_subcommand("kills", "kill -9 of servers, PostgreSQL and robots, all compared");
   LoadPlan load{.seconds = 60};
   auto* acks_part = app.add_subcommand("acks", "keyframe to ack with many robots, beside SQLite");
-  app.add_option("--count", kills.count, "kills")->capture_default_str();
+  app.add_option("--count", kills.count, "kills")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--seed", kills.seed)->capture_default_str();
-  app.add_option("--robots", load.robots, "of the acks")->capture_default_str();
-  app.add_option("--seconds", load.seconds, "of the acks, over each database")->capture_default_str();
+  app.add_option("--robots", load.robots, "of the acks")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--seconds", load.seconds, "of the acks, over each database")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
