@@ -370,10 +370,10 @@ export class MineView {
 
   /** All that the view shows of the station, to be compared. */
   private told(): string {
-    const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
+    const { epoch, link, revision, completed, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
     const pairs = [...alignments.values()].map((pair) => [pair.id, pair.state, pair.decision, pair.T_a_b, awaitedOf(pair)]);
-    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.changes, this.station.components.length]);
+    return JSON.stringify([epoch, link, revision, completed, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.changes, this.station.components.length]);
   }
 
   /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
