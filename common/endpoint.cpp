@@ -47,6 +47,13 @@ Result<std::vector<Endpoint>> parse_peers(std::string_view text) {
   return peers;
 }
 
+bool is_any_address(const Endpoint& endpoint) {
+  in_addr v4{};
+  in6_addr v6{};
+  if (::inet_pton(AF_INET, endpoint.host.c_str(), &v4) == 1) return v4.s_addr == INADDR_ANY;
+  return ::inet_pton(AF_INET6, endpoint.host.c_str(), &v6) == 1 && IN6_IS_ADDR_UNSPECIFIED(&v6);
+}
+
 bool is_loopback(const Endpoint& endpoint) {
   in_addr v4{};
   in6_addr v6{};

@@ -21,6 +21,8 @@ Result<Endpoint> parse_peer(std::string_view text);
 /// Several of them, with commas between.
 Result<std::vector<Endpoint>> parse_peers(std::string_view text);
 std::string to_string(const Endpoint& endpoint);
+/// Every address of this machine, to listen on: 0.0.0.0 or ::. Nobody can connect to it from elsewhere.
+bool is_any_address(const Endpoint& endpoint);
 /// Reached from this machine only: an address of the loopback, or "localhost".
 bool is_loopback(const Endpoint& endpoint);
 

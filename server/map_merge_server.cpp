@@ -94,7 +94,7 @@ Result<void> MapMergeServer::Parts::start() {
   robots = *listening;
   auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
   if (!token) return tl::unexpected(token.error());
-  if (!options.insecure) desk.emplace(gate, fingerprint, to_string(robots));
+  if (!options.insecure) desk.emplace(gate, fingerprint, to_string(options.config.public_address.value_or(robots)));
   if (!options.insecure) {
     auto known = OperatorRegistry::open(options.data / "operators.json");
     if (!known) return tl::unexpected(known.error());

@@ -65,7 +65,7 @@ Result<void> Membership::begin_to_wait(const std::optional<ServerCard>& active) 
     card_.fingerprint = known->fingerprint;
     card_.token_digest = known->token_digest;
   }
-  card_.robots = to_string(options_.listen);
+  card_.robots = to_string(options_.config.public_address.value_or(options_.listen));
   card_.http = to_string(options_.http);
   presence_->start(card_);
   if (options_.on_standby) options_.on_standby(options_.listen, options_.http);
@@ -76,7 +76,7 @@ void Membership::serves(const Endpoint& robots, const Endpoint& http, const std:
                         const std::string& token) {
   ports_.clear();
   const std::lock_guard lock(mutex_);
-  card_.robots = to_string(robots);
+  card_.robots = to_string(options_.config.public_address.value_or(robots));
   card_.http = to_string(http);
   card_.fingerprint = fingerprint;
   card_.token_digest = token.empty() ? "" : sha256(token);

@@ -47,7 +47,9 @@ std::string placed_view(const Json& placed) {
   const Json& explanation = placed.at("explanation");
   const Json& alignment = explanation.at("alignment");
   constexpr double far_m = 5, far_deg = 25;
-  const auto moved_m = placed.at("moved_m").get<double>(), turned_deg = placed.at("turned_deg").get<double>();
+  const bool registered = placed.at("moved_m").is_number();
+  const double moved_m = registered ? placed.at("moved_m").get<double>() : 0;
+  const double turned_deg = registered ? placed.at("turned_deg").get<double>() : 0;
   const std::string moved =
       "registration moved it by " + fixed(moved_m, 2) + " m and " + fixed(turned_deg, 1) + " deg\n";
   const std::string id = alignment.at("id").dump();

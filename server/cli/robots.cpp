@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/endpoint.hpp"
 #include "server/cli/commands.hpp"
 #include "server/cli/table.hpp"
 
@@ -30,6 +31,13 @@ std::string site_text(const Json& row) {
   return site.is_string() ? ", drives at " + printable(site.get<std::string>()) : "";
 }
 
+/// What a robot is to connect to. Who listens on every address does not know which of them that is.
+std::string address_text(const Json& address) {
+  const auto known = parse_endpoint(address.is_string() ? address.get<std::string>() : "");
+  if (!known) return "HOST:PORT";
+  return is_any_address(*known) ? "ADDRESS_OF_THE_SERVER:" + std::to_string(known->port) : printable(to_string(*known));
+}
+
 std::string robots_view(const Json& json) {
   std::ostringstream out;
   out << "server fingerprint " << printable(json.at("fingerprint").get<std::string>()) << "\n";
@@ -53,9 +61,8 @@ Result<int> Commands::add_robot(const std::string& robot) {
   if (json_) return exit_ok;
   const auto all = fetched("/api/v1/robots");
   const Json address = all ? Json::parse(*all).value("address", Json()) : Json();
-  std::cerr << "headframe: good for one robot, once, for an hour: headframe-replay --server "
-            << (address.is_string() ? printable(address.get<std::string>()) : "HOST:PORT") << " --robot "
-            << printable(robot) << " --enrol " << printable(enrolment) << " SESSION_DIR\n";
+  std::cerr << "headframe: good for one robot, once, for an hour: headframe-replay --server " << address_text(address)
+            << " --robot " << printable(robot) << " --enrol " << printable(enrolment) << " SESSION_DIR\n";
   return exit_ok;
 }
 

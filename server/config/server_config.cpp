@@ -13,7 +13,9 @@ namespace {
 /// A key of the file and the member that it sets, between low and high.
 struct Key {
   std::string_view section, name;
-  std::variant<int*, double*, bool*, RegistrationEngine*, OperatorTls*, KeepClouds*, std::string*> value;
+  std::variant<int*, double*, bool*, RegistrationEngine*, OperatorTls*, KeepClouds*, std::string*,
+               std::optional<Endpoint>*>
+      value;
   double low = 0, high = 0;
 };
 
@@ -21,6 +23,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
   return {
       {"server", "io_threads", &c.io_threads, 1, 64},
       {"server", "name", &c.name},
+      {"server", "public", &c.public_address},
       {"store", "url", &c.store_url},
       {"store", "standby", &c.standby},
       {"store", "keep", &c.keep},
@@ -130,6 +133,15 @@ Result<void> set_name(std::string& name, const toml::node& node, const std::stri
   return failure(ErrorCode::bad_input, where + ": name must be text of 1 to " + std::to_string(most_bytes) + " bytes");
 }
 
+Result<void> set_address(std::optional<Endpoint>& address, const toml::node& node, const std::string& where) {
+  auto peer = parse_peer(node.value<std::string>().value_or(""));
+  if (!peer || is_any_address(*peer))
+    return failure(ErrorCode::bad_input,
+                   where + ": public must be \"HOST:PORT\", the address of this machine where robots connect");
+  address = std::move(*peer);
+  return {};
+}
+
 Result<void> set_text(const Key& key, std::string& text, const toml::node& node, const std::string& where) {
   if (key.name == "url") return set_url(text, node, where);
   return key.name == "name" ? set_name(text, node, where) : set_file(text, key.name, node, where);
@@ -147,6 +159,8 @@ Result<void> set(const Key& key, const toml::node& node, const std::string& wher
   if (auto* const* tls = std::get_if<OperatorTls*>(&key.value)) return set_tls(**tls, node, where);
   if (auto* const* keep = std::get_if<KeepClouds*>(&key.value)) return set_keep(**keep, node, where);
   if (auto* const* on = std::get_if<bool*>(&key.value)) return set_switch(**on, key.name, node, where);
+  if (auto* const* address = std::get_if<std::optional<Endpoint>*>(&key.value))
+    return set_address(**address, node, where);
   if (auto* const* text = std::get_if<std::string*>(&key.value)) return set_text(key, **text, node, where);
   const bool whole = std::holds_alternative<int*>(key.value);
   const auto value = node.value<double>();

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "common/endpoint.hpp"
 #include "common/result.hpp"
 #include "server/merge/merge_config.hpp"
 #include "server/merge_worker/schedule_config.hpp"
@@ -28,15 +30,16 @@ struct OperatorConfig {
 
 /// Everything a configuration file may set, with the defaults of a server without one.
 struct ServerConfig {
-  int io_threads = 2;                 // [server]
-  std::string name;                   // [server], for the other servers; empty: the host and its data directory
-  std::string store_url;              // [store] url: postgresql://...; empty: SQLite in the data directory
-  bool standby = false;               // [store]: a database that another server uses is waited for
-  KeepClouds keep = KeepClouds::all;  // [store], and the next two
-  int free_mib = 1024;                // that are to stay free while keep = "newest"
-  int clouds_mib = 0;                 // that clouds may take in PostgreSQL, whose disk nobody knows; 0: no limit
-  int database_mib = 0;               // [limits]: of SQLite's file, reached like a full disk; 0: none
-  int write_queue_mib = 256;          // [limits]: of all robots together
+  int io_threads = 2;                      // [server]
+  std::string name;                        // [server], for the other servers; empty: the host and its data directory
+  std::optional<Endpoint> public_address;  // [server] public: where robots reach this server; none: where it listens
+  std::string store_url;                   // [store] url: postgresql://...; empty: SQLite in the data directory
+  bool standby = false;                    // [store]: a database that another server uses is waited for
+  KeepClouds keep = KeepClouds::all;       // [store], and the next two
+  int free_mib = 1024;                     // that are to stay free while keep = "newest"
+  int clouds_mib = 0;                      // that clouds may take in PostgreSQL, whose disk nobody knows; 0: no limit
+  int database_mib = 0;                    // [limits]: of SQLite's file, reached like a full disk; 0: none
+  int write_queue_mib = 256;               // [limits]: of all robots together
   OperatorConfig operators;
   RobotLimits limits;
   ScheduleConfig schedule;

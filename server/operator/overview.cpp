@@ -59,7 +59,7 @@ void Overview::choose_sessions() {
 
 Result<std::string> Overview::session(SessionId id) const {
   std::string out, path, points;
-  PathJson path_body(station_, id, 1);
+  PathJson path_body(station_, id, 1, path_tolerance_m_);
   if (auto read = drain(path_body, path); !read) return tl::unexpected(read.error());
   if (with_points_.contains(id)) {
     const auto row =

@@ -15,10 +15,15 @@ class Overview : public BodySource {
  public:
   /// most_points: of each session that has points. To read the clouds of a thousand sessions takes minutes: points have
   /// those whose tiles are in memory, and of the others those that are connected and then the newest, while they have
-  /// no more than most_clouds together.
+  /// no more than most_clouds together. Paths are thinned by path_tolerance_m (thin_path.hpp).
   Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points,
-           std::size_t most_clouds = 2000)
-      : station_(station), tiles_(tiles), level_(level), most_points_(most_points), most_clouds_(most_clouds) {}
+           double path_tolerance_m = 0, std::size_t most_clouds = 2000)
+      : station_(station),
+        tiles_(tiles),
+        level_(level),
+        most_points_(most_points),
+        path_tolerance_m_(path_tolerance_m),
+        most_clouds_(most_clouds) {}
 
   /// One session for each call.
   Result<std::optional<std::string>> next() override;
@@ -29,7 +34,9 @@ class Overview : public BodySource {
 
   const Station& station_;
   PointTiles& tiles_;
-  const std::size_t level_, most_points_, most_clouds_;
+  const std::size_t level_, most_points_;
+  const double path_tolerance_m_;
+  const std::size_t most_clouds_;
   std::set<SessionId> with_points_;
   std::optional<StationLook> look_;  // when the answer began
   std::size_t at_ = 0;

@@ -49,11 +49,13 @@ Result<Pose> placement_in(std::string_view body) {
   return rough_placement(pairs);
 }
 
+/// Where nothing registered, nothing was moved.
 std::string answer_of(const HandPlacement& placed, const std::string& explanation) {
   constexpr double deg = 180 / std::numbers::pi;
+  const bool registered = has_placement(placed.alignment);
   return Json{{"recorded", placed.recorded},
-              {"moved_m", placed.moved_m},
-              {"turned_deg", placed.turned_rad * deg},
+              {"moved_m", registered ? Json(placed.moved_m) : Json()},
+              {"turned_deg", registered ? Json(placed.turned_rad * deg) : Json()},
               {"explanation", Json::parse(explanation)}}
              .dump() +
          "\n";

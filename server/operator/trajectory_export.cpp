@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 
+#include "server/operator/thin_path.hpp"
+
 namespace headframe {
 namespace {
 
@@ -72,12 +74,12 @@ Result<std::string> TrajectoryExport::text() const {
 
 Result<std::optional<std::string>> PathJson::next() {
   if (std::exchange(done_, true)) return std::nullopt;
-  const auto keyframes = station_.trajectory(session_);
+  auto keyframes = station_.trajectory(session_);
   if (!keyframes) return tl::unexpected(keyframes.error());
   std::string out = R"({"columns":["sequence","stamp_s","x_m","y_m","z_m","qx","qy","qz","qw"],"keyframes":[)";
   const char* comma = "";
-  for (const Keyframe& keyframe : *keyframes) {
-    if (keyframe.sequence < first_) continue;
+  std::erase_if(*keyframes, [&](const Keyframe& keyframe) { return keyframe.sequence < first_; });
+  for (const Keyframe& keyframe : thin_path(std::move(*keyframes), tolerance_m_)) {
     const Eigen::Vector3d t = keyframe.T_local_sensor.translation();
     const Eigen::Quaterniond q(keyframe.T_local_sensor.rotation());
     std::array<char, most_line_bytes> row;

@@ -30,17 +30,18 @@ class TrajectoryExport : public BodySource {
 };
 
 /// Keyframes from sequence `first` on in the session's own frame, as JSON: {"columns": [...], "keyframes": [[...],
-/// ...]}.
+/// ...]}; with a tolerance those alone that thin_path() keeps.
 class PathJson : public BodySource {
  public:
-  PathJson(const Station& station, SessionId session, std::uint64_t first)
-      : station_(station), session_(session), first_(first) {}
+  PathJson(const Station& station, SessionId session, std::uint64_t first, double tolerance_m = 0)
+      : station_(station), session_(session), first_(first), tolerance_m_(tolerance_m) {}
   Result<std::optional<std::string>> next() override;
 
  private:
   const Station& station_;
   SessionId session_;
   std::uint64_t first_;
+  double tolerance_m_;
   bool done_ = false;
 };
 

@@ -78,12 +78,22 @@ Result<Reply> explain_pair(const Query& query, const Context& context) {
   return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
 }
 
+/// Metres that a thinned path may be off; 0: all of it is sent.
+Result<double> path_tolerance(const Query& query) {
+  constexpr double most_m = 1000;
+  const auto given = query.find("tolerance");
+  return given == query.end() ? 0 : parse_number("tolerance", given->second, 0, most_m);
+}
+
 Result<Reply> overview(const Query& query, const Context& context) {
   const auto level = whole_number(query, "level", 1, static_cast<double>(level_cube_m.size() - 1));
   const auto most = whole_number(query, "most", 5000, 1e6);
   for (const auto* number : {&level, &most})
     if (!*number) return tl::unexpected(number->error());
-  return Stream{"application/octet-stream", std::make_unique<Overview>(context.station, context.tiles, *level, *most)};
+  const auto tolerance_m = path_tolerance(query);
+  if (!tolerance_m) return tl::unexpected(tolerance_m.error());
+  return Stream{"application/octet-stream",
+                std::make_unique<Overview>(context.station, context.tiles, *level, *most, *tolerance_m)};
 }
 
 Result<Reply> points(const Query& query, const Context& context) {
@@ -102,7 +112,9 @@ Result<Reply> path(const Query& query, const Context& context) {
   if (!row) return tl::unexpected(row.error());
   const auto first = whole_number(query, "from", 1, 1e15);
   if (!first) return tl::unexpected(first.error());
-  return Stream{"application/json", std::make_unique<PathJson>(context.station, row->id, *first)};
+  const auto tolerance_m = path_tolerance(query);
+  if (!tolerance_m) return tl::unexpected(tolerance_m.error());
+  return Stream{"application/json", std::make_unique<PathJson>(context.station, row->id, *first, *tolerance_m)};
 }
 
 Result<Reply> overlay(const Query& query, const Context& context) {

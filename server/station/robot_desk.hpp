@@ -23,7 +23,7 @@ class RobotDesk : public RobotAdmin {
  private:
   RobotGate& gate_;
   const std::string fingerprint_;
-  const std::string address_;  // where robots come
+  const std::string address_;  // where robots come: as the configuration says, or where the server listens
 };
 
 }  // namespace headframe

@@ -43,7 +43,8 @@ class Image(unittest.TestCase):
         for source in re.findall(r"^COPY (?!--)(\S+) ", DOCKERFILE, re.M):
             self.assertTrue((ROOT / source).exists(), source)
         made = set(re.findall(r"^package (\S+) ", read("docker/package"), re.M))
-        self.assertEqual(set(re.findall(r"packages/([a-z0-9-]+)_\*\.deb", DOCKERFILE)), made)
+        self.assertEqual(set(re.findall(r"packages/([a-z0-9-]+)_\*\.deb", DOCKERFILE)), made - {"libheadframe-dev"})
+        self.assertIn("libheadframe-dev", made)  # for who links the library: no image runs a compiler
         for command in re.findall(r"\./run (\w+)", DOCKERFILE):
             self.assertRegex(read("run"), rf"\n  {command}\)\s")
 

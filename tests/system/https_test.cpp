@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <fstream>
 
 #include "tests/support/base_station.hpp"
@@ -14,7 +15,7 @@ using namespace std::chrono_literals;
 struct Https : testing::Test {
   /// Its lines up to the one that says that it is ready, or that it ended.
   void start(std::vector<std::string> more, const std::string& config = "") {
-    std::vector<std::string> argv{program("headframe-server"), "--data", data.string(), "--listen", "127.0.0.1:0"};
+    std::vector<std::string> argv{program("headframe-server"), "--data", data.string(), "--listen", listen};
     argv.insert(argv.end(), more.begin(), more.end());
     if (!config.empty()) {
       std::ofstream(scratch.path() / "hf.toml") << config;
@@ -39,11 +40,17 @@ struct Https : testing::Test {
     return http.substr(http.rfind(':') + 1);
   }
   Process::Ended status(const std::string& http, std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {program("headframe"), "--http", http, "status"});
+    return headframe(http, {"status"}, std::move(more));
+  }
+  static Process::Ended headframe(const std::string& http, const std::vector<std::string>& words,
+                                  std::vector<std::string> more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    more.insert(more.begin(), {program("headframe"), "--http", http});
     auto process = Process::start(more);
     return process->wait(60s).value();
   }
 
+  std::string listen = "127.0.0.1:0";
   ScratchFolder scratch;
   const std::filesystem::path data = scratch.path() / "data";
   const std::string token = (data / "operator.token").string();
@@ -67,6 +74,26 @@ TEST_F(Https, BeyondTheLoopbackItIsSpokenWithoutAWordInTheConfiguration) {
   const auto clear = status("http://127.0.0.1:" + port(), {"--token-file", token});
   EXPECT_EQ(clear.status, 1);
   EXPECT_NE(clear.output.find("speaks HTTPS"), std::string::npos) << clear.output;
+}
+
+TEST_F(Https, ARobotIsInvitedToAnAddressThatItCanConnectTo) {
+  listen = "0.0.0.0:0";
+  const auto told = [&](const std::vector<std::string>& words) {
+    const auto ended = headframe("127.0.0.1:" + port(), words, {"--token-file", token});
+    EXPECT_EQ(ended.status, 0) << ended.output;
+    return ended.output;
+  };
+  start({"--http", "127.0.0.1:0"});
+  const std::string at = after("robots on 0.0.0.0:");
+  ASSERT_FALSE(at.empty()) << printed;
+  const std::string asked = told({"robot", "add", "r1"});
+  EXPECT_NE(asked.find("--server ADDRESS_OF_THE_SERVER:" + at + " --robot r1"), std::string::npos) << asked;
+  server->signal(SIGTERM);
+  ASSERT_TRUE(server->wait(30s));
+  start({"--http", "127.0.0.1:0"}, "[server]\npublic = 'mine.example:7447'\n");
+  const std::string given = told({"robot", "add", "r2"});
+  EXPECT_NE(given.find("--server mine.example:7447 --robot r2"), std::string::npos) << given;
+  EXPECT_NE(told({"servers"}).find("mine.example:7447"), std::string::npos);
 }
 
 TEST_F(Https, PlainHttpIsForTheLoopbackAndForWhoAsksForIt) {

@@ -83,6 +83,11 @@ TEST_F(KeepAndPlace, WhatIsLaidOnEachOtherByHandWaitsForAConfirmationAcrossAKill
   const std::vector<std::string> place{"place", "a", "b", "--pairs", file("spots.txt").string()};
   EXPECT_EQ(run(place).status, 1) << "they are merged: to be retracted first";
   ASSERT_EQ(run({"retract", id}).status, 0);
+  const Eigen::Vector3d t = T_true.translation();
+  const Json nowhere = json({"place", "a", "b", "--at", std::to_string(t.x()), std::to_string(t.y() + 14), "0", "171"});
+  ASSERT_TRUE(nowhere.is_object());
+  EXPECT_FALSE(nowhere.at("recorded"));
+  EXPECT_TRUE(nowhere.at("moved_m").is_null()) << "nothing registered, so nothing was moved";
   const Json placed = json(place);
   ASSERT_TRUE(placed.is_object());
   EXPECT_TRUE(placed.at("recorded"));

@@ -35,5 +35,11 @@ TEST(Endpoint, TheLoopbackIsReachedFromThisMachineOnly) {
     EXPECT_FALSE(is_loopback({host, 1})) << host;
 }
 
+TEST(Endpoint, EveryAddressIsNoneToConnectTo) {
+  for (const char* host : {"0.0.0.0", "::", "0:0:0:0:0:0:0:0"}) EXPECT_TRUE(is_any_address({host, 1})) << host;
+  for (const char* host : {"0.0.0.1", "10.0.0.0", "::1", "127.0.0.1", "base.mine", ""})
+    EXPECT_FALSE(is_any_address({host, 1})) << host;
+}
+
 }  // namespace
 }  // namespace headframe

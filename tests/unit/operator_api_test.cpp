@@ -34,6 +34,15 @@ TEST_F(OperatorApiTest, PointsAndPathOfASession) {
   ASSERT_EQ(path["keyframes"].size(), 2U);
   EXPECT_EQ(path["keyframes"][0].size(), path["columns"].size());
   EXPECT_EQ(path["keyframes"][0][1], 201.0);
+  const auto sequences = [&](const std::string& query) {
+    std::vector<int> out;
+    const Json found = Json::parse(get("/api/v1/sessions/2/trajectory" + query).body);
+    for (const Json& row : found["keyframes"]) out.push_back(row[0]);
+    return out;
+  };
+  EXPECT_EQ(sequences("?tolerance=0"), (std::vector{1, 2, 3}));
+  EXPECT_EQ(sequences("?tolerance=100"), (std::vector{1, 3}));
+  EXPECT_EQ(sequences("?from=2&tolerance=100"), (std::vector{2, 3})) << "the first that was asked for stays";
   expect_error(get("/api/v1/sessions/7/points"), 404, "not_found", "no session 7");
   expect_error(get("/api/v1/sessions/1x/trajectory"), 404, "not_found", "no session 1x");
   expect_error(get("/api/v1/sessions/1/points?level=5"), 400, "invalid_argument", "from 0 to 4");
@@ -61,6 +70,8 @@ TEST_F(OperatorApiTest, TheOverviewIsTheSnapshotThenPathAndPointsOfEverySession)
     EXPECT_EQ(parts[2 + 2 * i], get(session + "/points?level=4").body);
   }
   EXPECT_LT(get("/api/v1/overview?level=4&most=1").body.size(), body.size());
+  for (const char* tolerance : {"-1", "x", "1e9"})
+    expect_error(get(std::string("/api/v1/overview?tolerance=") + tolerance), 400, "invalid_argument", "tolerance");
   expect_error(get("/api/v1/overview?level=5"), 400, "invalid_argument", "from 0 to 4");
   server.station.broken_trajectory = true;
   EXPECT_FALSE(client.get("/api/v1/overview")) << "a body that ends before its end";

@@ -12,7 +12,7 @@ namespace {
 
 /// The lengths of the points of each session.
 std::vector<std::uint32_t> points_of_overview(const Station& station, PointTiles& tiles, std::size_t most_clouds) {
-  Overview overview(station, tiles, 4, 1000, most_clouds);
+  Overview overview(station, tiles, 4, 1000, 0, most_clouds);
   std::string body;
   while (const auto piece = overview.next().value()) body += *piece;
   std::vector<std::uint32_t> lengths;

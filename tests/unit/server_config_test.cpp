@@ -22,10 +22,22 @@ TEST(ServerConfig, WhatIsNotSetKeepsItsDefault) {
 
 TEST(ServerConfig, UnknownKeysAreNamedWithFileLineAndTheKnownOnes) {
   EXPECT_EQ(error_of("[server]\n\nio_treads = 3\n"),
-            "hf.toml:3: unknown key 'io_treads' in [server]; there are: io_threads, name");
+            "hf.toml:3: unknown key 'io_treads' in [server]; there are: io_threads, name, public");
   EXPECT_NE(error_of("[mrege]\nthreads = 1\n").find("hf.toml:1: unknown section or key 'mrege'"), std::string::npos);
   EXPECT_NE(error_of("threads = 1\n").find("unknown section or key 'threads'"), std::string::npos);
   EXPECT_NE(error_of("server = 1\n").find("unknown section or key 'server'"), std::string::npos);
+}
+
+TEST(ServerConfig, TheAddressWhereRobotsComeIsOneThatTheyCanConnectTo) {
+  EXPECT_FALSE(parse_config("", "hf.toml")->public_address);
+  for (const std::string good : {"mine.example:7447", "10.0.0.7:1", "[2001:db8::7]:7447"}) {
+    const auto config = parse_config("[server]\npublic = '" + good + "'\n", "hf.toml");
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_EQ(to_string(config->public_address.value()), good);
+  }
+  for (const std::string bad : {"'mine.example'", "'mine.example:0'", "'0.0.0.0:7447'", "'[::]:7447'", "''", "7447"})
+    EXPECT_EQ(error_of("[server]\npublic = " + bad + "\n"),
+              "hf.toml:2: public must be \"HOST:PORT\", the address of this machine where robots connect");
 }
 
 TEST(ServerConfig, ValuesAreCheckedAtTheirBounds) {

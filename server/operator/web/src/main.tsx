@@ -34,6 +34,13 @@ function draw(): void {
   render(<App desk={desk} mount={mount} />, host);
 }
 
+/** What is looked at closely: selected, followed, or shown as it was at some time. */
+function completePaths(): void {
+  const { session, follow } = ui.now;
+  const near = [session, follow].filter((id) => id !== null);
+  station.completePaths(player.open && session === null ? station.sessions.keys() : near);
+}
+
 let due = 0;
 function drawSoon(): void {
   due ||= window.setTimeout(() => {
@@ -43,13 +50,18 @@ function drawSoon(): void {
 }
 station.onChange(() => {
   player.sync();
+  completePaths();
   drawSoon();
 });
-player.onChange(draw);
+player.onChange(() => {
+  completePaths();
+  draw();
+});
 
 let { measuring, measureOf } = ui.now;
 ui.onChange(() => {
   player.sync();
+  completePaths();
   view?.stage.show(ui.now.way);
   if (measuring && (!ui.now.measuring || measureOf !== ui.now.measureOf)) view?.measure.clear();
   ({ measuring, measureOf } = ui.now);

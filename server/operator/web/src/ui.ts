@@ -2,7 +2,9 @@
 
 import type { Clip } from './view/clip';
 import type { ColourBy } from './view/cloud_material';
+import type { PlaceAnswer } from './station/types';
 import type { MeasureOf } from './view/measure';
+import type { PlacingOf } from './view/placing';
 import type { Way } from './view/stage';
 
 export type Tab = 'merges' | 'sessions' | 'log' | 'changes' | 'notes';
@@ -29,6 +31,10 @@ export interface Choices {
   measuring: boolean;
   measureOf: MeasureOf;
   sectionWidth_m: number;
+  /** A session that is laid on another map by hand. */
+  placing: PlacingOf | null;
+  /** What came of it, when it was not kept. */
+  placed: PlaceAnswer | null;
   /** Outside of it nothing is shown. */
   clip: Clip | null;
   grid: boolean;
@@ -58,6 +64,8 @@ export class Ui {
     measuring: false,
     measureOf: 'distance',
     sectionWidth_m: 2,
+    placing: null,
+    placed: null,
     clip: null,
     grid: true,
     changes: true,
@@ -79,7 +87,7 @@ export class Ui {
   }
 
   set(change: Partial<Choices>): void {
-    this.now = { ...this.now, ...change };
+    this.now = { ...this.now, ...change, ...alone(change) };
     if (change.theme) localStorage.setItem(themeKey, change.theme);
     for (const listener of this.listeners) listener();
   }
@@ -87,4 +95,10 @@ export class Ui {
   onChange(listener: () => void): void {
     this.listeners.push(listener);
   }
+}
+
+/** Who places a map does nothing else with the pointer, and looks from above. */
+function alone({ placing, measuring }: Partial<Choices>): Partial<Choices> {
+  if (placing) return { measuring: false, follow: null, survey: null, way: 'top' };
+  return measuring ? { placing: null, placed: null } : {};
 }

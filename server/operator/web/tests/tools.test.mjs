@@ -12,6 +12,7 @@ const drives = join(scratch, 'drives');
 let browser;
 let station;
 let page;
+const wholePaths = []; // that the page asked for
 
 before(async () => {
   mkdirSync(outputs, { recursive: true });
@@ -19,7 +20,8 @@ before(async () => {
   [browser, station] = [await launch(), await Station.start(join(scratch, 'data'))];
   for (const robot of ['a', 'b']) await finished(station.replay(robot, join(drives, robot)));
   await until('a merge', async () => (await station.json('api/v1/alignments')).alignments[0]?.state === 'published');
-  page = await open(browser, station.url);
+  const before = (opened) => opened.on('response', (answer) => /trajectory\?from=1$/.test(answer.url()) && wholePaths.push(answer.url()));
+  page = await open(browser, station.url, { before });
   const driven = (await station.json('api/v1/sessions')).sessions.reduce((sum, { keyframes }) => sum + keyframes, 0);
   await until('points, and every keyframe of both', async () => {
     const { points, keyframes } = await shown(page);
@@ -38,7 +40,9 @@ const lasts = async () => (await shown(page)).until;
 
 test('the slider of time shows the map as it was, and playing goes on to its end', async () => {
   const all = await lasts();
+  assert.deepEqual(wholePaths, [], 'a first look needs no whole path');
   await press('Time');
+  await until('the whole paths of both, which came thinned', () => wholePaths.length === 2);
   const slider = page.getByRole('slider', { name: 'Moment that is shown of 2 sessions' });
   assert.deepEqual(await lasts(), all, 'at first all is shown');
   await slider.fill('0');

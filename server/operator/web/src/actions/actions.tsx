@@ -35,6 +35,7 @@ export const routes = {
   site: 'POST /api/v1/sessions/{id}/site',
   robotSite: 'POST /api/v1/sites',
   operators: 'GET /api/v1/operators',
+  place: 'POST /api/v1/place',
 };
 
 /** Which decisions the server will take, by its own rules. */

@@ -78,6 +78,36 @@ function Rivals({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
   );
 }
 
+/** In words: what it comes to, what is missing, what was measured. Pictures stand between them. */
+export function Outcome({ desk: { station }, explanation }: { desk: Desk; explanation: Explanation }) {
+  return (
+    <>
+      <p class="outcome">{station.titled(explanation.outcome)}.</p>
+      {explanation.decision && <p class="by-hand">{explanation.decision}</p>}
+      {explanation.missing.length > 0 && (
+        <>
+          <h4>What keeps them apart</h4>
+          <ul class="missing">
+            {explanation.missing.map((line) => (
+              <li key={line}>{station.titled(line)}</li>
+            ))}
+          </ul>
+        </>
+      )}
+    </>
+  );
+}
+
+export function Measured({ explanation }: { explanation: Explanation }) {
+  if (explanation.findings.length === 0) return null;
+  return (
+    <>
+      <h4>What was measured</h4>
+      <Findings explanation={explanation} />
+    </>
+  );
+}
+
 export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
   const { station, ui, colours } = desk;
   const basis = `${alignment.state} ${alignment.decision} ${alignment.evidence.probability} ${alignment.T_a_b.join()}`;
@@ -128,22 +158,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
       </div>
       <Rivals desk={desk} alignment={alignment} />
       {fault && <p class="fault">{fault}</p>}
-      {explanation && (
-        <>
-          <p class="outcome">{station.titled(explanation.outcome)}.</p>
-          {explanation.decision && <p class="by-hand">{explanation.decision}</p>}
-          {explanation.missing.length > 0 && (
-            <>
-              <h4>What keeps them apart</h4>
-              <ul class="missing">
-                {explanation.missing.map((line) => (
-                  <li key={line}>{station.titled(line)}</li>
-                ))}
-              </ul>
-            </>
-          )}
-        </>
-      )}
+      {explanation && <Outcome desk={desk} explanation={explanation} />}
       {overlay && (
         <>
           <OverlayPicture overlay={overlay} T_a_b={alignment.T_a_b} names={names} inks={inks} isDark={ui.isDark} probability={alignment.evidence.probability ?? 0} />
@@ -151,12 +166,7 @@ export function Evidence({ desk, alignment }: { desk: Desk; alignment: Alignment
         </>
       )}
       {!overlay?.runner_up && (runnerUp ?? 0) > 0 && <p class="muted">The best different placement has probability {percent(runnerUp!)}.</p>}
-      {explanation && explanation.findings.length > 0 && (
-        <>
-          <h4>What was measured</h4>
-          <Findings explanation={explanation} />
-        </>
-      )}
+      {explanation && <Measured explanation={explanation} />}
     </article>
   );
 }

@@ -12,6 +12,7 @@ const keys: [string, string][] = [
   ['R', 'roof on or off'],
   ['G', 'lines of coordinates'],
   ['M', 'measure; Enter takes the point under the cross, Backspace the last one back'],
+  ['[ ] ← → ↑ ↓', 'while a map is placed: turn and move it, with Shift less; Page up and down lift it, Enter registers'],
   ['P', 'play, or pause'],
   ['D', 'changes of the mine'],
   ['1 2 3 4 5', 'merges, sessions, events, changes, notes'],
@@ -45,14 +46,32 @@ export function listenForKeys(desk: Desk): void {
   addEventListener('keydown', (event) => {
     const at = event.target as HTMLElement;
     if (event.ctrlKey || event.altKey || event.metaKey || at.closest('dialog, input, textarea, select')) return;
-    if (act(desk, event.key, at)) event.preventDefault();
+    if (act(desk, event.key, at, event.shiftKey)) event.preventDefault();
   });
 }
 
-function act(desk: Desk, key: string, at: HTMLElement): boolean {
+const degree = Math.PI / 180;
+const turns: Record<string, number> = { '[': 5, ']': -5, '{': 1, '}': -1 };
+const lifts_m: Record<string, number> = { PageUp: 0.5, PageDown: -0.5 };
+const placeStep_m = 1;
+
+/** Of a map that is being placed. */
+function place({ ui, view }: Desk, key: string, onMap: boolean, fine: boolean): boolean {
+  const placing = view()?.placing;
+  if (key in turns) placing?.turn(degree * turns[key]);
+  else if (onMap && key in lifts_m) placing?.lift(lifts_m[key]);
+  else if (onMap && key in arrows) placing?.move(...(arrows[key].map((way) => way * (fine ? 0.1 : 1) * placeStep_m) as [number, number]));
+  else if (onMap && key === 'Enter') document.getElementById('register')?.click();
+  else if (key === 'Escape') ui.set({ placing: null, placed: null });
+  else return false;
+  return true;
+}
+
+function act(desk: Desk, key: string, at: HTMLElement, fine: boolean): boolean {
   const { ui } = desk;
   const view = desk.view();
   const onMap = at.tagName === 'CANVAS' || at === document.body;
+  if (ui.now.placing && place(desk, key, onMap, fine)) return true;
   if (onMap && key in arrows) {
     const [right, up] = arrows[key];
     if (ui.now.follow !== null) ui.set({ follow: null });

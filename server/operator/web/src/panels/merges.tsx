@@ -6,6 +6,7 @@ import { sureness } from '../station/pairs';
 import { mostRejected } from '../station/station';
 import type { Alignment, State } from '../station/types';
 import { Evidence } from './evidence';
+import { NotKept } from './not_kept';
 import { MergeGraph } from './graph';
 
 /** Whom it would lay on each other against what they saw. */
@@ -48,6 +49,7 @@ function Row({ desk, alignment }: { desk: Desk; alignment: Alignment }) {
 
 export function MergesPanel({ desk }: { desk: Desk }) {
   const { station, ui } = desk;
+  if (ui.now.placed) return <NotKept desk={desk} answer={ui.now.placed} />;
   const selected = ui.now.alignment === null ? undefined : station.alignments.get(ui.now.alignment);
   if (selected) return <Evidence key={selected.id} desk={desk} alignment={selected} />;
   const all = [...station.alignments.values()].sort((x, y) => order.indexOf(x.state) - order.indexOf(y.state) || (y.evidence.probability ?? 0) - (x.evidence.probability ?? 0));

@@ -9,6 +9,7 @@ import { Icon } from '../parts/icons';
 import type { Live, Session } from '../station/types';
 import { Fleet } from './fleet';
 import { People } from './people';
+import { beginPlacing, othersOf } from './place_tools';
 import { Servers } from './servers';
 
 /** Heard within so many seconds: four bars, three, two; later one; away none. */
@@ -119,6 +120,11 @@ function Row({ desk, session }: { desk: Desk; session: Session }) {
             {station.can(routes.requestClouds) && session.clouds < session.keyframes && (
               <button class="button button-small" disabled={!session.connected} title={session.connected ? '' : 'The robot is away'} onClick={() => void desk.actions.requestClouds(session)}>
                 Request clouds…
+              </button>
+            )}
+            {station.can(routes.place) && othersOf(desk, session).length > 0 && (
+              <button class="button button-small" title="Lay its map on another, roughly" onClick={() => (ui.set({ sheet: null }), beginPlacing(desk, session))}>
+                Place by hand
               </button>
             )}
             {station.can(routes.survey) && <button class="button button-small" onClick={() => ui.set({ survey: session.id, sheet: 'side' })}>Survey…</button>}

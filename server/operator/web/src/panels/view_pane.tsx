@@ -10,6 +10,7 @@ import { clipText } from '../view/clip';
 import { type MeasureOf, needed, type Saved, saved } from '../view/measure';
 import { ramp } from '../view/palette';
 import { showKeys } from './keys';
+import { PlaceTools } from './place_tools';
 import { ProfilePanel } from './profile';
 import { TimeBar } from './time_bar';
 
@@ -201,6 +202,7 @@ export function ViewPane({ desk, mount }: { desk: Desk; mount: (canvas: HTMLCanv
           </button>
         </div>
         {measuring && <MeasureTools desk={desk} />}
+        {ui.now.placing && <PlaceTools key={ui.now.placing.session} desk={desk} placing={ui.now.placing} />}
       </div>
       <div class={desk.player.open || section ? 'tools tools-bottom timed' : 'tools tools-bottom'}>
         <TimeBar desk={desk} />

@@ -1,6 +1,7 @@
 // The first look at the station: one answer, which index.html has asked for before any script of the page was there.
 
 import { keyframesOf } from './api';
+import { filled } from './thin';
 import type { Keyframe, StationEvent } from './types';
 
 interface Early {
@@ -21,7 +22,8 @@ export const early = window.early;
 
 export interface OverviewReader {
   snapshot(event: StationEvent & { type: 'snapshot' }): void;
-  session(id: number, path: Keyframe[], points: ArrayBuffer): void;
+  /** thin: stand-ins are in the path. */
+  session(id: number, path: Keyframe[], points: ArrayBuffer, thin: boolean): void;
 }
 
 /** Tells what comes as it comes, as far as it comes: a server that breaks off is asked in other ways. */
@@ -34,8 +36,9 @@ export async function readOverview(reader: OverviewReader): Promise<void> {
     const snapshot = JSON.parse(await text());
     reader.snapshot(snapshot);
     for (const { id } of snapshot.sessions.sessions) {
-      const path = keyframesOf(JSON.parse(await text()));
-      reader.session(id, path, (await parts.next()).value!.buffer);
+      const kept = keyframesOf(JSON.parse(await text()));
+      const path = filled(kept);
+      reader.session(id, path, (await parts.next()).value!.buffer, path.length > kept.length);
     }
   } catch {
     // the rest is missing

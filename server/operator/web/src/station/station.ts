@@ -39,6 +39,8 @@ export class Station {
   alignments = new Map<number, Alignment>();
   rejected = 0;
   paths = new Map<number, Keyframe[]>();
+  /** Counts the paths whose stand-ins have gone. */
+  completed = 0;
   /** Whose path has become shorter: what was drawn of it has to go. */
   readonly shortened = new Set<number>();
   revision = 0;
@@ -62,6 +64,8 @@ export class Station {
   private readonly listeners: (() => void)[] = [];
   private readonly ids = new Map<string, number>();
   private readonly following = new Set<number>();
+  /** Whose paths have stand-ins. */
+  private readonly thin = new Set<number>();
   private readonly earlyPoints = new Map<number, ArrayBuffer>();
   private overviewRead = false;
   private atlasDue = false;
@@ -239,8 +243,9 @@ export class Station {
   private async takeOverview(): Promise<void> {
     await readOverview({
       snapshot: (event) => this.on(event),
-      session: (id, path, points) => {
+      session: (id, path, points, thin) => {
         this.paths.set(id, path);
+        if (thin) this.thin.add(id);
         this.earlyPoints.set(id, points);
         this.changed();
       },
@@ -330,11 +335,16 @@ export class Station {
   private takeSessions(rows: Session[]): void {
     this.keep(new Map(rows.map((row) => [row.id, { ...this.all.get(row.id), ...row }])));
     for (const row of rows) {
-      if (this.ids.get(nameOf(row)) !== row.id) this.paths.delete(row.id); // another server's, with ids of its own
+      if (this.ids.get(nameOf(row)) !== row.id) this.forgetPath(row.id); // another server's, with ids of its own
       this.ids.set(nameOf(row), row.id);
       this.shorten(row);
       void this.followPath(row.id);
     }
+  }
+
+  private forgetPath(id: number): void {
+    this.paths.delete(id);
+    this.thin.delete(id);
   }
 
   /** A session that was split ends where its odometry jumped; what followed is another's. */
@@ -367,6 +377,24 @@ export class Station {
     this.placed = placed;
     this.alignments = new Map(atlas.alignments.filter((alignment) => this.shows(alignment)).map((alignment) => [alignment.id, alignment]));
     this.rejected = atlas.rejected ?? 0;
+  }
+
+  /** Fetches the whole path of each that has stand-ins in it. */
+  completePaths(ids: Iterable<number>): void {
+    for (const id of ids) if (this.thin.delete(id)) void this.completePath(id);
+  }
+
+  private async completePath(id: number): Promise<void> {
+    try {
+      const whole = await inTurn(() => trajectory(id, 1));
+      const known = this.paths.get(id) ?? [];
+      if (known[0]?.sequence !== whole[0]?.sequence) return; // another server's by now
+      this.paths.set(id, [...whole.slice(0, known.length), ...known.slice(whole.length)]);
+      this.completed++;
+      this.changed();
+    } catch {
+      this.thin.add(id); // whoever asks next tries again
+    }
   }
 
   /** Fetches what the path lacks; one request a session at a time. */

@@ -107,6 +107,15 @@ export interface Explanation {
   missing: string[];
 }
 
+/** What came of a session that was laid on another by hand. */
+export interface PlaceAnswer {
+  recorded: boolean;
+  /** By registration; null: nothing registered. */
+  moved_m: number | null;
+  turned_deg: number | null;
+  explanation: Explanation;
+}
+
 export interface Overlay {
   a: [number, number, number][];
   b: [number, number, number][];

@@ -1,8 +1,9 @@
 // The transform at which each session is drawn; it glides when a merge moves it.
 
-import { Box3, Matrix4, Quaternion, Vector3 } from 'three';
+import { type Box2, Box3, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Station } from '../station/station';
 import type { Keyframe, Transform } from '../station/types';
+import { type Laid, placementOf } from './laid';
 import { extentOf, layOut, matrixOf, type Member, type Plot } from './layout';
 import type { Reach } from './reach';
 
@@ -32,6 +33,9 @@ export class Frames {
   version = 0;
   private readonly drawn = new Map<number, Drawn>();
   private readonly members = new Map<number, Drawable>();
+  /** Of the last sync, component by component. */
+  private together = new Map<number, Drawable[]>();
+  private laid: Laid | null = null;
 
   constructor(
     private readonly station: Station,
@@ -49,18 +53,45 @@ export class Frames {
       const component = this.station.placed.get(id)?.component ?? -id;
       members.set(component, [...(members.get(component) ?? []), this.member(id)]);
     }
+    this.together = members;
     this.plots = layOut([...members].map(([component, list]) => extentOf(component, list)));
-    for (const [component, list] of members)
-      for (const { id, T } of list) {
-        const { x, y } = this.plots.get(component)!.offset;
-        this.move(id, new Matrix4().makeTranslation(x, y, 0).multiply(T));
-      }
+    for (const [component, list] of members) {
+      if (component === this.laid?.component && this.plots.has(this.laid.on)) continue;
+      const { x, y } = this.plots.get(component)!.offset;
+      for (const { id, T } of list) this.move(id, new Matrix4().makeTranslation(x, y, 0).multiply(T));
+    }
+    this.placeLaid();
     for (const id of this.drawn.keys())
       if (!this.station.sessions.has(id)) {
         this.drawn.delete(id);
         this.members.delete(id);
       }
     this.version++;
+  }
+
+  /** A map is drawn on another, at once; null: all lie by themselves again from the next sync on. */
+  lay(laid: Laid | null): void {
+    this.laid = laid;
+    this.placeLaid();
+    this.version++;
+  }
+
+  /** As it is drawn: T_world_component, and its box in its own frame. null: nothing is laid on another. */
+  get laidMap(): { T_world_component: Matrix4; box: Box2 } | null {
+    const plot = this.laid && this.plots.get(this.laid.on);
+    if (!this.laid || !plot) return null;
+    const T_world_component = new Matrix4().makeTranslation(plot.offset.x, plot.offset.y, 0).multiply(placementOf(this.laid));
+    return { T_world_component, box: extentOf(this.laid.component, this.together.get(this.laid.component) ?? []).box };
+  }
+
+  private placeLaid(): void {
+    const laid = this.laidMap;
+    if (!laid) return;
+    for (const { id, T } of this.together.get(this.laid!.component) ?? []) {
+      const to = laid.T_world_component.clone().multiply(T);
+      this.drawn.set(id, { T_world_session: to, from: to, to, since: 0 });
+    }
+    this.plots.delete(this.laid!.component);
   }
 
   /** Lowest and highest point of the paths. */

@@ -26,6 +26,8 @@ import { Measure, onGround } from './measure';
 import { lookOf, mixed, type RobotColours } from './palette';
 import { NoteMarks } from './note_marks';
 import { type Picked, pick } from './pick';
+import { PlaceHandles } from './place_handles';
+import { Placing } from './placing';
 import { Robots } from './robots';
 import { type Section, SectionMaker } from './section';
 import { Stage } from './stage';
@@ -60,6 +62,7 @@ export interface Shown {
 export class MineView {
   readonly stage: Stage;
   readonly measure: Measure;
+  readonly placing: Placing;
   /** What is on the screen; for the tests and the bench. */
   readonly shown: Shown = { keyframes: new Map(), until: new Map(), points: 0, drawn: 0, firstPicture_ms: null, frame_ms: 0 };
   private readonly frames: Frames;
@@ -71,6 +74,7 @@ export class MineView {
   private readonly notes: NoteMarks;
   private readonly changes: ChangeMarks;
   private readonly decor: Decor;
+  private readonly handles: PlaceHandles;
   private readonly cursor: Cursor;
   /** Takes the next points that are clicked, in place of everything else. */
   private taker: ((found: Picked | null) => void) | null = null;
@@ -111,6 +115,9 @@ export class MineView {
     this.notes = new NoteMarks(this.stage, this.frames, (id) => this.componentOf(id));
     this.changes = new ChangeMarks(this.stage, this.frames, station);
     this.decor = new Decor(layer, this.stage);
+    this.placing = new Placing(station, this.frames);
+    this.placing.onChange(() => this.stage.draw());
+    this.handles = new PlaceHandles(canvas, layer, this.stage, this.frames, this.placing);
     this.cursor = new Cursor(layer);
     this.outlines.frustumCulled = false;
     this.stage.signs.add(this.outlines);
@@ -209,6 +216,7 @@ export class MineView {
   }
 
   private onClick(x: number, y: number): void {
+    if (this.ui.now.placing) return;
     if (this.ui.now.measuring || this.taker) return this.takePoint(x, y);
     const found = pick(x, y, this.stage, this.clouds, this.frames);
     this.cursor.hold(found && this.spotOf(found));
@@ -217,7 +225,7 @@ export class MineView {
 
   /** Coordinates follow the pointer at once from above, and have their height when it rests. */
   private onPointer(x: number, y: number): void {
-    if (this.cursor.holds) return;
+    if (this.cursor.holds || this.ui.now.placing) return;
     clearTimeout(this.resting);
     const flat = this.flatSpot(x, y);
     if (flat) this.cursor.show(flat);
@@ -315,6 +323,7 @@ export class MineView {
     this.robots.beforeFrame((id) => this.player.until(id));
     this.followRobot();
     this.clouds.beforeFrame();
+    this.handles.beforeFrame();
     this.stage.signs.visible = !this.awaitsPoints();
     if (this.stage.signs.visible) {
       this.edges.beforeFrame((id) => this.lastShown(id));
@@ -361,10 +370,10 @@ export class MineView {
 
   /** All that the view shows of the station, to be compared. */
   private told(): string {
-    const { epoch, link, revision, sessions, paths, alignments, surveys } = this.station;
+    const { epoch, link, revision, completed, sessions, paths, alignments, surveys } = this.station;
     const rows = [...sessions.values()].map((row) => [row.id, row.connected, row.clouds, this.station.titleOf(row), paths.get(row.id)?.length]);
     const pairs = [...alignments.values()].map((pair) => [pair.id, pair.state, pair.decision, pair.T_a_b, awaitedOf(pair)]);
-    return JSON.stringify([epoch, link, revision, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.changes, this.station.components.length]);
+    return JSON.stringify([epoch, link, revision, completed, rows, pairs, surveys, this.station.draft, this.station.notes.map(({ id }) => id), this.station.changes, this.station.components.length]);
   }
 
   /** The first points are drawn alone: lines, arrows, names and panels would hold them up. */
@@ -405,6 +414,7 @@ export class MineView {
     this.clouds.sync(); // its first points count for the frames
     this.reachedAt = this.clouds.reached;
     this.frames.sync();
+    this.syncPlacing();
     const [low, high] = this.frames.heights();
     shared.heights.value.set(low - floor_m, high + Math.min(now.roof_m ?? wall_m, wall_m));
     const ages = this.ages();
@@ -419,6 +429,7 @@ export class MineView {
       rim: theme.rim,
       faded: this.fadedOf(session.id),
     }));
+    this.handles.paint(theme.ink);
     this.edges.sync(isDark, now.alignment);
     this.measure.paint(theme.ink);
     this.notes.sync(this.station.notes, theme.written);
@@ -427,13 +438,31 @@ export class MineView {
     this.outlines.material.color.setStyle(theme.outline, 'srgb-linear');
   }
 
+  /** Takes up what the operator places, with both maps in sight, and lets go of it when one of the two is another map now. */
+  private syncPlacing(): void {
+    const { placing } = this.ui.now;
+    if (placing && !this.placing.holds) return void setTimeout(() => this.ui.set({ placing: null, placed: null }));
+    if (!this.placing.begin(placing)) return;
+    if (!placing) {
+      this.frames.sync();
+      return this.frameAll();
+    }
+    const laid = this.frames.laidMap;
+    const box = this.frames.box(placing.on);
+    if (laid) for (const x of [laid.box.min.x, laid.box.max.x]) for (const y of [laid.box.min.y, laid.box.max.y]) box.expandByPoint(new Vector3(x, y, 0).applyMatrix4(laid.T_world_component).setZ(0));
+    box.max.y += (box.max.y - box.min.y) / 5; // for the handle and the tools
+    this.framedByHand = true;
+    this.stage.frame(box, lowerTools_px());
+  }
+
   private colourOf(session: Session): string {
     return this.colours.of(session, this.ui.isDark);
   }
 
   /** What is not selected steps back. */
   private fadedOf(session: number): number {
-    const { session: one, alignment } = this.ui.now;
+    const { session: one, alignment, placing } = this.ui.now;
+    if (placing) return [placing.on, this.componentOf(placing.session)].includes(this.componentOf(session)) ? 0 : 0.75;
     const pair = alignment === null ? undefined : this.station.alignments.get(alignment);
     if (pair?.objection && [pair.objection.a, pair.objection.b].includes(session)) return 0; // who contradicts it
     if (pair) return [pair.a, pair.b].some((name) => this.station.idOf(name) === session) ? 0 : 0.75;
