@@ -75,9 +75,13 @@ double asked_among_look_alikes_m(const Evidence& e) {
 }
 
 double counted_aliases(const Evidence& e) {
-  const double alike = std::clamp((e.descriptors_alike - 0.76) / 0.14, 0.0, 1.0),
-               unlike = std::clamp((0.76 - e.descriptors_alike) / 0.04, 0.0, 1.0);
-  return e.aliases * (1 + (unlike - 0.5 * alike) * std::min(1.0, e.descriptors_compared / 6));
+  const double unlike = std::clamp((0.76 - e.descriptors_alike) / 0.04, 0.0, 1.0);
+  return e.aliases * (1 + unlike * std::min(1.0, e.descriptors_compared / 6));
+}
+
+double descriptors_told(const Evidence& e) {
+  return std::clamp((e.descriptors_alike - 0.85) / 0.1, 0.0, 1.0) *
+         std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0);
 }
 
 double asked_overlap_m(const Evidence& e) {

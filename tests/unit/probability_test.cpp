@@ -228,25 +228,44 @@ TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) 
   EXPECT_NEAR(p(1, 0.829), p(1, 0.831), 0.05) << "no cliff";
 }
 
-TEST(Probability, CopiesCountHalfWhereTheDescriptorsAreAlike) {
+TEST(Probability, CopiesCountMoreWhereTheDescriptorsDifferAndNeverLess) {
   Evidence e;
-  e.aliases = 4;
+  e.aliases = 3;
   e.descriptors_compared = 6;
   const auto counted = [&](double alike) {
     e.descriptors_alike = alike;
     return counted_aliases(e);
   };
-  EXPECT_EQ(counted(0.76), 4);
-  EXPECT_NEAR(counted(0.83), 3, 1e-9);
-  EXPECT_EQ(counted(0.9), 2);
-  EXPECT_EQ(counted(1), 2);
-  e.descriptors_compared = 3;
-  EXPECT_EQ(counted(1), 3) << "three keyframes are few";
+  EXPECT_EQ(counted(1), 3) << "as alike as copies are";
+  EXPECT_EQ(counted(0.76), 3);
   EXPECT_EQ(asked_overlap_m(e), 99);
-  e.descriptors_compared = 6;
-  EXPECT_NEAR(counted(0.74), 6, 1e-9) << "unlike: half more";
-  EXPECT_NEAR(counted(0.72), 8, 1e-9);
-  EXPECT_EQ(counted(0.5), 8) << "twice at most";
+  EXPECT_NEAR(counted(0.74), 4.5, 1e-9) << "unlike: half more";
+  EXPECT_NEAR(counted(0.72), 6, 1e-9);
+  EXPECT_EQ(counted(0.5), 6) << "twice at most";
+  e.descriptors_compared = 3;
+  EXPECT_EQ(counted(0.5), 4.5) << "three keyframes are few";
+}
+
+TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
+  const auto p = [](double look_alikes, double overlap_m, double alike, double compared) {
+    Evidence e = convincing();
+    e.look_alikes = look_alikes;
+    e.overlap_m = overlap_m;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = compared;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(8, 33, 0.88, 6), 0.9) << "a copy of a tunnel piece, driven a little aside";
+  EXPECT_GT(p(8, 33, 0.95, 6), 0.9);
+  EXPECT_LT(p(8, 33, 0.9, 6), p(8, 33, 0.95, 6));
+  EXPECT_EQ(p(8, 33, 0.85, 6), p(8, 33, 0.8, 6));
+  EXPECT_LT(p(8, 33, 0.95, 3), 0.9) << "three keyframes are few";
+  EXPECT_GT(p(8, 51, 0.88, 9), 0.9) << "longer than two pieces";
+  EXPECT_LT(p(18, 51, 0.85, 9), 0.9) << "a mine of nothing but copies";
+  EXPECT_GT(p(18, 71, 0.85, 9), 0.9);
+  EXPECT_GT(p(3, 33, 0.88, 6), 0.9) << "three look-alikes are not many";
+  for (double alike = 0.84; alike < 0.96; alike += 0.001)
+    EXPECT_NEAR(p(8, 33, alike, 6), p(8, 33, alike + 0.001, 6), 0.05) << "no cliff";
 }
 
 TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
