@@ -1,5 +1,6 @@
 #include "server/merge/alignment_edges.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <limits>
 #include <numbers>
@@ -70,6 +71,29 @@ Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& 
     if (other.distance_m < nearest.distance_m) nearest = other, half_way = (s.p + T_b_a * other.position->p) / 2;
   }
   return half_way;
+}
+
+Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now, const Session& other,
+                               const Pose& T_other_was) {
+  Eigen::Vector3d sum_was = Eigen::Vector3d::Zero(), sum_now = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
+  double count = 0;
+  for (const KeyframePair& pair : meetings(other, was, T_other_was)) {
+    if (pair.b >= now.size()) continue;
+    const Pose &T_was = was.keyframes[pair.b].T_local_sensor, &T_now = now[pair.b].T_local_sensor;
+    sum_was += T_was.translation();
+    sum_now += T_now.translation();
+    turns += T_was.linear() * T_now.linear().transpose();
+    ++count;
+  }
+  Pose T_was_now = Pose::Identity();
+  if (count == 0) return T_was_now;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d U = svd.matrixU();
+  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;  // a rotation, no reflection
+  T_was_now.linear() = U * svd.matrixV().transpose();
+  T_was_now.translation() = (sum_was - T_was_now.linear() * sum_now) / count;
+  return T_was_now;
 }
 
 Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b) {
