@@ -273,6 +273,7 @@ std::vector<SessionRow> SessionHub::sessions() const {
                                              s.record.complete, s.keyframes, s.clouds.size() - s.let_go.size(),
                                              s.bytes_received});
     row.site = s.record.site;
+    row.moves = s.moves;
     row.let_go = s.let_go.size();
     row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;

@@ -24,7 +24,7 @@ v1::RobotMessage part(std::uint64_t number, std::size_t total, std::size_t offse
 }
 
 TEST_F(Protocol, AnUpdateOfPosesCountsWhenItIsWhole) {
-  greet({.keyframes = 100});
+  greet({100, {}});
   EXPECT_TRUE(feed(frame(part(3, 60, 0, some_poses(1, 40)))).empty());
   const auto events = feed(frame(part(3, 60, 40, some_poses(81, 100))));
   ASSERT_EQ(events.size(), 1U);
@@ -42,7 +42,7 @@ TEST_F(Protocol, AnUpdateOfPosesCountsWhenItIsWhole) {
 }
 
 TEST_F(Protocol, AnUpdateThatBeginsAnewTakesThePlaceOfTheOneBefore) {
-  greet({.keyframes = 100});
+  greet({100, {}});
   EXPECT_TRUE(feed(frame(part(1, 60, 0, some_poses(1, 40)))).empty());
   const auto events = feed(frame(part(2, 1, 0, some_poses(7, 7))));
   ASSERT_EQ(events.size(), 1U);
@@ -51,14 +51,14 @@ TEST_F(Protocol, AnUpdateThatBeginsAnewTakesThePlaceOfTheOneBefore) {
 
 TEST_F(Protocol, TheWelcomeSaysWhichUpdateIsDurable) {
   ASSERT_EQ(feed(hello_frame()).size(), 1U);
-  protocol.welcome({.keyframes = 4, .pose_update = 17});
+  protocol.welcome({4, {}, 17});
   const auto said = messages(protocol.take_output());
   ASSERT_EQ(said.size(), 1U);
   EXPECT_EQ(said[0].welcome().durable_pose_update(), 17U);
 }
 
 TEST_F(Protocol, ASparesUpdateIsPassedOverAndWhatWasHalfThereToo) {
-  greet({.keyframes = 100});
+  greet({100, {}});
   EXPECT_TRUE(feed(frame(part(1, 60, 0, some_poses(1, 40)))).empty());
   protocol.stand_by();
   EXPECT_TRUE(feed(frame(part(1, 60, 40, some_poses(41, 60)))).empty());
@@ -66,7 +66,7 @@ TEST_F(Protocol, ASparesUpdateIsPassedOverAndWhatWasHalfThereToo) {
 }
 
 TEST_F(Protocol, APoseOfAKeyframeThatDidNotComeIsOutOfOrder) {
-  greet({.keyframes = 100});
+  greet({100, {}});
   EXPECT_TRUE(feed(frame(part(1, 2, 0, some_poses(100, 101)))).empty());
   const auto said = error();
   EXPECT_EQ(said.kind(), v1::ERROR_KIND_OUT_OF_ORDER);
@@ -100,7 +100,7 @@ TEST_F(Protocol, UpdatesThatAreNoneAreRefused) {
     RobotProtocol fresh{limits, now};
     fresh.receive(hello_frame(), now);
     ASSERT_TRUE(fresh.next());
-    fresh.welcome({.keyframes = 100000});
+    fresh.welcome({100000, {}});
     fresh.receive(frame(message), now);
     EXPECT_FALSE(fresh.next());
     EXPECT_TRUE(fresh.ended()) << message.ShortDebugString().substr(0, 200);
@@ -110,7 +110,7 @@ TEST_F(Protocol, UpdatesThatAreNoneAreRefused) {
     RobotProtocol fresh{limits, now};
     fresh.receive(hello_frame(), now);
     ASSERT_TRUE(fresh.next());
-    fresh.welcome({.keyframes = 100});
+    fresh.welcome({100, {}});
     fresh.receive(frame(part(1, 60, 0, some_poses(1, 40))) + frame(second), now);
     EXPECT_FALSE(fresh.next());
     EXPECT_TRUE(fresh.ended()) << "it does not follow";
