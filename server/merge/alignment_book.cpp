@@ -159,7 +159,7 @@ std::vector<Alignment> AlignmentBook::wake(SessionId id) {
 AlignmentBook::Moved AlignmentBook::moved(SessionId id, const Mover& mover) {
   Moved out;
   for (Alignment& k : alignments_) {
-    if (k.a != id && k.b != id) continue;
+    if ((k.a != id && k.b != id) || (!has_placement(k) && k.ruling == Ruling::none)) continue;
     const Alignment was = k;
     if (!sessions_.contains(k.a == id ? k.b : k.a) && k.verdict == AlignmentState::verified) {
       k.verdict = AlignmentState::candidate;

@@ -52,7 +52,7 @@ class MergePipeline {
   /// two sessions meet the keyframes stay where they lay on the other; what is merged stays so for now, nothing else is
   /// merged until the next attempt, and that judges all of it anew. Loop closures stay, for they are between keyframes.
   /// Nothing changes where no keyframe moved; a frozen session and one that is not here stay as they are.
-  AttemptReport move_session(SessionId id, std::vector<Keyframe> keyframes);
+  AttemptReport move_session(SessionId id, const std::vector<Keyframe>& keyframes);
 
   /// It was driven in another mine than was thought: what merged it with sessions there counts no more, unless the
   /// operator confirmed it, and what is known of those at `site` counts again. Nothing is looked for yet.

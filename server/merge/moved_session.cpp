@@ -39,7 +39,7 @@ void MergePipeline::State::forget_what_was_made_of(SessionId id) {
 
 /// Its alignments are moved along while both are known: where they meet, the keyframes stay where they lay on the
 /// other.
-AttemptReport MergePipeline::move_session(SessionId id, std::vector<Keyframe> keyframes) {
+AttemptReport MergePipeline::move_session(SessionId id, const std::vector<Keyframe>& keyframes) {
   AttemptReport report;
   State& s = *state_;
   if (!s.sessions.contains(id) || s.sessions.frozen().contains(id)) return report;
@@ -59,7 +59,7 @@ AttemptReport MergePipeline::move_session(SessionId id, std::vector<Keyframe> ke
   s.forget_what_was_made_of(id);
   s.sessions.forget(id);
   s.sessions.add(id, was.family, was.site);
-  for (Keyframe& keyframe : keyframes) add_keyframe(id, std::move(keyframe));
+  for (const Keyframe& keyframe : keyframes) add_keyframe(id, keyframe);
   if (was.complete) complete_session(id);
   if (!was.awaited) s.sessions.await_no_more(id);
   s.sessions.set_asks_where(id, was.asks_where);

@@ -37,12 +37,12 @@ void MergeWorker::take_in_poses(SessionId session) {
                  session, waiting->poses.size());
     return;
   }
-  auto now = read_patiently([&] { return keyframes_now(store_, session, known.keyframes, waiting->poses); });
+  const auto now = read_patiently([&] { return keyframes_now(store_, session, known.keyframes, waiting->poses); });
   if (!now) return spdlog::error("keyframes of session {} can not be read: {}", session, now.error().message);
   std::vector<Eigen::Vector3d> path;
   for (const Keyframe& keyframe : *now) path.push_back(position(keyframe));
   AttemptReport report;
-  if (!tried("taking in new poses", [&] { report = pipeline_->move_session(session, std::move(*now)); })) return;
+  if (!tried("taking in new poses", [&] { report = pipeline_->move_session(session, *now); })) return;
   PutMerge write;
   write.moved = MovedPoses{session, waiting->number, {}};
   const bool later_ones = waiting->poses.back().sequence > known.keyframes;

@@ -1,7 +1,7 @@
 #include "server/store/pose_rows.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include "server/store/columns.hpp"
@@ -50,11 +50,15 @@ std::int64_t pose_checksum(std::int64_t session, std::uint64_t sequence, std::st
 }
 
 Result<void> put(Database& db, const PutPoses& write) {
-  std::uint64_t newest = std::numeric_limits<std::uint64_t>::max();
+  std::optional<std::uint64_t> newest;
   auto done = db.each(
       "SELECT pose_update FROM sessions WHERE id=?",
       [&](const Row& row) { newest = static_cast<std::uint64_t>(row.integer(0)); }, write.session);
-  if (!done || newest >= write.number) return done;
+  if (!done) return done;
+  if (!newest)
+    return failure(ErrorCode::invalid_argument,
+                   "poses of session " + std::to_string(write.session) + ", which is not stored");
+  if (*newest >= write.number) return done;
   for (const auto& [session, of] : write.sessions) {
     const auto last = last_keyframe(db, session);
     if (!last) return tl::unexpected(last.error());

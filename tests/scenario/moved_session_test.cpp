@@ -85,7 +85,10 @@ TEST(MovedSession, AClosedLoopPullsItStraightAndWhereTheyMeetItStays) {
   base.try_all();
   ASSERT_TRUE(base.merged());
   EXPECT_LT(worst(base.off_m(base.truth, from_there)), 0.3);
-  EXPECT_LT(mean(base.off_m(base.truth)), before_m / 2);
+  const double after_m = mean(base.off_m(base.truth));
+  EXPECT_LT(after_m, before_m / 2);
+  RecordProperty("mean_error_before_m", std::to_string(before_m));
+  RecordProperty("mean_error_after_m", std::to_string(after_m));
   EXPECT_EQ(base.pipeline.alignments().at(0).state, AlignmentState::published);
   EXPECT_GT(base.pipeline.alignments().at(0).evidence.path_m, 100) << "judged as a whole";
 }

@@ -68,9 +68,9 @@ class ScriptedPipeline : public Pipeline {
                ? SessionCut{script_.cut_from, false, "its odometry jumps"}
                : SessionCut();
   }
-  AttemptReport move_session(SessionId id, std::vector<Keyframe> keyframes) override {
+  AttemptReport move_session(SessionId id, const std::vector<Keyframe>& keyframes) override {
     const std::lock_guard lock(script_.mutex);
-    script_.moved.emplace_back(id, std::move(keyframes));
+    script_.moved.emplace_back(id, keyframes);
     AttemptReport report;
     report.atlas_changed = script_.moves_anything;
     return report;
