@@ -13,6 +13,7 @@ namespace headframe {
 namespace {
 
 constexpr double meet_within_m = 10;
+constexpr double seen_m = 5;  // how far around a keyframe a change of its pose is to be right
 constexpr double degree = std::numbers::pi / 180;
 
 struct KeyframePair {
@@ -75,24 +76,26 @@ Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& 
 
 Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now, const Session& other,
                                const Pose& T_other_was) {
-  Eigen::Vector3d sum_was = Eigen::Vector3d::Zero(), sum_now = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
-  double count = 0;
-  for (const KeyframePair& pair : meetings(other, was, T_other_was)) {
-    if (pair.b >= now.size()) continue;
-    const Pose &T_was = was.keyframes[pair.b].T_local_sensor, &T_now = now[pair.b].T_local_sensor;
-    sum_was += T_was.translation();
-    sum_now += T_now.translation();
-    turns += T_was.linear() * T_now.linear().transpose();
-    ++count;
-  }
+  std::vector<KeyframePair> meet = meetings(other, was, T_other_was);
+  std::erase_if(meet, [&](const KeyframePair& pair) { return pair.b >= now.size(); });
   Pose T_was_now = Pose::Identity();
-  if (count == 0) return T_was_now;
+  if (meet.empty()) return T_was_now;
+  Eigen::Vector3d middle_was = Eigen::Vector3d::Zero(), middle_now = Eigen::Vector3d::Zero();
+  for (const KeyframePair& pair : meet) {
+    middle_was += position(was.keyframes[pair.b]) / static_cast<double>(meet.size());
+    middle_now += position(now[pair.b]) / static_cast<double>(meet.size());
+  }
+  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();  // of the points: those of a path, and those around each keyframe
+  for (const KeyframePair& pair : meet) {
+    const Keyframe &k_was = was.keyframes[pair.b], &k_now = now[pair.b];
+    turns += (position(k_was) - middle_was) * (position(k_now) - middle_now).transpose();
+    turns += seen_m * seen_m * k_was.T_local_sensor.linear() * k_now.T_local_sensor.linear().transpose();
+  }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d U = svd.matrixU();
   if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;  // a rotation, no reflection
   T_was_now.linear() = U * svd.matrixV().transpose();
-  T_was_now.translation() = (sum_was - T_was_now.linear() * sum_now) / count;
+  T_was_now.translation() = middle_was - T_was_now.linear() * middle_now;
   return T_was_now;
 }
 

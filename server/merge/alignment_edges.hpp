@@ -15,8 +15,9 @@ namespace headframe {
 Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& T_a_b);
 
 /// Where a session's past was moved: what takes a point that the session saw where it meets the other from where its
-/// keyframes lie now to where they lay before. By all of its keyframes that lay within 10 m of the other's path, or the
-/// nearest. T_other_was: of the session as it lay. Identity: one has no keyframes.
+/// keyframes lie now to where they lay before. By least squares of points around all of its keyframes that lay within
+/// 10 m of the other's path, or around the nearest. T_other_was: of the session as it lay. Identity: one has no
+/// keyframes.
 Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now, const Session& other,
                                const Pose& T_other_was);
 

@@ -29,6 +29,7 @@ class Table : public UplinkSource {
     std::set<std::uint64_t> all;
     for (auto i = first; i <= last; ++i) all.insert(updates.at(i - 1).second.begin(), updates.at(i - 1).second.end());
     std::vector<KeyframePose> out;
+    out.reserve(all.size());
     for (const std::uint64_t sequence : all) out.push_back({sequence, Pose::Identity()});
     return out;
   }

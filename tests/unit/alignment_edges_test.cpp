@@ -58,9 +58,9 @@ TEST(WhereThePastWasMoved, ARigidMoveIsTakenBackExactly) {
 TEST(WhereThePastWasMoved, OfOneThatWasBentOnlyWhereTheyMeetCounts) {
   const Session was = along({0, 0, 0}, {200, 0, 0}, 101), other = along({150, 2, 0}, {300, 2, 0}, 76);
   std::vector<Keyframe> now = was.keyframes;
-  for (std::size_t i = 0; i < now.size(); ++i) {  // turned, the more the farther from its beginning
-    const double yaw = 0.001 * static_cast<double>(i);
-    now[i].T_local_sensor = pose_from_yaw(yaw, {0, 0, 0}) * now[i].T_local_sensor;
+  for (std::size_t i = 1; i < now.size(); ++i) {  // each step turns a little
+    const Pose step = was.keyframes[i - 1].T_local_sensor.inverse() * was.keyframes[i].T_local_sensor;
+    now[i].T_local_sensor = now[i - 1].T_local_sensor * pose_from_yaw(0.001, {0, 0, 0}) * step;
   }
   const Pose T_was_now = T_was_now_where_they_meet(was, now, other, Pose::Identity());
   Eigen::Vector3d off = Eigen::Vector3d::Zero();
