@@ -29,10 +29,9 @@ void MergeWorker::take_in_poses(SessionId session) {
   Known& known = known_[session];
   const auto waiting = read_patiently([&] { return store_.new_poses(session); });
   if (!waiting) return spdlog::error("new poses of session {} can not be read: {}", session, waiting.error().message);
-  known.feeds_up_to.reset();
-  if (waiting->number == 0) return;
+  if (waiting->number == 0) return known.feeds_up_to.reset();
+  known.feeds_up_to = waiting->keyframes;
   if (frozen_.contains(session)) {
-    known.feeds_up_to = waiting->keyframes;
     spdlog::warn("session {} is frozen: where its robot says that {} keyframes lie now counts when it is thawed",
                  session, waiting->poses.size());
     return;
@@ -40,16 +39,18 @@ void MergeWorker::take_in_poses(SessionId session) {
   const auto now = read_patiently([&] { return keyframes_now(store_, session, known.keyframes, waiting->poses); });
   if (!now) return spdlog::error("keyframes of session {} can not be read: {}", session, now.error().message);
   std::vector<Eigen::Vector3d> path;
+  path.reserve(now->size());
   for (const Keyframe& keyframe : *now) path.push_back(position(keyframe));
   AttemptReport report;
   if (!tried("taking in new poses", [&] { report = pipeline_->move_session(session, *now); })) return;
   PutMerge write;
   write.moved = MovedPoses{session, waiting->number, {}};
-  const bool later_ones = waiting->poses.back().sequence > known.keyframes;
+  const bool later_ones = waiting->poses.back().sequence > known.keyframes;  // which others may have read meanwhile
   if (report.atlas_changed || later_ones) write.moved->poses = waiting->poses;
   if (!commit(std::move(write), report, nullptr)) return;
-  if (!report.atlas_changed) return;  // nothing that is known here moved
-  note_moved(session, path);
+  known.feeds_up_to.reset();
+  if (report.atlas_changed || later_ones) note_moved(session, path);
+  if (!report.atlas_changed) return;  // nothing that merging knows has moved
   spdlog::info("session {}: its robot moved {} keyframes (update {}); revision {}", session, waiting->poses.size(),
                waiting->number, atlas_.revision);
   schedule_.trigger(session, Trigger::poses, Clock::now());

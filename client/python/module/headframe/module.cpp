@@ -96,6 +96,7 @@ void say_live(RobotClient& robot, std::optional<double> battery, const std::stri
 
 void update_poses(RobotClient& robot, const std::map<std::uint64_t, Matrix4>& T_local_sensor) {
   std::vector<KeyframePose> poses;
+  poses.reserve(T_local_sensor.size());
   for (const auto& [sequence, T] : T_local_sensor) poses.push_back({sequence, pose_of(T)});
   const py::gil_scoped_release others_run;
   value_of(robot.update_poses(poses));
