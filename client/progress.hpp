@@ -10,7 +10,10 @@ namespace headframe {
 struct Progress {
   std::uint64_t keyframes = 0;  // of the session, in the spool
   std::uint64_t keyframes_acknowledged = 0;
-  std::uint64_t clouds_waiting = 0;  // in the spool, not acknowledged
+  std::uint64_t pose_updates = 0;  // RobotClient::update_poses() of the session
+  std::uint64_t pose_updates_acknowledged = 0;
+  bool pose_updates_unsupported = false;  // the server is older than they are: they wait in the spool for a newer one
+  std::uint64_t clouds_waiting = 0;       // in the spool, not acknowledged
   std::uint64_t clouds_acknowledged = 0;
   std::uint64_t clouds_dropped = 0;  // by the quota, damaged, or refused
   std::uint64_t clouds_refused = 0;  // by the server, since open()

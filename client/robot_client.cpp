@@ -1,6 +1,7 @@
 #include "client/robot_client.hpp"
 
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <utility>
 
@@ -29,6 +30,7 @@ struct RobotClient::State {
         link(std::move(spool)),
         sequence(link.last_sequence()) {}
 
+  void note_moved(std::span<const KeyframePose> poses);
   Result<void> restore_selection();
   void on_event(const UplinkEvent& event);
   Result<bool> judge(double stamp_s, const Pose& T_local_sensor) const;
@@ -46,6 +48,7 @@ struct RobotClient::State {
   std::optional<CredentialFile> credential;  // of the uplink's thread; none: in the clear
   std::uint64_t sequence = 0;                // of the last keyframe
   double last_stamp_s = 0;                   // of it
+  std::map<std::uint64_t, Pose> moved;       // where keyframes lie now that update_poses() named
   std::mutex unfamiliar_mutex;
   std::string unfamiliar;          // what the family said of the first scan that was so
   std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
@@ -110,6 +113,9 @@ Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config
   if (!spool) return tl::unexpected(spool.error());
 
   auto state = std::make_unique<State>(config, std::move(family), std::move(*spool));
+  const auto moved = state->link.poses(1, state->link.last_pose_update());
+  if (!moved) return tl::unexpected(moved.error());
+  state->note_moved(*moved);
   if (auto ok = state->restore_selection(); !ok) return tl::unexpected(ok.error());
   Hello shown = state->link.identity();
   if (credential) {
@@ -128,10 +134,17 @@ void RobotClient::State::on_event(const UplinkEvent& event) {
   link.on_event(event);
 }
 
+void RobotClient::State::note_moved(std::span<const KeyframePose> poses) {
+  for (const KeyframePose& pose : poses) moved[pose.sequence] = pose.T_local_sensor;
+}
+
+/// By the keyframes as they lie now.
 Result<void> RobotClient::State::restore_selection() {
+  selector = KeyframeSelector(config.keyframes);
   for (std::uint64_t s = 1; s <= sequence; ++s) {
-    const auto keyframe = link.keyframe(s);
+    auto keyframe = link.keyframe(s);
     if (!keyframe) return tl::unexpected(keyframe.error());
+    if (const auto now = moved.find(s); now != moved.end()) keyframe->T_local_sensor = now->second;
     selector.restore(keyframe->T_local_sensor, keyframe->spaciousness_m);
     last_stamp_s = keyframe->stamp_s;
     // The sweeps since then are lost: at most one keyframe's way.
@@ -236,6 +249,17 @@ Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Returns
   return true;
 }
 
+Result<void> RobotClient::update_poses(std::span<const KeyframePose> poses) {
+  State& s = *state_;
+  if (s.finished) return failure(ErrorCode::invalid_argument, "the session is finished");
+  if (auto ok = s.link.update_poses({poses.begin(), poses.end()}); !ok) return ok;
+  s.uplink->wake();
+  s.note_moved(poses);
+  return s.restore_selection();
+}
+
+std::uint64_t RobotClient::last_keyframe() const { return state_->link.last_sequence(); }
+
 Result<void> RobotClient::finish(std::chrono::milliseconds patience,
                                  const std::function<void(const Progress&)>& each_step) {
   using Clock = std::chrono::steady_clock;
@@ -252,7 +276,8 @@ Result<void> RobotClient::finish(std::chrono::milliseconds patience,
     }
     if (now.refused) return failure(ErrorCode::refused, now.link_error);
     if ((now.connected && now.bytes_sent != last.bytes_sent) ||
-        now.keyframes_acknowledged != last.keyframes_acknowledged || now.clouds_waiting != last.clouds_waiting)
+        now.keyframes_acknowledged != last.keyframes_acknowledged ||
+        now.pose_updates_acknowledged != last.pose_updates_acknowledged || now.clouds_waiting != last.clouds_waiting)
       moved = Clock::now();
     last = now;
     if (Clock::now() - moved >= patience)

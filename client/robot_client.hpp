@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@
 #include "common/result.hpp"
 #include "common/session/cloud_policy.hpp"
 #include "common/session/keyframe.hpp"
+#include "common/session/keyframe_pose.hpp"
 #include "common/session/live_state.hpp"
 
 namespace headframe {
@@ -59,7 +61,8 @@ struct RobotConfig {
   SweepConfig sweeps;
 };
 
-/// add_scan and add_keyframe: from one thread at a time, and one of the two only. All else is thread safe.
+/// add_scan, add_keyframe and update_poses: from one thread at a time, and one of the first two only. All else is
+/// thread safe.
 class RobotClient {
  public:
   /// Opens the spool (resuming its session when there is one) and starts connecting. The server need not be there.
@@ -78,6 +81,19 @@ class RobotClient {
   /// of own_descriptors. False: its stamp is not after the last keyframe's.
   Result<bool> add_keyframe(double stamp_s, const Pose& T_local_sensor, const Descriptor& descriptor,
                             const Points& points_sensor, const std::vector<float>& intensity = {});
+
+  /// SLAM moved the past (it closed a loop): these keyframes, which were added before, lie elsewhere in the session's
+  /// local frame now. Those that are not named stay. On the disk when it returns, all of them or none; sent after the
+  /// keyframes that there are by now and before those that come. What is added from here on has to be in the frame as
+  /// it is now. It reads the session's keyframes from the disk (some 10 ms for each thousand), and the sweeps since the
+  /// last keyframe are dropped. A server that is older than this is told nothing of it
+  /// (Progress::pose_updates_unsupported): it waits in the spool for a newer one. invalid_argument: no such keyframe,
+  /// one that is named twice, a pose that is not finite or beyond 1e8 m, none or more than 100 000, or the session is
+  /// finished; unavailable: the disk's.
+  Result<void> update_poses(std::span<const KeyframePose> poses);
+
+  /// Which number the last keyframe has; 0: there is none. For update_poses: they are numbered from 1.
+  std::uint64_t last_keyframe() const;
 
   /// Called when transforms change, on the link's thread, and at once when some are known. It must not throw, block or
   /// call close(). The last one set counts.

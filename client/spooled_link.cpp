@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/wire/capabilities.hpp"
+
 namespace headframe {
 
 using Lock = std::lock_guard<std::mutex>;
@@ -15,6 +17,26 @@ std::uint64_t SpooledLink::last_sequence() const {
 Result<Keyframe> SpooledLink::keyframe(std::uint64_t sequence) const {
   const Lock lock(mutex_);
   return spool_.keyframe(sequence);
+}
+
+std::uint64_t SpooledLink::last_pose_update() const {
+  const Lock lock(mutex_);
+  return spool_.pose_updates().last();
+}
+
+std::uint64_t SpooledLink::keyframes_at_update(std::uint64_t number) const {
+  const Lock lock(mutex_);
+  return spool_.pose_updates().keyframes_at(number);
+}
+
+Result<std::vector<KeyframePose>> SpooledLink::poses(std::uint64_t first, std::uint64_t last) const {
+  const Lock lock(mutex_);
+  return spool_.poses(first, last);
+}
+
+Result<void> SpooledLink::update_poses(std::vector<KeyframePose> poses) {
+  const Lock lock(mutex_);
+  return spool_.update_poses(std::move(poses));
 }
 
 bool SpooledLink::holds_cloud(std::uint64_t sequence) const {
@@ -68,7 +90,7 @@ void SpooledLink::on_event(const UplinkEvent& event) {
   if (const auto* w = std::get_if<Welcomed>(&event)) {
     welcomed_ = true;
     server_capabilities_ = w->capabilities;
-    durable_keyframes_ = 0;
+    durable_keyframes_ = durable_update_ = 0;
     link_error_.clear();
     hold_.clear();
     cut_.clear();
@@ -81,12 +103,15 @@ void SpooledLink::on_event(const UplinkEvent& event) {
   } else if (const auto* k = std::get_if<KeyframesDurable>(&event)) {
     durable_keyframes_ = std::max(durable_keyframes_, k->up_to);
     written = spool_.acknowledge_keyframes(k->up_to);
+  } else if (const auto* u = std::get_if<PosesDurable>(&event)) {
+    durable_update_ = std::max(durable_update_, u->up_to_update);
+    written = spool_.acknowledge_poses(u->up_to_update);
   } else if (const auto* c = std::get_if<CloudsDurable>(&event)) {
     for (auto s = spool_.next_held_cloud(c->first); s != 0 && s <= c->last; s = spool_.next_held_cloud(s + 1))
       if (auto ok = spool_.acknowledge_cloud(s); !ok) written = ok;
-  } else if (const auto* u = std::get_if<CloudUnreadable>(&event)) {
-    spool_.drop_cloud(u->sequence);
-    cloud_error_ = u->error.message;
+  } else if (const auto* d = std::get_if<CloudUnreadable>(&event)) {
+    spool_.drop_cloud(d->sequence);
+    cloud_error_ = d->error.message;
   } else if (const auto* r = std::get_if<CloudRefused>(&event)) {
     spool_.drop_cloud(r->sequence);
     ++refused_clouds_;
@@ -163,6 +188,9 @@ Progress SpooledLink::progress() const {
   Progress p;
   p.keyframes = spool_.last_sequence();
   p.keyframes_acknowledged = welcomed_ ? durable_keyframes_ : spool_.acknowledged_keyframes();
+  p.pose_updates = spool_.pose_updates().last();
+  p.pose_updates_acknowledged = welcomed_ ? durable_update_ : spool_.pose_updates().acknowledged();
+  p.pose_updates_unsupported = welcomed_ && !takes_poses() && p.pose_updates > 0;
   p.clouds_waiting = spool_.held_clouds();
   p.clouds_acknowledged = spool_.acknowledged_clouds();
   p.clouds_dropped = spool_.dropped_clouds();
@@ -177,9 +205,16 @@ Progress SpooledLink::progress() const {
   return p;
 }
 
+/// The server that we are, or were last, connected to. Under the lock.
+bool SpooledLink::takes_poses() const {
+  return std::find(server_capabilities_.begin(), server_capabilities_.end(), poses_capability) !=
+         server_capabilities_.end();
+}
+
 bool SpooledLink::all_acknowledged() const {
   const Lock lock(mutex_);
   return welcomed_ && durable_keyframes_ == spool_.last_sequence() &&
+         (durable_update_ == spool_.pose_updates().last() || !takes_poses()) &&
          (spool_.identity().clouds != CloudPolicy::all || spool_.held_clouds() == 0);
 }
 

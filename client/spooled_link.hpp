@@ -20,6 +20,9 @@ class SpooledLink final : public UplinkSource {
   // What the uplink takes.
   std::uint64_t last_sequence() const override;
   Result<Keyframe> keyframe(std::uint64_t sequence) const override;
+  std::uint64_t last_pose_update() const override;
+  std::uint64_t keyframes_at_update(std::uint64_t number) const override;
+  Result<std::vector<KeyframePose>> poses(std::uint64_t first, std::uint64_t last) const override;
   bool holds_cloud(std::uint64_t sequence) const override;
   std::uint64_t next_held_cloud(std::uint64_t from) const override;
   Result<std::string> cloud(std::uint64_t sequence) const override;
@@ -34,6 +37,7 @@ class SpooledLink final : public UplinkSource {
   void say_pose(double stamp_s, const Pose& T_local_sensor);
 
   Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
+  Result<void> update_poses(std::vector<KeyframePose> poses);
   const Hello& identity() const { return spool_.identity(); }  // does not change
   const std::vector<std::string>& warnings() const { return spool_.warnings(); }
 
@@ -50,7 +54,8 @@ class SpooledLink final : public UplinkSource {
 
   Progress progress() const;  // without bytes_sent and connected
 
-  /// All that the policy sends is acknowledged by the server that we are, or were last, connected to.
+  /// All that the policy sends, and the server takes, is acknowledged by the one that we are, or were last, connected
+  /// to.
   bool all_acknowledged() const;
 
   /// Returns when something was acknowledged or ended, or after the time.
@@ -58,6 +63,7 @@ class SpooledLink final : public UplinkSource {
 
  private:
   void take(const Transforms& transforms);
+  bool takes_poses() const;
   template <class Told>
   void hand_on(const Told& told, std::function<void(const Told&)> SpooledLink::*set);
 
@@ -67,6 +73,7 @@ class SpooledLink final : public UplinkSource {
   std::optional<LiveState> live_;
   bool welcomed_ = false;
   std::uint64_t durable_keyframes_ = 0;  // as the last server said; it may hold fewer than were once acknowledged
+  std::uint64_t durable_update_ = 0;     // the same of poses
   bool refused_ = false;
   std::uint64_t refused_clouds_ = 0;
   double server_bytes_per_s_ = 0;

@@ -22,6 +22,8 @@ enum RecordType : char {
   keyframe_ack = 'a',
   cloud_ack = 'c',
   cloud_drop = 'd',
+  pose_update = 'u',
+  pose_ack = 'v',
   run_record = 'r',
   run_welcome = 'w'
 };
@@ -71,6 +73,7 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
 
   std::vector<std::uint64_t> keyframe_at;
   std::uint64_t keyframes = 0, welcomed = 0;
+  PoseLog poses;
   std::vector<std::uint64_t> runs;
   std::set<std::uint64_t> acknowledged, dropped;
   std::string identity;
@@ -80,12 +83,15 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
     if (r.type == keyframe_ack) keyframes = std::max(keyframes, to_u64(r.payload));
     if (r.type == cloud_ack) acknowledged.insert(to_u64(r.payload));
     if (r.type == cloud_drop) dropped.insert(to_u64(r.payload));
+    if (r.type == pose_update) poses.found(r.at_byte, keyframe_at.size());
+    if (r.type == pose_ack) poses.acknowledged(to_u64(r.payload));
     if (r.type == run_record) runs.push_back(to_u64(r.payload));
     if (r.type == run_welcome) welcomed = to_u64(r.payload);
   });
   if (!log) return tl::unexpected(log.error());
   Spool spool(config, std::move(*lock_file), std::move(*log));
   spool.keyframe_at_ = std::move(keyframe_at);
+  spool.poses_ = std::move(poses);
   spool.acknowledged_keyframes_ = std::min<std::uint64_t>(keyframes, spool.last_sequence());
   spool.acknowledged_clouds_ = acknowledged.size();
   spool.dropped_clouds_ = dropped.size();
@@ -203,6 +209,16 @@ Result<void> Spool::append(const Keyframe& keyframe, std::string_view encoded_cl
   return {};
 }
 
+Result<void> Spool::update_poses(std::vector<KeyframePose> poses) {
+  const auto record = poses_.record_of(std::move(poses), last_sequence());
+  if (!record) return tl::unexpected(record.error());
+  auto at = log_.append(pose_update, *record, config_.sync);
+  if (!at && make_room(record->size())) at = log_.append(pose_update, *record, config_.sync);
+  if (!at) return tl::unexpected(at.error());
+  poses_.found(*at, last_sequence());
+  return {};
+}
+
 /// False: the disk has no room for it even without older ones. Its keyframe goes on without.
 bool Spool::keep_cloud(std::uint64_t sequence, std::string_view bytes) {
   auto written = write_cloud(sequence, bytes);
@@ -263,6 +279,13 @@ Result<void> Spool::acknowledge_keyframes(std::uint64_t up_to) {
   if (up_to <= acknowledged_keyframes_) return {};
   acknowledged_keyframes_ = up_to;
   if (auto at = log_.append(keyframe_ack, std::to_string(up_to), false); !at) return tl::unexpected(at.error());
+  return {};
+}
+
+Result<void> Spool::acknowledge_poses(std::uint64_t up_to) {
+  if (up_to <= poses_.acknowledged()) return {};
+  poses_.acknowledged(up_to);
+  if (auto at = log_.append(pose_ack, std::to_string(up_to), false); !at) return tl::unexpected(at.error());
   return {};
 }
 

@@ -3,7 +3,9 @@
 //
 // A directory is one session:
 //   lock                 held by the one process that uses the directory
-//   session.log          records (record_log.hpp): the identity, then runs, keyframes and acknowledgements as they came
+//   session.log          records (record_log.hpp): the identity, then runs, keyframes, updates of poses and
+//   acknowledgements
+//                        as they came
 //   clouds/0000000001    one record each; removed when acknowledged, or when the quota needs the room
 // A cloud and then its keyframe are on the disk (fdatasync) when append() returns. Acknowledgements are not synced: one
 // that is lost to a power cut is asked for again. Poses and descriptors are never dropped. A run is a random number for
@@ -18,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/spool/pose_log.hpp"
 #include "client/spool/record_log.hpp"
 #include "common/result.hpp"
 #include "common/wire/convert.hpp"
@@ -48,6 +51,16 @@ class Spool {
   std::uint64_t last_sequence() const { return keyframe_at_.size(); }
   Result<Keyframe> keyframe(std::uint64_t sequence) const;
 
+  /// New poses of keyframes that were appended before: one record, so all of it is on the disk when it returns, or
+  /// none. keyframe() goes on to give what was appended. invalid_argument: as PoseLog::record_of(). A disk without room
+  /// costs the oldest clouds.
+  Result<void> update_poses(std::vector<KeyframePose> poses);
+  const PoseLog& pose_updates() const { return poses_; }
+  /// What updates say together; see PoseLog::read().
+  Result<std::vector<KeyframePose>> poses(std::uint64_t first_update, std::uint64_t last_update) const {
+    return poses_.read(log_, first_update, last_update);
+  }
+
   /// Clouds not yet acknowledged that are still here, by sequence.
   bool holds_cloud(std::uint64_t sequence) const { return cloud_bytes_.count(sequence) != 0; }
   std::uint64_t next_held_cloud(std::uint64_t from) const;  // 0: none at or after `from`
@@ -56,6 +69,7 @@ class Spool {
   /// Cumulative; never goes back.
   Result<void> acknowledge_keyframes(std::uint64_t up_to);
   Result<void> acknowledge_cloud(std::uint64_t sequence);
+  Result<void> acknowledge_poses(std::uint64_t up_to_update);
   /// The server has let this run in.
   Result<void> run_welcomed();
   /// Forgets a cloud that can not be sent.
@@ -85,7 +99,8 @@ class Spool {
   Hello identity_;
   bool resumed_ = false;
   std::vector<std::string> warnings_;
-  std::vector<std::uint64_t> keyframe_at_;              // byte of each keyframe's record
+  std::vector<std::uint64_t> keyframe_at_;  // byte of each keyframe's record
+  PoseLog poses_;
   std::map<std::uint64_t, std::uint64_t> cloud_bytes_;  // of the clouds in clouds/
   std::uint64_t all_cloud_bytes_ = 0;
   std::uint64_t acknowledged_keyframes_ = 0;

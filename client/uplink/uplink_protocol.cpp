@@ -115,7 +115,8 @@ bool UplinkProtocol::doubtful(Time now) const {
 }
 
 void UplinkProtocol::expect_answer(Time now) {
-  const bool due = asked_ || !welcomed() || sent_keyframes_ > durable_keyframes_ || !clouds_in_flight_.empty();
+  const bool due = asked_ || !welcomed() || sent_keyframes_ > durable_keyframes_ || sent_update_ > durable_update_ ||
+                   !clouds_in_flight_.empty();
   if (due && !answer_since_) answer_since_ = now;
 }
 
@@ -126,6 +127,7 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
   if (!welcomed()) return end(events, ErrorCode::bad_input, "from the server: a message before its welcome", false);
   switch (message.body_case()) {
     case Body::kKeyframeAck: return on_keyframe_ack(message.keyframe_ack().durable_keyframes(), events);
+    case Body::kPoseUpdateAck: return on_poses_ack(message.pose_update_ack().durable_pose_update(), events);
     case Body::kCloudAck:
       for (const auto sequence : message.cloud_ack().sequences()) on_cloud_ack(sequence, events);
       return;
@@ -166,6 +168,12 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
                    " keyframes of this session, the spool only " + std::to_string(source_.last_sequence()) +
                    ": it is an old copy; begin a new session",
                true);
+  if (message.durable_pose_update() > source_.last_pose_update())
+    return end(events, ErrorCode::refused,
+               "the server holds update " + std::to_string(message.durable_pose_update()) +
+                   " of this session's poses, the spool only " + std::to_string(source_.last_pose_update()) +
+                   ": it is an old copy; begin a new session",
+               true);
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
   auto capabilities = usable_capabilities({message.capabilities().begin(), message.capabilities().end()});
@@ -175,9 +183,12 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
   localizes_ = knows(localize_capability);
   knows_around_ = knows(surroundings_capability);
   takes_live_ = knows(live_capability);
+  takes_poses_ = knows(poses_capability);
+  sent_update_ = durable_update_ = message.durable_pose_update();
   takes_intensity_ = knows(cloud_intensity_capability);
   events.emplace_back(Welcomed{message.spares(), std::move(capabilities)});
   events.emplace_back(KeyframesDurable{durable_keyframes_});
+  events.emplace_back(PosesDurable{durable_update_});
   for (const auto& range : message.durable_clouds())
     if (range.first() <= range.last()) events.emplace_back(CloudsDurable{range.first(), range.last()});
 }
@@ -256,7 +267,8 @@ std::optional<std::string> UplinkProtocol::next_frame(Time now, std::size_t chun
   if (!welcomed()) return std::nullopt;  // the hello alone may go before; triggers wait in the queue behind it
   if (control_.empty() && carries_ && !said_goodbye_ && chunk_bytes > 0) queue_live(now);
   if (control_.empty() && carries_ && !said_goodbye_ && policy_.hold.empty())
-    if (!queue_next_keyframe(events) && chunk_bytes > 0) queue_next_chunk(chunk_bytes, events);
+    if (!queue_poses(chunk_bytes, events) && !queue_next_keyframe(events) && chunk_bytes > 0)
+      queue_next_chunk(chunk_bytes, events);
   if (control_.empty()) return std::nullopt;
   expect_answer(now);
   std::string frame = std::move(control_.front());

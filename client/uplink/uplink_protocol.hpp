@@ -17,6 +17,7 @@
 #include "client/surroundings.hpp"
 #include "client/transforms.hpp"
 #include "common/result.hpp"
+#include "common/session/keyframe_pose.hpp"
 #include "common/wire/convert.hpp"
 #include "common/wire/frame_codec.hpp"
 
@@ -31,6 +32,13 @@ class UplinkSource {
   virtual bool holds_cloud(std::uint64_t sequence) const = 0;
   virtual std::uint64_t next_held_cloud(std::uint64_t from) const = 0;  // 0: none at or after `from`
   virtual Result<std::string> cloud(std::uint64_t sequence) const = 0;
+  /// Updates of poses of keyframes: the newest, how many keyframes there were when one was made, and what some say
+  /// together, by rising sequence.
+  virtual std::uint64_t last_pose_update() const { return 0; }
+  virtual std::uint64_t keyframes_at_update(std::uint64_t /*number*/) const { return 0; }
+  virtual Result<std::vector<KeyframePose>> poses(std::uint64_t /*first*/, std::uint64_t /*last*/) const {
+    return std::vector<KeyframePose>();
+  }
   /// Where the robot is and how it is, as far as is known; none: nothing is to be said of it.
   virtual std::optional<LiveState> live() const { return std::nullopt; }
 };
@@ -42,6 +50,9 @@ struct Welcomed {
 };
 struct KeyframesDurable {
   std::uint64_t up_to = 0;
+};
+struct PosesDurable {
+  std::uint64_t up_to_update = 0;
 };
 struct CloudsDurable {  // both inclusive; a peer's numbers: clamp before walking from one to the other
   std::uint64_t first = 0, last = 0;
@@ -68,8 +79,8 @@ struct LinkEnded {
   bool permanent = false;  // connecting again will not help
 };
 using UplinkEvent =
-    std::variant<Welcomed, KeyframesDurable, CloudsDurable, CloudUnreadable, CloudRefused, Transforms, Localization,
-                 Trajectories, Coverage, MapAround, SurroundingsMessage, PolicyTold, LinkEnded>;
+    std::variant<Welcomed, KeyframesDurable, PosesDurable, CloudsDurable, CloudUnreadable, CloudRefused, Transforms,
+                 Localization, Trajectories, Coverage, MapAround, SurroundingsMessage, PolicyTold, LinkEnded>;
 
 struct UplinkLimits {
   std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
@@ -84,9 +95,10 @@ struct UplinkLimits {
 /// What a peer wrote, for people: cut, and without control characters.
 std::string printable_text(const std::string& peer_text);
 
-/// Not thread safe. Frames come by priority: control, how the robot is (each second at most), keyframes, chunks of
-/// requested clouds, chunks of background clouds. A requested cloud overtakes one that is on its way in the background
-/// between two chunks; never are more than two clouds open.
+/// Not thread safe. Frames come by priority: control, how the robot is (each second at most), keyframes and updates of
+/// poses as they were made, chunks of requested clouds, chunks of background clouds. An update goes after the keyframes
+/// that there were when it was made and before those that came later. A requested cloud overtakes one that is on its
+/// way in the background between two chunks; never are more than two clouds open.
 class UplinkProtocol {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -142,6 +154,7 @@ class UplinkProtocol {
   void handle(const v1::ServerMessage& message, Events& events);
   void on_welcome(const v1::Welcome& message, Events& events);
   void on_keyframe_ack(std::uint64_t up_to, Events& events);
+  void on_poses_ack(std::uint64_t up_to, Events& events);
   void on_cloud_ack(std::uint64_t sequence, Events& events);
   void on_cloud_refusal(const v1::CloudRefusal& message, Events& events);
   void on_submap_request(const v1::SubmapRequest& message);
@@ -155,6 +168,8 @@ class UplinkProtocol {
   std::string hello_frame() const;
   Result<v1::RobotMessage> next_keyframe() const;
   bool queue_next_keyframe(Events& events);
+  bool queue_poses(std::size_t chunk_bytes, Events& events);
+  bool begin_poses(Events& events);
   void queue_live(Time now);
   void queue_next_chunk(std::size_t chunk_bytes, Events& events);
   void expect_answer(Time now);
@@ -181,9 +196,17 @@ class UplinkProtocol {
   bool localizes_ = false;        // the server knows the question
   bool knows_around_ = false;     // and those about others
   bool takes_live_ = false;       // and how the robot is
+  bool takes_poses_ = false;      // and updates of poses
   bool takes_intensity_ = false;  // and clouds that hold intensities
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
+  struct PoseTransfer {
+    std::uint64_t number = 0;  // of the last update in it
+    std::vector<KeyframePose> poses;
+    std::size_t offset = 0;
+  };
+  std::optional<PoseTransfer> pose_transfer_;
+  std::uint64_t sent_update_ = 0, durable_update_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once
   std::set<std::uint64_t> clouds_in_flight_;  // wholly sent, not acknowledged
   std::uint64_t background_from_ = 1;         // clouds before it were sent or are gone

@@ -10,6 +10,7 @@ void UplinkProtocol::stand_by() {
   clouds_in_flight_.clear();
   requested_transfer_.reset();
   background_transfer_.reset();
+  pose_transfer_.reset();
 }
 
 /// The two go as one: a packet that comes through brings both.
@@ -29,6 +30,7 @@ void UplinkProtocol::probe(std::uint64_t durable) {
 std::vector<UplinkEvent> UplinkProtocol::take_over() {
   carries_ = true;
   probed_ = Probed::no;
+  sent_update_ = durable_update_;
   background_from_ = 1;  // what the other sent may not have arrived
   v1::RobotMessage message;
   (void)message.mutable_take_over();

@@ -34,6 +34,9 @@ inline constexpr std::string_view transform_support_capability = "transform_supp
 /// A robot sends clouds with intensities (cloud_codec.hpp) to a server that lists it, to others the same without.
 inline constexpr std::string_view cloud_intensity_capability = "cloud_form_3";
 
+/// A robot sends new poses of keyframes that it sent before (PoseUpdate) to a server that lists it.
+inline constexpr std::string_view poses_capability = "poses";
+
 /// What the robot library lists in its hello, and this server in its welcome.
 std::vector<std::string> robot_capabilities(bool provisional);
 std::vector<std::string> server_capabilities();

@@ -13,6 +13,8 @@ inline constexpr std::size_t cloud_sweeps = 256;              // one decoded clo
 inline constexpr std::size_t descriptor_floats = 4096;        // q or w
 inline constexpr std::size_t name_bytes = 128;                // robot, session, family, sensor model
 inline constexpr std::size_t health_bytes = 256;              // what a robot says of its health
+inline constexpr std::size_t update_poses = 100'000;          // one PoseUpdate, in all its messages
+inline constexpr std::size_t part_poses = 1024;               // one message of it
 inline constexpr std::size_t spool_runs = 64;                 // of one hello
 inline constexpr double position_m = 1e8;                     // each axis of a pose; survey grids reach 1e7
 

@@ -92,6 +92,17 @@ Result<std::optional<DecisionRecord>> DecisionBook::decide(const Alignment& alig
   return records_.back();
 }
 
+std::vector<DecisionRecord> DecisionBook::move(AlignmentId alignment,
+                                               const std::function<Pose(const Pose& T_a_b)>& mover) {
+  std::vector<DecisionRecord> moved;
+  for (DecisionRecord& record : records_) {
+    if (record.alignment != alignment) continue;
+    record.T_a_b = mover(record.T_a_b);
+    moved.push_back(record);
+  }
+  return moved;
+}
+
 DecisionRecord DecisionBook::place(const Alignment& alignment) {
   records_.push_back({static_cast<std::int64_t>(records_.size()) + 1, alignment.id, Decision::place, alignment.T_a_b,
                       alignment.evidence.seen_points, false});

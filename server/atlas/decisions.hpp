@@ -1,6 +1,7 @@
 #pragma once
 // What the operator decided about alignments, and what follows from it. Pure: no store, no clock.
 
+#include <functional>
 #include <vector>
 
 #include "common/result.hpp"
@@ -63,6 +64,9 @@ class DecisionBook {
   /// The placement that the standing word confirms; none when it is another word.
   std::optional<Pose> confirmed_at(AlignmentId alignment) const;
   const std::vector<DecisionRecord>& records() const { return records_; }
+
+  /// The sessions of these alignments lie elsewhere: what was decided on goes along. Gives the records of them.
+  std::vector<DecisionRecord> move(AlignmentId alignment, const std::function<Pose(const Pose& T_a_b)>& mover);
 
  private:
   bool same(const Pose& T, const Pose& U) const;

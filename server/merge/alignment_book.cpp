@@ -156,6 +156,28 @@ std::vector<Alignment> AlignmentBook::wake(SessionId id) {
   return changed;
 }
 
+AlignmentBook::Moved AlignmentBook::moved(SessionId id, const Mover& mover) {
+  Moved out;
+  for (Alignment& k : alignments_) {
+    if ((k.a != id && k.b != id) || (!has_placement(k) && k.ruling == Ruling::none)) continue;
+    const Alignment was = k;
+    if (!sessions_.contains(k.a == id ? k.b : k.a) && k.verdict == AlignmentState::verified) {
+      k.verdict = AlignmentState::candidate;
+      k.state = decided_state(k);
+    }
+    k.T_a_b = orthonormalised(mover(was, was.T_a_b));
+    if (was.T_a_b_runner_up) k.T_a_b_runner_up = orthonormalised(mover(was, *was.T_a_b_runner_up));
+    const Pose T_now_was = k.T_a_b * was.T_a_b.inverse();
+    if (k.a == id)
+      for (Change& change : k.changes) change.p_a = T_now_was * change.p_a;
+    k.evidence.path_m = 0;  // judged as a whole on nothing that is so any more
+    out.alignments.push_back(k);
+    const auto records = decisions_.move(k.id, [&](const Pose& T) { return orthonormalised(mover(was, T)); });
+    out.decisions.insert(out.decisions.end(), records.begin(), records.end());
+  }
+  return out;
+}
+
 MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Contacts& contacts) const {
   std::vector<SessionId> ids;
   for (const auto& [id, session] : sessions_.all()) ids.push_back(id);

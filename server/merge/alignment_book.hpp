@@ -53,6 +53,17 @@ class AlignmentBook {
   /// the operator's word say, until the atlas is updated. Gives those that changed.
   std::vector<Alignment> wake(SessionId id);
 
+  /// Keyframes of the session lie elsewhere now: `moved` says where an alignment's placement is to go. What was
+  /// verified stays so until it is judged again, which is then done as a whole; but where the other session is not here
+  /// nobody knows where they meet, and unless the operator confirmed it, it is a candidate from now on. Gives what is
+  /// to be stored, in local frames as they are before the session comes anew: given_out() is for after.
+  struct Moved {
+    std::vector<Alignment> alignments;
+    std::vector<DecisionRecord> decisions;
+  };
+  using Mover = std::function<Pose(const Alignment& of, const Pose& T_a_b)>;
+  Moved moved(SessionId id, const Mover& mover);
+
   /// Whether anything waits for path or clouds that may be told then.
   bool anything_may_come() const;
   /// Alignments that wait and are merged all the same, to see what would come of it.

@@ -1,5 +1,6 @@
 #include "server/merge/alignment_edges.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <limits>
 #include <numbers>
@@ -12,6 +13,7 @@ namespace headframe {
 namespace {
 
 constexpr double meet_within_m = 10;
+constexpr double seen_m = 5;  // how far around a keyframe a change of its pose is to be right
 constexpr double degree = std::numbers::pi / 180;
 
 struct KeyframePair {
@@ -70,6 +72,31 @@ Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& 
     if (other.distance_m < nearest.distance_m) nearest = other, half_way = (s.p + T_b_a * other.position->p) / 2;
   }
   return half_way;
+}
+
+Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now, const Session& other,
+                               const Pose& T_other_was) {
+  std::vector<KeyframePair> meet = meetings(other, was, T_other_was);
+  std::erase_if(meet, [&](const KeyframePair& pair) { return pair.b >= now.size(); });
+  Pose T_was_now = Pose::Identity();
+  if (meet.empty()) return T_was_now;
+  Eigen::Vector3d middle_was = Eigen::Vector3d::Zero(), middle_now = Eigen::Vector3d::Zero();
+  for (const KeyframePair& pair : meet) {
+    middle_was += position(was.keyframes[pair.b]) / static_cast<double>(meet.size());
+    middle_now += position(now[pair.b]) / static_cast<double>(meet.size());
+  }
+  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();  // of the points: those of a path, and those around each keyframe
+  for (const KeyframePair& pair : meet) {
+    const Keyframe &k_was = was.keyframes[pair.b], &k_now = now[pair.b];
+    turns += (position(k_was) - middle_was) * (position(k_now) - middle_now).transpose();
+    turns += seen_m * seen_m * k_was.T_local_sensor.linear() * k_now.T_local_sensor.linear().transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d U = svd.matrixU();
+  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;  // a rotation, no reflection
+  T_was_now.linear() = U * svd.matrixV().transpose();
+  T_was_now.translation() = middle_was - T_was_now.linear() * middle_now;
+  return T_was_now;
 }
 
 Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b) {

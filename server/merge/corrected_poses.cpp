@@ -69,6 +69,18 @@ void CorrectedPoses::update(std::span<const Component> components, std::span<con
   give_out();
 }
 
+std::vector<PairClosures> CorrectedPoses::note_moved(SessionId session) {
+  const auto is_of = [session](const Pair& pair) { return pair.first == session || pair.second == session; };
+  std::erase_if(pairs_, [&](const auto& entry) { return is_of(entry.first); });
+  corrections_.erase(session);
+  changed_.insert(session);
+  std::vector<PairClosures> known;
+  for (const auto& [pair, places] : closures_)
+    if (is_of(pair) && sessions_.contains(pair.first) && sessions_.contains(pair.second))
+      known.push_back({pair.first, pair.second, places});
+  return known;
+}
+
 void CorrectedPoses::keep(const Pair& pair, PairEdges edges) {
   pairs_[pair] = std::move(edges);
   changed_.insert({pair.first, pair.second});

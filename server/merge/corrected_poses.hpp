@@ -27,6 +27,9 @@ class CorrectedPoses {
     std::erase_if(closures_, [&](const auto& k) { return k.first.first == session || k.first.second == session; });
   }
 
+  /// Its keyframes lie elsewhere now: it counts as new, and its loop closures stay. Gives them.
+  std::vector<PairClosures> note_moved(SessionId session);
+
   /// Optimises what the published alignments of `alignments` and the loop closures changed: the sessions that they are
   /// of, those beside them, and on from there as far as something moves. The first keyframe of a component's anchor
   /// stays where it is, and so do all of a frozen session. A session that stands alone is corrected where it closed a

@@ -47,6 +47,13 @@ class MergePipeline {
   AttemptReport set_aside(SessionId id);
   AttemptReport come_back(SessionId id);
 
+  /// The robot's SLAM has moved keyframes of the session: these are all of it, as they came but for where they lie in
+  /// the session's local frame now. What was made of them is made anew. Alignments are moved along, so that where the
+  /// two sessions meet the keyframes stay where they lay on the other; what is merged stays so for now, nothing else is
+  /// merged until the next attempt, and that judges all of it anew. Loop closures stay, for they are between keyframes.
+  /// Nothing changes where no keyframe moved; a frozen session and one that is not here stay as they are.
+  AttemptReport move_session(SessionId id, const std::vector<Keyframe>& keyframes);
+
   /// It was driven in another mine than was thought: what merged it with sessions there counts no more, unless the
   /// operator confirmed it, and what is known of those at `site` counts again. Nothing is looked for yet.
   AttemptReport set_site(SessionId id, const std::string& site);

@@ -62,14 +62,9 @@ AttemptReport MergePipeline::set_aside(SessionId id) {
   AttemptReport report;
   State& s = *state_;
   if (!s.sessions.contains(id)) return report;
+  s.forget_what_was_made_of(id);
   s.sessions.forget(id);
-  s.to_prepare.erase(id);
-  s.submaps.forget(id);
-  s.self.forget(id);
-  s.judged.forget(id);
-  s.closures.forget(id);
   s.corrected.forget(id);
-  s.consistency.forget(id);
   s.update_atlas(report);
   s.book.next_revision(report);
   return s.book.given_out(std::move(report));

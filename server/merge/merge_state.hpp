@@ -42,6 +42,7 @@ struct MergePipeline::State {
   bool ended_since_judged(const Alignment& known) const;
   void drop_ruled_out(const OrderedPair& pair, const Alignment& known, std::vector<Verdict>& verdicts) const;
   void update_atlas(AttemptReport& report);
+  void forget_what_was_made_of(SessionId id);
   void close_loops(SessionId id, const Attempt& attempt);
 };
 

@@ -34,7 +34,12 @@ class SessionSubmaps {
   /// None of the keyframes that are here by now are made ahead.
   void leave_for_attempts(SessionId id) { made_ahead_[id] = sessions_.at(id).keyframes.size(); }
 
-  void forget(SessionId id) { made_ahead_.erase(id); }
+  /// Of a session that is still here. Clouds that are ready stay so: they lie in the frames of their sensors.
+  void forget(SessionId id) {
+    made_ahead_.erase(id);
+    near_.forget(id);
+    far_.forget(id);
+  }
 
  private:
   const SessionMap& sessions_;

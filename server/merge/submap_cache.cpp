@@ -85,6 +85,14 @@ void SubmapCache::keep(const Key& key, SubmapPtr submap, std::size_t clouds) {
   while (bytes_ > capacity_bytes_ && kept_.size() > 1) let_go(*kept_.drop_oldest().submap);
 }
 
+void SubmapCache::forget(SessionId session) {
+  std::vector<Key> gone;
+  kept_.each_key([&](const Key& key) {
+    if (key.session == session) gone.push_back(key);
+  });
+  for (const Key& key : gone) let_go(*kept_.drop(key).submap);
+}
+
 void SubmapCache::let_go(const Submap& submap) {
   bytes_ -= bytes_of(submap);
   for (const PlacedView& view : submap.views) {

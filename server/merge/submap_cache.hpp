@@ -28,6 +28,9 @@ class SubmapCache {
   /// The submap nearest to each, in order. What it can not know, because clouds are missing, it leaves empty.
   std::vector<SubmapPtr> get(std::span<const SubmapRequest> requests, CloudSource& source);
 
+  /// Its keyframes will lie elsewhere.
+  void forget(SessionId session);
+
  private:
   struct Key {
     SessionId session = 0;

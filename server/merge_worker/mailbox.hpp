@@ -13,6 +13,7 @@ namespace headframe {
 struct SessionNews {
   std::optional<NewSession> added;
   std::uint64_t durable_keyframes = 0;
+  bool poses = false;  // of keyframes that came before its last ones
   std::set<std::uint64_t> clouds_came, clouds_gone, clouds_let_go;
   bool ended = false, asks = false;                                // its robot said goodbye, asked for a merge
   bool left = false;                                               // comes before `came`

@@ -24,6 +24,8 @@ class MergeNews {
   virtual ~MergeNews() = default;
   virtual void session_added(SessionId session, const NewSession& added) = 0;
   virtual void keyframes_durable(SessionId session, std::uint64_t sequence) = 0;
+  /// Its robot said where keyframes that came before lie now (Store::new_poses).
+  virtual void poses_durable(SessionId session) = 0;
   virtual void cloud_durable(const KeyframeRef& cloud) = 0;
   virtual void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) = 0;
   /// answers: it will answer submap requests.
@@ -53,6 +55,8 @@ class Robots {
   virtual void tell_provisional(const Atlas& atlas, const std::vector<Component>& changed) = 0;
   /// To the robot of this session, which asks where it is.
   virtual void tell_localization(SessionId session, const SessionLocalization& localization) = 0;
+  /// Keyframes of this session lie elsewhere in its local frame since.
+  virtual void tell_moved(SessionId /*session*/) {}
   /// Keyframes of this session are left out of merging from now on, or none are any more.
   virtual void tell_cut(SessionId session, const SessionCut& cut) = 0;
 };

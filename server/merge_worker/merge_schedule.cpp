@@ -6,8 +6,8 @@
 namespace headframe {
 
 std::string_view to_string(Trigger trigger) {
-  constexpr std::array<std::string_view, 10> names{"link",    "travelled", "request", "goodbye",  "command",
-                                                   "restart", "junction",  "rest",    "localize", "awaited"};
+  constexpr std::array<std::string_view, 11> names{"link",     "travelled", "request",  "goodbye", "command", "restart",
+                                                   "junction", "rest",      "localize", "awaited", "poses"};
   return names.at(static_cast<std::size_t>(trigger));
 }
 

@@ -26,6 +26,7 @@ enum class Trigger {
   rest,       // no keyframe has come for a while: it counts as complete until one does
   localize,   // its robot asks where it is, and has come on since it was looked at last
   awaited,    // others have waited long enough for what it comes to say
+  poses,      // its robot's SLAM moved its past
 };
 
 std::string_view to_string(Trigger trigger);

@@ -87,8 +87,7 @@ void MergeWorker::run() {
 }
 
 /// False: the work threw, or used up its budget, and its sessions are blamed.
-template <class Work>
-bool MergeWorker::tried(const char* what, Work work) {
+bool MergeWorker::tried(const char* what, const std::function<void()>& work) {
   try {
     work();
     return true;
@@ -154,8 +153,9 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
     if (!known_.contains(session)) known_[session].site = news.added->site;
   }
   Known& known = known_[session];
+  if (news.poses) take_in_poses(session);
   if (news.durable_keyframes > known.keyframes) {
-    feed(session, true);
+    feed(session, true, news.durable_keyframes);  // and none that the store has got since, for new poses may be between
     schedule_.grows(session, now);
   }
   for (const std::uint64_t sequence : news.clouds_came) {

@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -51,6 +52,7 @@ class MergeWorker : public MergeNews, private CloudSource {
 
   void session_added(SessionId session, const NewSession& added) override;
   void keyframes_durable(SessionId session, std::uint64_t sequence) override;
+  void poses_durable(SessionId session) override;
   void cloud_durable(const KeyframeRef& cloud) override;
   void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) override;
   /// They were deleted so that others find room: nobody is asked for them again.
@@ -113,6 +115,8 @@ class MergeWorker : public MergeNews, private CloudSource {
     bool answers = false;
     bool asks_where = false;
     SessionCut cut = {};
+    std::optional<std::uint64_t> feeds_up_to =
+        std::nullopt;  // new poses wait that later keyframes lie by; none: to all
     std::string site = {};
     bool more_to_try = false;  // its last attempt has not looked at all that it could lie on
     std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; none: nothing
@@ -153,15 +157,19 @@ class MergeWorker : public MergeNews, private CloudSource {
   auto read_patiently(const Read& read) -> decltype(read());
   // worker_restore.cpp
   void bring_back();
-  void feed(SessionId session, bool counts);
+  static constexpr auto all_keyframes = std::numeric_limits<std::uint64_t>::max();
+  void feed(SessionId session, bool counts, std::uint64_t up_to = all_keyframes);
   void bring_in(const SessionRecord& session);
   bool settled(const SessionRecord& session);
+  // worker_poses.cpp
+  void take_in_poses(SessionId session);
+  void note_moved(SessionId session, const std::vector<Eigen::Vector3d>& path);
+  void catch_up(SessionId session, bool complete);
   // worker_aside.cpp
   Result<void> restore_troubles();
   bool is_aside(SessionId session) const;
   void blame(const WorkMark::Left& left);
-  template <class Work>
-  bool tried(const char* what, Work work);
+  bool tried(const char* what, const std::function<void()>& work);
   void no_work();
   void work_failed();
   void attempt_went_well(SessionId session);

@@ -33,6 +33,9 @@ class RealPipeline : public Pipeline {
   SessionCut cut(SessionId id) const override { return pipeline_.cut(id); }
   AttemptReport set_aside(SessionId id) override { return pipeline_.set_aside(id); }
   AttemptReport come_back(SessionId id) override { return pipeline_.come_back(id); }
+  AttemptReport move_session(SessionId id, const std::vector<Keyframe>& keyframes) override {
+    return pipeline_.move_session(id, keyframes);
+  }
   AttemptReport set_site(SessionId id, const std::string& site) override { return pipeline_.set_site(id, site); }
   Result<AttemptReport> freeze(SessionId id) override { return pipeline_.freeze(id); }
   Result<AttemptReport> thaw(SessionId id) override { return pipeline_.thaw(id); }

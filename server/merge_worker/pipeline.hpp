@@ -29,6 +29,7 @@ class Pipeline {
   virtual SessionCut cut(SessionId /*id*/) const { return {}; }
   virtual AttemptReport set_aside(SessionId /*id*/) { return {}; }
   virtual AttemptReport come_back(SessionId /*id*/) { return {}; }
+  virtual AttemptReport move_session(SessionId /*id*/, const std::vector<Keyframe>& /*keyframes*/) { return {}; }
   virtual AttemptReport set_site(SessionId /*id*/, const std::string& /*site*/) { return {}; }
   virtual Result<AttemptReport> freeze(SessionId /*id*/) { return AttemptReport(); }
   virtual Result<AttemptReport> thaw(SessionId /*id*/) { return AttemptReport(); }

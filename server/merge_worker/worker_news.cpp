@@ -23,6 +23,10 @@ void MergeWorker::keyframes_durable(SessionId session, std::uint64_t sequence) {
   tell(session, [&](SessionNews& news) { news.durable_keyframes = std::max(news.durable_keyframes, sequence); });
 }
 
+void MergeWorker::poses_durable(SessionId session) {
+  tell(session, [&](SessionNews& news) { news.poses = true; });
+}
+
 void MergeWorker::cloud_durable(const KeyframeRef& cloud) {
   tell(cloud.session, [&](SessionNews& news) {
     news.clouds_came.insert(cloud.sequence);

@@ -48,7 +48,7 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
   if (report.atlas_changed) write.atlas = pipeline_->atlas();
   const bool news = write.attempted != 0 || !write.changed.empty() || !write.decided.empty() || write.anchored != 0 ||
                     !write.self_likeness.empty() || !write.closures.empty() || !write.frozen.empty() ||
-                    write.thawed != 0 || write.trouble || write.archived || write.site;
+                    write.thawed != 0 || write.trouble || write.archived || write.site || write.moved;
   if ((news || write.atlas) && !write_durably(write)) return false;
   if (report.atlas_changed || report.provisional_changed) published(report, attempt);
   if (report.atlas_changed || report.provisional_changed || !report.closures.empty() || !report.changed.empty())

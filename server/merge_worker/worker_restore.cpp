@@ -53,12 +53,14 @@ void MergeWorker::bring_back() {
   for (const PairClosures& known : merge.closures) pipeline_->restore_closures(known);
   pipeline_->restore(std::move(merge.alignments), merge.atlas.revision, std::move(merge.decisions),
                      std::move(merge.anchors));
-  const std::size_t sessions = stored_->sessions.size();
+  const std::vector<SessionRecord> all = std::move(stored_->sessions);
+  const std::size_t sessions = all.size();
   stored_.reset();
   atlas_ = pipeline_->atlas();
   if (const auto provisional = changed_provisionals({}, atlas_); !provisional.empty())
     robots_->tell_provisional(atlas_, provisional);
   update_view();
+  for (const SessionRecord& session : all) catch_up(session.id, session.complete);
   rest();
   constexpr double worth_a_line_s = 1;
   if (const double s = ms_since(start) / 1000; s > worth_a_line_s)
@@ -76,6 +78,10 @@ void MergeWorker::bring_in(const SessionRecord& session) {
   try {
     schedule_.belongs(session.id, session.key.robot);
     pipeline_->add_session(session.id, session.family, session.site);
+    if (const auto waiting = read_patiently([&] { return store_.new_poses(session.id); }); !waiting)
+      spdlog::error("new poses of session {} can not be read: {}", session.id, waiting.error().message);
+    else if (waiting->number > 0)
+      known_[session.id].feeds_up_to = waiting->keyframes;  // what is known of its alignments is as it lay
     feed(session.id, false);
     if (session.complete || settled(session)) pipeline_->complete_session(session.id);
     if (const auto clouds = read_patiently([&] { return store_.cloud_sequences(session.id); }); clouds)
@@ -94,11 +100,13 @@ void MergeWorker::bring_in(const SessionRecord& session) {
 }
 
 /// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.
-void MergeWorker::feed(SessionId session, bool counts) {
+void MergeWorker::feed(SessionId session, bool counts, std::uint64_t up_to) {
   Known& known = known_[session];
+  if (known.feeds_up_to) up_to = std::min(up_to, *known.feeds_up_to);
   double metres = 0;
   bool junction = false;
   const auto give = [&](Keyframe keyframe) {
+    if (keyframe.sequence > up_to) return;
     const Eigen::Vector3d here_m = keyframe.T_local_sensor.translation();
     const bool first = known.keyframes == 0;
     known.keyframes = keyframe.sequence;

@@ -3,6 +3,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 #include "server/merge_worker/merge_worker.hpp"
 
 namespace headframe {
@@ -25,6 +27,9 @@ Result<void> MergeWorker::bring_in_again(SessionId session, PutMerge write) {
   pipeline_->restore_self_likeness(merge->self_likeness);
   if (!commit(std::move(write), pipeline_->come_back(session), nullptr))
     return failure(ErrorCode::unavailable, stop_reason_);
+  const auto is_this = [&](const SessionRecord& record) { return record.id == session; };
+  const auto record = std::find_if(sessions->begin(), sessions->end(), is_this);
+  catch_up(session, record != sessions->end() && record->complete);
   schedule_.trigger(session, Trigger::command, Clock::now());
   if (known_[session].asks_where) take_question(session, true);
   update_view();
@@ -60,6 +65,7 @@ Result<void> MergeWorker::put_frozen(SessionId session, bool frozen) {
   if (!report) return tl::unexpected(report.error());
   frozen ? (void)frozen_.insert(session) : (void)frozen_.erase(session);
   if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
+  if (!frozen) catch_up(session, false);
   update_view();
   spdlog::info("session {} is {}; revision {}", session, frozen ? "frozen" : "thawed", atlas_.revision);
   return {};

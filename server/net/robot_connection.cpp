@@ -226,6 +226,10 @@ void RobotConnection::keyframes_durable(std::uint64_t sequence) {
   on_strand([sequence](RobotConnection& self) { self.protocol_.keyframes_durable(sequence); });
 }
 
+void RobotConnection::poses_durable(std::uint64_t update) {
+  on_strand([update](RobotConnection& self) { self.protocol_.poses_durable(update); });
+}
+
 void RobotConnection::cloud_durable(std::uint64_t sequence) {
   on_strand([sequence](RobotConnection& self) { self.protocol_.cloud_durable(sequence); });
 }

@@ -36,6 +36,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
 
   void settled(std::size_t bytes, const Result<void>& result) override;
   void keyframes_durable(std::uint64_t sequence) override;
+  void poses_durable(std::uint64_t update) override;
   void cloud_durable(std::uint64_t sequence) override;
   void cloud_refused(std::uint64_t sequence, const std::string& reason) override;
   void request_submap(const std::vector<std::uint64_t>& sequences) override;

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/session/keyframe_pose.hpp"
 #include "common/session/map_question.hpp"
 #include "common/wire/convert.hpp"
 
@@ -17,6 +18,11 @@ struct HelloReceived {
 struct KeyframeReceived {
   Keyframe keyframe;          // never a hole: the sequence goes up by one, or repeats what was received before
   std::uint64_t backlog = 0;  // keyframes that the robot still has to send after it
+};
+struct PosesReceived {              // whole
+  std::uint64_t number = 0;         // of the update
+  std::uint64_t keyframes = 0;      // that came before it
+  std::vector<KeyframePose> poses;  // of those, by rising sequence
 };
 struct CloudArrived {          // whole; to be answered by RobotProtocol::checked() before the next event is asked for
   std::uint64_t sequence = 0;  // of a keyframe that was received before
@@ -67,9 +73,9 @@ struct ProbeReceived {  // to be answered by RobotProtocol::resume() before the 
   bool keyframe_follows = false;
 };
 struct TakenOver {};  // this connection carries the session from now on
-using RobotEvent = std::variant<HelloReceived, KeyframeReceived, CloudArrived, CloudReceived, CloudRefused,
-                                CloudsUnavailable, TriggerRequested, WhereAsked, SurroundingsAsked, MapAsked,
-                                MapNextAsked, LiveReceived, GoodbyeReceived, ProbeReceived, TakenOver>;
+using RobotEvent = std::variant<HelloReceived, KeyframeReceived, PosesReceived, CloudArrived, CloudReceived,
+                                CloudRefused, CloudsUnavailable, TriggerRequested, WhereAsked, SurroundingsAsked,
+                                MapAsked, MapNextAsked, LiveReceived, GoodbyeReceived, ProbeReceived, TakenOver>;
 
 /// How robots may send: told to each when it changes.
 struct LinkPolicy {
@@ -83,6 +89,7 @@ struct LinkPolicy {
 struct Durable {
   std::uint64_t keyframes = 0;        // all sequences up to here
   std::vector<std::uint64_t> clouds;  // sorted
+  std::uint64_t pose_update = 0;      // the newest of the robot's
 };
 
 }  // namespace headframe

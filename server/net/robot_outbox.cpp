@@ -40,6 +40,7 @@ void RobotOutbox::append_welcome(std::string& out) {
   auto& welcome = *message.mutable_welcome();
   welcome.set_protocol_version(protocol_version);
   welcome.set_durable_keyframes(welcome_->first.keyframes);
+  welcome.set_durable_pose_update(welcome_->first.pose_update);
   welcome.set_spares(static_cast<std::uint32_t>(welcome_->second));
   const auto capabilities = server_capabilities();
   *welcome.mutable_capabilities() = {capabilities.begin(), capabilities.end()};
@@ -95,6 +96,10 @@ std::string RobotOutbox::take() {
     message.mutable_keyframe_ack()->set_durable_keyframes(*keyframe_ack_);
     append(out, message);
   }
+  if (pose_ack_) {
+    message.mutable_pose_update_ack()->set_durable_pose_update(*pose_ack_);
+    append(out, message);
+  }
   append_lists(out);
   if (transform_) (void)append_frame(out, transform_->at(next_page_++));  // its maker saw that it fits
   if (localization_) (void)append_frame(out, *localization_);
@@ -114,6 +119,7 @@ std::string RobotOutbox::take() {
     (void)append_frame(out, *surroundings_.extract(surroundings_.begin()).mapped());
   policy_.reset();
   keyframe_ack_.reset();
+  pose_ack_.reset();
   ping_.reset();
   pong_.reset();
   if (transform_ && next_page_ == transform_->size()) transform_.reset();

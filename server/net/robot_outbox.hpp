@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -21,6 +22,7 @@ class RobotOutbox {
  public:
   void welcome(Durable durable, int spares) { welcome_.emplace(std::move(durable), spares); }
   void acknowledge_keyframes(std::uint64_t durable) { keyframe_ack_ = durable; }
+  void acknowledge_poses(std::uint64_t update) { pose_ack_ = std::max(pose_ack_.value_or(0), update); }
   void acknowledge_cloud(std::uint64_t sequence) { cloud_acks_.insert(sequence); }
   void refuse_cloud(std::uint64_t sequence, const std::string& reason);
   void request_submap(const std::vector<std::uint64_t>& sequences);
@@ -50,7 +52,7 @@ class RobotOutbox {
   void append_lists(std::string& out);
 
   std::optional<std::pair<Durable, int>> welcome_;  // with the spares that the robot may have
-  std::optional<std::uint64_t> keyframe_ack_, ping_, pong_;
+  std::optional<std::uint64_t> keyframe_ack_, pose_ack_, ping_, pong_;
   std::set<std::uint64_t> cloud_acks_;
   std::map<std::uint64_t, std::string> cloud_refusals_;
   std::vector<std::uint64_t> submap_;                // nearest to the sphere's centre first

@@ -67,6 +67,7 @@ std::optional<RobotEvent> RobotProtocol::handle(const v1::RobotMessage& message)
     return out_of_order("the first message must be a hello, nothing else before its welcome");
   switch (message.body_case()) {
     case Body::kKeyframe: return on_keyframe(message.keyframe(), message.backlog());
+    case Body::kPoseUpdate: return on_poses(message.pose_update());
     case Body::kCloudChunk: return on_chunk(message.cloud_chunk());
     case Body::kSubmapUnavailable: return on_unavailable(message.submap_unavailable());
     case Body::kTrigger: return TriggerRequested{message.trigger().reason().substr(0, trigger_reason_bytes)};
@@ -118,6 +119,7 @@ void RobotProtocol::resume(std::uint64_t durable_keyframes, bool acknowledge) {
 void RobotProtocol::stand_by() {
   spare_ = true;
   clouds_ = {};
+  poses_ = {};
   skipped_.clear();
 }
 
@@ -132,6 +134,20 @@ std::optional<RobotEvent> RobotProtocol::on_keyframe(const v1::Keyframe& message
     return out_of_order(name + "a hole in the sequence, " + std::to_string(received_ + 1) + " comes next");
   received_ = keyframe->sequence;
   return KeyframeReceived{std::move(*keyframe), backlog};
+}
+
+/// Keyframes come first: of one that was not received nothing is taken.
+std::optional<RobotEvent> RobotProtocol::on_poses(const v1::PoseUpdate& message) {
+  const std::string name = "update " + std::to_string(message.number()) + " of poses: ";
+  auto part = from_proto(message);
+  if (!part) return bad_message(name + part.error().message);
+  if (spare_) return std::nullopt;
+  if (const std::uint64_t last = part->poses.back().sequence; last > received_)
+    return out_of_order(name + "of keyframe " + std::to_string(last) + ", which was not received");
+  auto whole = poses_.add(std::move(*part));
+  if (!whole) return bad_message(name + whole.error().message);
+  if (!*whole) return std::nullopt;
+  return PosesReceived{message.number(), received_, std::move(**whole)};
 }
 
 /// A spare's is passed over, and so is what comes more often than each second.

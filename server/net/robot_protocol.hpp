@@ -9,6 +9,7 @@
 
 #include "common/wire/frame_codec.hpp"
 #include "server/net/cloud_assembler.hpp"
+#include "server/net/pose_assembler.hpp"
 #include "server/net/robot_events.hpp"
 #include "server/net/robot_limits.hpp"
 #include "server/net/robot_outbox.hpp"
@@ -41,13 +42,15 @@ class RobotProtocol {
   RobotEvent checked(CloudArrived cloud, const Result<void>& decodes);
   static Result<void> check(const CloudArrived& cloud);
 
-  /// Another connection carries the session: chunks of clouds are passed over here, for they come anew there.
+  /// Another connection carries the session: chunks of clouds and updates of poses are passed over here, for they come
+  /// anew there.
   void stand_by();
 
   /// Ends the connection with a typed error.
   void fail(v1::ErrorKind kind, const std::string& message, bool permanent);
 
   void keyframes_durable(std::uint64_t sequence);
+  void poses_durable(std::uint64_t update) { outbox_.acknowledge_poses(update); }
   void cloud_durable(std::uint64_t sequence) { outbox_.acknowledge_cloud(sequence); }
   /// The robot drops this cloud; the connection goes on.
   void refuse_cloud(std::uint64_t sequence, const std::string& reason) { outbox_.refuse_cloud(sequence, reason); }
@@ -80,6 +83,7 @@ class RobotProtocol {
   std::optional<RobotEvent> on_hello(const v1::Hello& message);
   std::optional<RobotEvent> on_keyframe(const v1::Keyframe& message, std::uint64_t backlog);
   std::optional<RobotEvent> on_live(const v1::LiveState& message, std::uint64_t backlog);
+  std::optional<RobotEvent> on_poses(const v1::PoseUpdate& message);
   std::optional<RobotEvent> on_chunk(const v1::CloudChunk& message);
   std::optional<RobotEvent> on_unavailable(const v1::SubmapUnavailable& message);
   std::optional<RobotEvent> refused(std::uint64_t sequence, const std::string& reason);
@@ -93,6 +97,7 @@ class RobotProtocol {
   std::uint64_t pings_ = 0;
   FrameReader frames_;
   CloudAssembler clouds_;
+  PoseAssembler poses_;
   std::set<std::uint64_t> skipped_;  // clouds that were refused half-way: the rest of them is not looked at
   RobotOutbox outbox_;
   FamilySpec family_;

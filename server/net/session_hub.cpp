@@ -76,6 +76,8 @@ std::uint64_t SessionHub::durable_keyframes(SessionId session) const {
 
 std::size_t SessionHub::stored_bytes(const RobotEvent& event) {
   if (std::holds_alternative<KeyframeReceived>(event)) return keyframe_bytes;
+  if (const auto* update = std::get_if<PosesReceived>(&event))
+    return update->poses.size() * sizeof(KeyframePose) + keyframe_bytes;
   if (const auto* cloud = std::get_if<CloudReceived>(&event)) return cloud->encoded.size() + keyframe_bytes;
   return 0;
 }
@@ -92,6 +94,7 @@ void SessionHub::work_for(SessionId session, FairPool::Work work) {
 void SessionHub::take(SessionId session, RobotEvent event, const std::shared_ptr<RobotLink>& link) {
   const std::size_t bytes = stored_bytes(event);
   if (auto* keyframe = std::get_if<KeyframeReceived>(&event)) handle(session, std::move(*keyframe), link, bytes);
+  if (const auto* update = std::get_if<PosesReceived>(&event)) handle(session, *update, link, bytes);
   if (auto* cloud = std::get_if<CloudReceived>(&event)) handle(session, std::move(*cloud), link, bytes);
   if (const auto* refused = std::get_if<CloudRefused>(&event)) note_refusal(session, *refused);
   if (const auto* gone = std::get_if<CloudsUnavailable>(&event)) tell_unavailable(session, gone->sequences);
@@ -270,6 +273,7 @@ std::vector<SessionRow> SessionHub::sessions() const {
                                              s.record.complete, s.keyframes, s.clouds.size() - s.let_go.size(),
                                              s.bytes_received});
     row.site = s.record.site;
+    row.moves = s.moves;
     row.let_go = s.let_go.size();
     row.cloud_bytes = s.cloud_bytes;
     row.backlog = s.backlog;

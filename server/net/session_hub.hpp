@@ -34,6 +34,7 @@ class RobotLink {
   /// Received bytes have become durable, or with a failure will not: the connection then ends and the robot repeats.
   virtual void settled(std::size_t bytes, const Result<void>& result) = 0;
   virtual void keyframes_durable(std::uint64_t sequence) = 0;
+  virtual void poses_durable(std::uint64_t update) = 0;
   virtual void cloud_durable(std::uint64_t sequence) = 0;
   virtual void cloud_refused(std::uint64_t sequence, const std::string& reason) = 0;
   virtual void request_submap(const std::vector<std::uint64_t>& sequences) = 0;
@@ -88,6 +89,7 @@ class SessionHub : public Robots {
   /// For good: what follows is a session of its own from now on, in everything but the robot's eyes. It is named
   /// NAME~N for the robot's N-th keyframe, its first; at most most_parts of one session are made.
   void tell_cut(SessionId session, const SessionCut& cut) override;
+  void tell_moved(SessionId session) override;
   static constexpr std::size_t most_parts = 8;
 
   /// What all robots together may send, in bytes per second, shared by those that are connected; 0: no limit. May
@@ -150,6 +152,7 @@ class SessionHub : public Robots {
     bool asks_where = false;                       // over the connection that carries it
     bool deleted = false;                          // nobody may go on with it
     SessionCut cut;
+    std::uint64_t moves = 0;       // how often its keyframes were moved, since the server began
     SessionId whole = 0;           // the session that this is a part of, as its robot has it; 0: it is none
     std::uint64_t from = 1;        // the robot's number of its first keyframe
     std::vector<SessionId> parts;  // that follow a whole, in order
@@ -187,6 +190,8 @@ class SessionHub : public Robots {
   bool over_quota(SessionId session, int keyframes, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void note_refusal(SessionId session, const CloudRefused& cloud);
   void handle(SessionId session, KeyframeReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
+  void handle(SessionId session, const PosesReceived& event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
+  PutPoses as_stored(SessionId session, const PosesReceived& event) const;
   void handle(SessionId session, CloudReceived event, const std::shared_ptr<RobotLink>& link, std::size_t bytes);
   void handle(SessionId session, const GoodbyeReceived& event, const std::shared_ptr<RobotLink>& link);
   void handle(SessionId session, LiveReceived event, const std::shared_ptr<RobotLink>& link);

@@ -141,7 +141,9 @@ std::optional<Result<SessionHub::Admitted>> SessionHub::stand_by(const Hello& he
     spares.erase(spares.begin());
   }
   spares.push_back(link);
-  return Admitted{known->second, {durable_of(known->second).keyframes, {}}, nullptr};
+  Durable durable = durable_of(known->second);
+  durable.clouds.clear();
+  return Admitted{known->second, std::move(durable), nullptr};
 }
 
 /// From a spare; one that was closed meanwhile is not in the list.

@@ -60,6 +60,7 @@ Durable SessionHub::durable_of(SessionId session) const {
     durable.keyframes = part.from - 1 + part.keyframes;
     for (const std::uint64_t sequence : part.clouds) durable.clouds.push_back(part.from - 1 + sequence);
   }
+  durable.pose_update = sessions_.at(with_parts(session).front()).record.pose_update;
   return durable;
 }
 
@@ -158,6 +159,7 @@ void SessionHub::split_stored(SessionId id, bool stored) {
     part.split_waits = !stored;
     if (stored) {
       news_.trigger(before(id), Trigger::goodbye);
+      news_.poses_durable(id);
       news_.keyframes_durable(id, part.keyframes);
       for (const std::uint64_t sequence : part.clouds)
         if (!part.let_go.contains(sequence)) news_.cloud_durable({id, sequence});

@@ -38,6 +38,7 @@ SessionSurroundings SessionHub::surroundings_of(SessionId session) const {
     if (known == sessions_.end()) continue;
     around.keys[placement.session] = key_for(around.receiver, placement.session);
     around.durable[placement.session] = known->second.keyframes;
+    if (known->second.moves > 0) around.moves[placement.session] = known->second.moves;
   }
   return around;
 }

@@ -77,6 +77,7 @@ Json session_object(const SessionRow& row) {
           {"site", row.site.empty() ? Json() : Json(row.site)},
           {"note", row.note.empty() ? Json() : Json(row.note)},
           {"keyframes", row.keyframes},
+          {"moves", row.moves},
           {"clouds", row.clouds},
           {"bytes_received", row.bytes_received},
           {"backlog", row.backlog},

@@ -25,7 +25,7 @@ void add_sessions(const StationLook& before, const StationLook& after, std::vect
     const SessionRow old = known == was.end() ? SessionRow{} : *known->second;
     if (row.connected != old.connected)
       events.push_back(session_event(row.connected ? "robot_connected" : "robot_left", row));
-    if (known == was.end() || row.keyframes != old.keyframes || row.clouds != old.clouds ||
+    if (known == was.end() || row.keyframes != old.keyframes || row.clouds != old.clouds || row.moves != old.moves ||
         row.complete != old.complete || row.why_cut != old.why_cut)
       events.push_back(session_event("keyframes", row));
     if (row.live && (!old.live || row.live->news != old.live->news)) events.push_back(session_event("live", row));

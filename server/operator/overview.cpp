@@ -64,7 +64,7 @@ Result<std::string> Overview::session(SessionId id) const {
   if (with_points_.contains(id)) {
     const auto row =
         std::find_if(look_->sessions.begin(), look_->sessions.end(), [&](const SessionRow& s) { return s.id == id; });
-    PointStream points_body(tiles_.tile(id, level_, row->keyframes), 0, most_points_);
+    PointStream points_body(tiles_.tile(id, level_, row->keyframes, row->moves), 0, most_points_);
     if (auto read = drain(points_body, points); !read) return tl::unexpected(read.error());
   }
   append_part(out, path);

@@ -86,16 +86,18 @@ std::string PointTile::encoded(const Keyframe& keyframe, const KeyframeCloud& cl
   return out + points;
 }
 
-std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level, std::uint64_t keyframes) {
+std::shared_ptr<PointTile> PointTiles::tile(SessionId session, std::size_t level, std::uint64_t keyframes,
+                                            std::uint64_t moves) {
   const std::lock_guard lock(mutex_);
   const std::pair key(session, level);
   const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
   if (known != entries_.end())
     entries_.splice(entries_.begin(), entries_, known);
   else
-    entries_.push_front({key, std::make_shared<PointTile>(station_, session, level)});
+    entries_.push_front({key, std::make_shared<PointTile>(station_, session, level, moves)});
   auto& tile = entries_.front().tile;
-  if (tile->newest() > keyframes) tile = std::make_shared<PointTile>(station_, session, level);
+  if (tile->newest() > keyframes || tile->moves() != moves)
+    tile = std::make_shared<PointTile>(station_, session, level, moves);
   std::size_t bytes = 0;
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     bytes += entry->tile->bytes();

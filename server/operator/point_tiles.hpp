@@ -22,8 +22,8 @@ constexpr std::array<double, 5> level_cube_m{2, 1, 0.5, 0.25, 0.1};
 /// sensor in the session's frame (m), then for each point i16 x, y, z from there in units of 5 mm. Thread safe.
 class PointTile {
  public:
-  PointTile(const Station& station, SessionId session, std::size_t level)
-      : station_(station), session_(session), cube_m_(level_cube_m.at(level)) {}
+  PointTile(const Station& station, SessionId session, std::size_t level, std::uint64_t moves = 0)
+      : station_(station), session_(session), cube_m_(level_cube_m.at(level)), moves_(moves) {}
 
   /// Block `index`, made from the stored clouds when it is not there yet; none: there are no more now. Blocks the disk.
   Result<std::optional<std::string>> block(std::size_t index);
@@ -31,6 +31,8 @@ class PointTile {
   std::size_t bytes() const { return bytes_; }
   /// The newest keyframe of which there is a block; never waits.
   std::uint64_t newest() const { return newest_; }
+  /// How often the session's past had been moved when it was begun.
+  std::uint64_t moves() const { return moves_; }
 
  private:
   Result<bool> make_block();
@@ -39,6 +41,7 @@ class PointTile {
   const Station& station_;
   const SessionId session_;
   const double cube_m_;
+  const std::uint64_t moves_;
   std::mutex mutex_;
   std::vector<Keyframe> keyframes_;  // as read last
   std::size_t at_ = 0;               // in keyframes_
@@ -54,8 +57,10 @@ class PointTiles {
   explicit PointTiles(const Station& station, std::size_t most_bytes = 256UL << 20)
       : station_(station), most_bytes_(most_bytes) {}
 
-  /// Begun anew where it holds more than the session's keyframes: a session that was split has become shorter.
-  std::shared_ptr<PointTile> tile(SessionId session, std::size_t level, std::uint64_t keyframes);
+  /// Begun anew where it holds more than the session's keyframes, for a session that was split has become shorter, and
+  /// where its past was moved since.
+  std::shared_ptr<PointTile> tile(SessionId session, std::size_t level, std::uint64_t keyframes,
+                                  std::uint64_t moves = 0);
   /// Whether blocks of it are in memory.
   bool has(SessionId session, std::size_t level);
 

@@ -103,8 +103,9 @@ Result<Reply> points(const Query& query, const Context& context) {
   const auto first = whole_number(query, "from", 0, 1e9), most = whole_number(query, "most", 1e6, 1e7);
   for (const auto* number : {&level, &first, &most})
     if (!*number) return tl::unexpected(number->error());
-  return Stream{"application/octet-stream",
-                std::make_unique<PointStream>(context.tiles.tile(row->id, *level, row->keyframes), *first, *most)};
+  return Stream{
+      "application/octet-stream",
+      std::make_unique<PointStream>(context.tiles.tile(row->id, *level, row->keyframes, row->moves), *first, *most)};
 }
 
 Result<Reply> path(const Query& query, const Context& context) {

@@ -57,6 +57,11 @@ std::shared_ptr<const SessionWalls> HypothesisFinder::walls(const SessionView& s
   return drawn;
 }
 
+void HypothesisFinder::forget(SessionId session) {
+  std::erase_if(found_, [&](const auto& f) { return f.first.first == session || f.first.second == session; });
+  if (walls_.find(session)) walls_bytes_ -= walls_.drop(session)->bytes();
+}
+
 std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
                                                  const std::vector<MatchedPair>& matches,
                                                  const DescriptorAgreement& agreement, const LeadSeats& seats) {

@@ -65,6 +65,8 @@ class HypothesisFinder {
                     const std::function<std::vector<MatchedPair>()>& matches);
   /// Where a session lies on itself, where it is and elsewhere. Searched anew at each call; not counted by allow().
   const Found* find_within(const SessionView& session);
+  /// Its keyframes will lie elsewhere: whatever was drawn and found of it is so no more.
+  void forget(SessionId session);
 
  private:
   std::shared_ptr<const SessionWalls> walls(const SessionView& session);

@@ -43,6 +43,7 @@ struct SessionRow {
   std::string note = {};                // what the operator wants to be remembered of it; empty: nothing
   std::uint64_t let_go = 0;             // clouds that were stored and made room for others
   std::string site = {};                // the mine it was driven in, by the operator's name; empty: he has one alone
+  std::uint64_t moves = 0;              // how often its robot's SLAM moved its past, since the server began
 };
 
 /// What has still to be done before the atlas is settled; all zero when it is.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/store/columns.hpp"
+#include "server/store/pose_rows.hpp"
 #include "server/store/row_checksum.hpp"
 
 namespace headframe {
@@ -42,6 +43,20 @@ std::optional<Keyframe> keyframe_of(const Row& row) {
   k.point_count = static_cast<std::uint32_t>(row.integer(8));
   if (!row.is_null(9) && row.integer(9) != checksum(row.integer(10), k)) return std::nullopt;
   return k;
+}
+
+std::string select_moved_keyframes() {
+  return "SELECT k.sequence, k.stamp_s, k.T_local_sensor, k.spaciousness_m, k.q, k.w, k.place_class, k.walls,"
+         " k.point_count, k.checksum, k.session, m.checksum, m.T_local_sensor FROM keyframes k LEFT JOIN moved_poses m"
+         " ON m.session=k.session AND m.sequence=k.sequence";
+}
+
+std::optional<Keyframe> moved_keyframe_of(const Row& row) {
+  auto keyframe = keyframe_of(row);
+  if (!keyframe || row.is_null(11)) return keyframe;
+  if (row.integer(11) != pose_checksum(row.integer(10), keyframe->sequence, row.blob(12))) return std::nullopt;
+  keyframe->T_local_sensor = pose_from_blob(row.blob(12));
+  return keyframe;
 }
 
 Keyframe stand_in(std::uint64_t sequence, const Keyframe& neighbour) {

@@ -13,6 +13,10 @@ std::string select_keyframes();
 /// nullopt: what is in the row is not what was written there. Rows of before there were checksums are believed.
 std::optional<Keyframe> keyframe_of(const Row& row);
 
+/// The same where merging has it by now: keyframes are called k there.
+std::string select_moved_keyframes();
+std::optional<Keyframe> moved_keyframe_of(const Row& row);
+
 /// What stands for a keyframe whose row is damaged: its number, at the place of its neighbour, and nothing seen there.
 Keyframe stand_in(std::uint64_t sequence, const Keyframe& neighbour);
 

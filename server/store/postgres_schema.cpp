@@ -98,6 +98,15 @@ CREATE UNLOGGED TABLE servers (
   token_digest BYTEA NOT NULL, active BIGINT NOT NULL, since_s DOUBLE PRECISION NOT NULL,
   heard_s DOUBLE PRECISION NOT NULL);
 )sql",
+    R"sql(
+ALTER TABLE sessions ADD COLUMN pose_update BIGINT NOT NULL DEFAULT 0;
+CREATE TABLE moved_poses (
+  session BIGINT NOT NULL REFERENCES sessions(id), sequence BIGINT NOT NULL, T_local_sensor BYTEA NOT NULL,
+  checksum BIGINT NOT NULL, PRIMARY KEY (session, sequence));
+CREATE TABLE pose_updates (
+  session BIGINT NOT NULL REFERENCES sessions(id), sequence BIGINT NOT NULL, number BIGINT NOT NULL,
+  keyframes BIGINT NOT NULL, T_local_sensor BYTEA NOT NULL, checksum BIGINT NOT NULL, PRIMARY KEY (session, sequence));
+)sql",
 };
 
 std::string step(std::size_t from) {

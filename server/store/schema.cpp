@@ -111,6 +111,18 @@ CREATE TABLE let_go (
 ALTER TABLE sessions ADD COLUMN site TEXT NOT NULL DEFAULT '';
 CREATE TABLE robot_sites (robot TEXT PRIMARY KEY, site TEXT NOT NULL) WITHOUT ROWID;
 )sql",
+    // Where keyframes lie that a robot's SLAM moved: as merging has them, and as it will once it takes in what robots
+    // said. keyframes: how many there were when that was said.
+    R"sql(
+ALTER TABLE sessions ADD COLUMN pose_update INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE moved_poses (
+  session INTEGER NOT NULL REFERENCES sessions(id), sequence INTEGER NOT NULL, T_local_sensor BLOB NOT NULL,
+  checksum INTEGER NOT NULL, PRIMARY KEY (session, sequence)) WITHOUT ROWID;
+CREATE TABLE pose_updates (
+  session INTEGER NOT NULL REFERENCES sessions(id), sequence INTEGER NOT NULL, number INTEGER NOT NULL,
+  keyframes INTEGER NOT NULL, T_local_sensor BLOB NOT NULL, checksum INTEGER NOT NULL,
+  PRIMARY KEY (session, sequence)) WITHOUT ROWID;
+)sql",
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/store/keyframe_row.hpp"
+#include "server/store/pose_rows.hpp"
 
 namespace headframe {
 namespace {
@@ -47,6 +48,7 @@ Result<void> put(Database& db, const PutSession& write) {
 Result<void> put(Database& db, const SplitSession& write) {
   auto done = put(db, PutSession{write.part});
   if (done) done = carry_over_keyframes(db, write);
+  if (done) done = carry_over_poses(db, write);
   for (const auto& [table, columns] : {std::pair("clouds", "encoded"), std::pair("let_go", "")}) {
     const std::string more = *columns != '\0' ? std::string(", ") + columns : std::string();
     if (done)

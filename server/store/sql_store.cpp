@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/store/keyframe_row.hpp"
+#include "server/store/pose_rows.hpp"
 #include "server/store/stored_merge.hpp"
 
 namespace headframe {
@@ -24,6 +25,7 @@ SessionRecord session_of(const Row& row) {
   s.attempted_whole = row.integer(16) != 0;
   s.archived = row.integer(17) != 0;
   s.site = row.text(18);
+  s.pose_update = static_cast<std::uint64_t>(row.integer(19));
   return s;
 }
 
@@ -53,7 +55,7 @@ Result<std::vector<SessionRecord>> SqlStore::sessions() {
   auto read = reader_->each(
       "SELECT id, robot, session, sensor_model, beams, fov_up_deg, fov_down_deg, max_range_m, family,"
       " family_version, q_size, w_size, spool_id, complete, attempted_keyframes, spool_run, attempted_whole, archived,"
-      " site FROM sessions ORDER BY id",
+      " site, pose_update FROM sessions ORDER BY id",
       [&](const Row& row) { sessions.push_back(session_of(row)); });
   if (!read) return tl::unexpected(read.error());
   return sessions;
@@ -65,10 +67,10 @@ Result<void> SqlStore::each_keyframe(SessionId session, std::uint64_t first,
   std::optional<Keyframe> last;
   std::vector<std::uint64_t> damaged;  // before the first that is whole
   auto read = reader_->each(
-      select_keyframes() + " WHERE session=? AND sequence>=? ORDER BY sequence",
+      select_moved_keyframes() + " WHERE k.session=? AND k.sequence>=? ORDER BY k.sequence",
       [&](const Row& row) {
         const auto sequence = static_cast<std::uint64_t>(row.integer(0));
-        auto keyframe = keyframe_of(row);
+        auto keyframe = moved_keyframe_of(row);
         if (!keyframe) note_damage({session, sequence});
         if (!keyframe && !last) return damaged.push_back(sequence);
         if (!keyframe) return visit(stand_in(sequence, *last));
@@ -79,6 +81,11 @@ Result<void> SqlStore::each_keyframe(SessionId session, std::uint64_t first,
       session, first);
   for (const std::uint64_t sequence : damaged) visit(stand_in(sequence, {}));
   return read;
+}
+
+Result<NewPoses> SqlStore::new_poses(SessionId session) {
+  const std::lock_guard lock(mutex_);
+  return read_new_poses(*reader_, session);
 }
 
 Result<std::uint64_t> SqlStore::last_keyframe(SessionId session) {

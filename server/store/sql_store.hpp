@@ -34,6 +34,7 @@ class SqlStore final : public Store {
   Result<std::vector<SessionRecord>> sessions() override;
   Result<void> each_keyframe(SessionId session, std::uint64_t first,
                              const std::function<void(Keyframe)>& visit) override;
+  Result<NewPoses> new_poses(SessionId session) override;
   Result<std::uint64_t> last_keyframe(SessionId session) override;
   Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) override;
   Result<std::vector<CloudSize>> cloud_sizes(SessionId session) override;

@@ -12,6 +12,7 @@
 
 #include "common/result.hpp"
 #include "common/session/keyframe.hpp"
+#include "common/session/keyframe_pose.hpp"
 #include "server/atlas/atlas.hpp"
 #include "server/atlas/decisions.hpp"
 #include "server/atlas/frozen.hpp"
@@ -36,6 +37,7 @@ struct SessionRecord {
   bool attempted_whole = false;           // ... and it expected no more: the session had ended, or rested
   bool archived = false;                  // kept, and left out of everything until it is restored
   std::string site = {};                  // the mine it was driven in, by the operator's name; empty: he has one alone
+  std::uint64_t pose_update = 0;          // the newest of its robot's that is stored; of a session with parts, of all
 };
 
 /// A robot that was let in, or may be. Only digests are kept: SHA-256 of secrets that are random and long.
@@ -66,6 +68,18 @@ struct SplitSession {
 struct PutKeyframe {
   SessionId session = 0;
   Keyframe keyframe;
+};
+/// Where keyframes that are stored lie now, as the robot's SLAM has it. It waits until merging takes it in
+/// (MovedPoses); until then each_keyframe() tells the poses of before. Of the session that the robot knows, and its
+/// parts.
+struct PutPoses {
+  struct OfSession {
+    std::uint64_t keyframes = 0;      // that came before it: later ones lie in the frame as it is after it
+    std::vector<KeyframePose> poses;  // by rising sequence
+  };
+  SessionId session = 0;
+  std::uint64_t number = 0;
+  std::map<SessionId, OfSession> sessions;
 };
 struct PutCloud {
   KeyframeRef keyframe;
@@ -106,6 +120,12 @@ struct PutSite {
 struct PutRobotSite {
   std::string robot, site;
 };
+/// Merging has taken in what waited, up to this update.
+struct MovedPoses {
+  SessionId session = 0;
+  std::uint64_t number = 0;
+  std::vector<KeyframePose> poses;
+};
 /// What one attempt or decision changed, in one transaction.
 struct PutMerge {
   SessionId attempted = 0;  // 0: none
@@ -122,6 +142,7 @@ struct PutMerge {
   std::optional<PutTrouble> trouble = {};   // this and the next: with what it does to the atlas
   std::optional<PutArchived> archived = {};
   std::optional<PutSite> site = {};
+  std::optional<MovedPoses> moved = {};
 };
 /// The operator's name for a session; empty: none.
 struct PutLabel {
@@ -144,7 +165,7 @@ struct PutRobot {
   RobotRecord robot;
 };
 using Write = std::variant<PutSession, SplitSession, PutKeyframe, PutCloud, CompleteSession, PutMerge, PutRobot,
-                           PutLabel, PutSurvey, DropSurvey, PutTrouble, PutSessionNote, LetGo, PutRobotSite>;
+                           PutLabel, PutSurvey, DropSurvey, PutTrouble, PutSessionNote, LetGo, PutRobotSite, PutPoses>;
 
 struct StoreLoad {
   std::size_t queued_writes = 0;
@@ -158,6 +179,13 @@ struct StoreLoad {
   std::string last_error;             // empty when the last write was well
   std::string waits_for;              // why the next write can not be made yet; empty: it can. It is tried again
   std::string broken;  // why nothing is written any more, until the store is opened anew; empty: it is well
+};
+
+/// What waits until merging takes it in, of one session.
+struct NewPoses {
+  std::uint64_t number = 0;         // of the newest update; 0: nothing waits
+  std::uint64_t keyframes = 0;      // that came before the first of them
+  std::vector<KeyframePose> poses;  // by rising sequence
 };
 
 struct CloudSize {
@@ -204,10 +232,11 @@ class Store {
 
   // Reads block on the disk: never on an I/O thread.
   virtual Result<std::vector<SessionRecord>> sessions() = 0;
-  /// Keyframes from sequence `first` on, in order. One whose row is damaged keeps its number, stands where the one
-  /// before it does and has seen nothing.
+  /// Keyframes from sequence `first` on, in order, where they lie by what merging has taken in. One whose row is
+  /// damaged keeps its number, stands where the one before it does and has seen nothing.
   virtual Result<void> each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) = 0;
+  virtual Result<NewPoses> new_poses(SessionId session) = 0;
   /// How many keyframes it has: the last sequence, 0 without any.
   virtual Result<std::uint64_t> last_keyframe(SessionId session) = 0;
   virtual Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) = 0;

@@ -85,9 +85,11 @@ const std::vector<StoreTable>& store_tables() {
        "id# robot$ session$ sensor_model$ beams# fov_up_deg~ fov_down_deg~ max_range_m~ family$ family_version# "
        "q_size# "
        "w_size# spool_id# complete# attempted_keyframes# spool_run# label$ attempted_whole# note$ "
-       "archived# site$"},
+       "archived# site$ pose_update#"},
       {"keyframes",
        "session# sequence# stamp_s~ T_local_sensor& spaciousness_m~ q& w& place_class# walls& point_count# checksum#"},
+      {"moved_poses", "session# sequence# T_local_sensor& checksum#"},
+      {"pose_updates", "session# sequence# number# keyframes# T_local_sensor& checksum#"},
       {"clouds", "session# sequence# encoded&"},
       {"alignments", "a# b# id# state$ T_a_b& verdict$ T_a_b_runner_up&"},
       {"evidence", "a# b# name$ value~"},

@@ -6,6 +6,7 @@
 #include "server/store/columns.hpp"
 #include "server/store/constraint_blob.hpp"
 #include "server/store/keyframe_row.hpp"
+#include "server/store/pose_rows.hpp"
 #include "server/store/session_writes.hpp"
 
 namespace headframe {
@@ -138,7 +139,7 @@ Result<void> put_decision(Database& db, const DecisionRecord& record) {
   const std::string T = pose_blob(record.T_a_b);
   return db.run(
       "INSERT INTO decisions (id, alignment, decision, T_a_b, seen_points, time_s, undone) VALUES (?,?,?,?,?,?,?)"
-      " ON CONFLICT (id) DO UPDATE SET undone=excluded.undone",
+      " ON CONFLICT (id) DO UPDATE SET undone=excluded.undone, T_a_b=excluded.T_a_b",
       record.id, record.alignment, to_string(record.decision), Blob{T}, record.seen_points, now_s(),
       int{record.undone});
 }
@@ -207,7 +208,8 @@ Result<void> put(Database& db, const PutSurvey& write) {
 
 Result<void> delete_content(Database& db, SessionId session) {
   auto done = put(db, DropSurvey{session});
-  for (const char* table : {"clouds", "let_go", "keyframes", "anchors", "self_likeness", "frozen"})
+  for (const char* table :
+       {"clouds", "let_go", "moved_poses", "pose_updates", "keyframes", "anchors", "self_likeness", "frozen"})
     if (done) done = db.run("DELETE FROM " + std::string(table) + " WHERE session=?", session);
   if (done) done = db.run("DELETE FROM loop_closures WHERE a=? OR b=?", session, session);
   return done;
@@ -268,6 +270,7 @@ Result<void> put(Database& db, const PutMerge& write) {
   if (done && write.archived)
     done = db.run("UPDATE sessions SET archived=? WHERE id=?", int{write.archived->archived}, write.archived->session);
   if (done && write.site) done = db.run("UPDATE sessions SET site=? WHERE id=?", write.site->site, write.site->session);
+  if (done && write.moved) done = put(db, *write.moved);
   if (!done || write.attempted == 0) return done;
   return db.run("UPDATE sessions SET attempted_keyframes=?, attempted_whole=? WHERE id=?", write.attempted_keyframes,
                 int{write.attempted_whole}, write.attempted);
@@ -291,6 +294,11 @@ Result<void> why_nothing_changed(Database& database, const Write& write) {
 std::size_t size_bytes(const Write& write) {
   constexpr std::size_t small = 1024;
   if (const auto* cloud = std::get_if<PutCloud>(&write)) return cloud->encoded.size() + small;
+  if (const auto* update = std::get_if<PutPoses>(&write)) {
+    std::size_t poses = 0;
+    for (const auto& [session, of] : update->sessions) poses += of.poses.size();
+    return poses * sizeof(KeyframePose) + small;
+  }
   if (const auto* keyframe = std::get_if<PutKeyframe>(&write)) {
     const Descriptor& d = keyframe->keyframe.descriptor;
     return (d.q.size() + d.w.size()) * sizeof(float) + small;

@@ -37,6 +37,11 @@ class LruMap {
   }
   Value drop_oldest() { return drop(Key(entries_.back().first)); }
 
+  template <class Visit>
+  void each_key(Visit visit) const {
+    for (const auto& [key, value] : entries_) visit(key);
+  }
+
   std::size_t size() const { return entries_.size(); }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace headframe {
 namespace {
@@ -58,6 +59,15 @@ bool ComponentMap::shortened(Path& path, std::uint64_t keyframes) {
   return true;
 }
 
+void ComponentMap::moved(SessionId session, std::uint64_t moves) {
+  const auto known = paths_.find(session);
+  if (known == paths_.end() || known->second.moves == moves) return;
+  Path& path = known->second;
+  path.moves = moves;
+  path.stale = true;
+  path.keyframes.clear();
+}
+
 /// True: what is drawn does not hold any more.
 bool ComponentMap::settle(const Component& component, const std::map<SessionId, std::uint64_t>& durable) {
   bool changed = false;
@@ -71,9 +81,11 @@ bool ComponentMap::settle(const Component& component, const std::map<SessionId, 
     const auto [known, fresh] = paths_.try_emplace(placement.session);
     const auto there = durable.find(placement.session);
     const bool is_shorter = there != durable.end() && shortened(known->second, there->second);
-    if (!fresh && !known->second.gone && !is_shorter && !moved_away(known->second, placement.T_component_session))
+    const bool is_stale = std::exchange(known->second.stale, false);
+    if (!fresh && !known->second.gone && !is_shorter && !is_stale &&
+        !moved_away(known->second, placement.T_component_session))
       continue;
-    changed = changed || !known->second.keyframes.empty();
+    changed = changed || is_stale || !known->second.keyframes.empty();
     place(known->second, placement.T_component_session);
   }
   return changed;

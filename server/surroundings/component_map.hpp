@@ -35,6 +35,9 @@ class ComponentMap {
   Result<void> refresh(const Component& component, const std::map<SessionId, std::uint64_t>& durable,
                        const ReadKeyframes& read, const std::function<bool()>& stop);
 
+  /// The session's keyframes were moved so often: when that is news they are read anew by the next refresh().
+  void moved(SessionId session, std::uint64_t moves);
+
   struct PathPiece {
     SessionId session = 0;
     std::size_t first = 0;          // points of the path before these
@@ -93,6 +96,8 @@ class ComponentMap {
     std::map<std::uint64_t, std::uint64_t> clouds;  // with their versions
     std::uint64_t placed = 0, left = 0;             // the versions in which it was, or did
     bool gone = false;
+    std::uint64_t moves = 0;  // of its keyframes, as they were read
+    bool stale = false;       // they were moved since
   };
   struct Item {
     enum class Kind { placed, point, gone, tile };

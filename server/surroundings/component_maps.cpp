@@ -24,6 +24,7 @@ Result<ComponentMaps::Known> ComponentMaps::refreshed(const SessionSurroundings&
   const auto read = [&](SessionId session, std::uint64_t first, const std::function<void(Keyframe)>& visit) {
     return store_.each_keyframe(session, first, visit);
   };
+  for (const auto& [session, moves] : around.moves) entry->map.moved(session, moves);
   const bool was_full = entry->map.full();
   const auto done = entry->map.refresh(around.component, around.durable, read, [&] { return stopping_.load(); });
   if (!done)

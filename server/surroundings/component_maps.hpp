@@ -17,7 +17,8 @@ struct SessionSurroundings {
   std::uint64_t revision = 0;
   Component component;
   std::map<SessionId, SessionKey> keys;
-  std::map<SessionId, std::uint64_t> durable;  // keyframes
+  std::map<SessionId, std::uint64_t> durable;     // keyframes
+  std::map<SessionId, std::uint64_t> moves = {};  // how often keyframes were moved, of those whose were
 };
 
 /// Reads the disk: not for an I/O thread. All calls from one thread at a time, but stop(), which is for any.

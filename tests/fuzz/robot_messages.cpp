@@ -21,6 +21,14 @@ void check(const RobotEvent& event, std::uint64_t& received) {
     received = std::max(received, sequence);
     require(keyframe->keyframe.descriptor.q.size() == 3 && keyframe->keyframe.descriptor.w.size() == 2);
   }
+  if (const auto* update = std::get_if<PosesReceived>(&event)) {
+    require(update->number >= 1 && !update->poses.empty() && update->poses.back().sequence <= received);
+    std::uint64_t last = 0;
+    for (const KeyframePose& pose : update->poses) {
+      require(pose.sequence > last && pose.T_local_sensor.matrix().allFinite());
+      last = pose.sequence;
+    }
+  }
   if (const auto* cloud = std::get_if<CloudReceived>(&event))
     require(cloud->sequence >= 1 && cloud->sequence <= received);
 }
@@ -61,6 +69,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (piece.size() % 16 == 5) protocol.stand_by();
     protocol.tick(now, true);
     protocol.keyframes_durable(received);
+    protocol.poses_durable(received);
     (void)protocol.take_output();
   }
   return 0;

@@ -21,6 +21,12 @@ class Source : public UplinkSource {
     k.descriptor.q = {1};
     return k;
   }
+  std::uint64_t last_pose_update() const override { return 2; }
+  std::uint64_t keyframes_at_update(std::uint64_t number) const override { return 2 * number; }
+  Result<std::vector<KeyframePose>> poses(std::uint64_t first, std::uint64_t last) const override {
+    require(first >= 1 && first <= last && last <= last_pose_update());
+    return std::vector<KeyframePose>{{1, Pose::Identity()}, {2, Pose::Identity()}};
+  }
   bool holds_cloud(std::uint64_t sequence) const override { return sequence >= 2 && sequence <= keyframes; }
   std::uint64_t next_held_cloud(std::uint64_t from) const override {
     return from > keyframes ? 0 : std::max<std::uint64_t>(from, 2);

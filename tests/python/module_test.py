@@ -142,6 +142,23 @@ class Module(unittest.TestCase):
                 self.assertRaises(ValueError, robot.live, bad)
             self.assertRaises(ValueError, robot.live, None, "", np.full((4, 4), np.nan))
 
+    def test_where_keyframes_lie_now_is_told_when_slam_moves_the_past(self):
+        station = BaseStation(self.server.http)
+        with self.robot("slam") as robot:
+            points = np.random.default_rng(3).uniform(2, 9, (500, 3))
+            for i in range(3):
+                self.assertTrue(robot.add_scan(1 + i, pose(0, 15 * i, 0, 0), points))
+            self.assertEqual(robot.last_keyframe, 3)
+            robot.update_poses({2: pose(0.1, 14, 1, 0), 3: pose(0.2, 28, 3, 0)})
+            for bad in ({}, {4: np.eye(4)}, {0: np.eye(4)}, {1: 2 * np.eye(4)}):
+                self.assertRaises(ValueError, robot.update_poses, bad)
+            robot.finish(60)
+            self.assertEqual((robot.progress.pose_updates, robot.progress.pose_updates_acknowledged), (1, 1))
+            self.assertFalse(robot.progress.pose_updates_unsupported)
+        next(e for e in station.events() if station.session("slam")["moves"] > 0)  # the merge has taken it in
+        rows = station.session("slam")
+        self.assertAlmostEqual(rows["distance_m"], math.hypot(14, 1) + math.hypot(14, 2), 3)
+
     def test_what_can_not_be_opened_says_why(self):
         self.assertRaisesRegex(ValueError, "robot", self.robot, "a/b")
         self.assertRaisesRegex(ValueError, "clouds", self.robot, "d", clouds="some")

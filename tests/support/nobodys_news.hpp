@@ -9,6 +9,7 @@ class NobodysNews : public MergeNews {
  public:
   void session_added(SessionId, const NewSession&) override {}
   void keyframes_durable(SessionId, std::uint64_t) override {}
+  void poses_durable(SessionId) override {}
   void cloud_durable(const KeyframeRef&) override {}
   void clouds_unavailable(SessionId, const std::vector<std::uint64_t>&) override {}
   void robot_came(SessionId, bool) override {}

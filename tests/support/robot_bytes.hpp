@@ -6,6 +6,7 @@
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
 #include "common/wire/frame_codec.hpp"
+#include "common/wire/pose_message.hpp"
 #include "tests/support/keyframes.hpp"
 
 namespace headframe {
@@ -34,6 +35,14 @@ inline std::string hello_frame(const Hello& hello = robot_hello()) {
 inline std::string keyframe_frame(const Keyframe& keyframe) {
   v1::RobotMessage message;
   *message.mutable_keyframe() = to_proto(keyframe).value();
+  return frame(message);
+}
+
+/// A part of an update.
+inline std::string poses_frame(std::uint64_t number, std::size_t total, std::size_t offset,
+                               const std::vector<KeyframePose>& poses) {
+  v1::RobotMessage message;
+  *message.mutable_pose_update() = to_proto(number, total, offset, poses);
   return frame(message);
 }
 

@@ -43,6 +43,8 @@ struct Script {
   Atlas atlas;
   std::vector<Alignment> alignments;
   std::vector<SessionId> anchors;
+  std::vector<std::pair<SessionId, std::vector<Keyframe>>> moved;
+  bool moves_anything = true;
   std::uint64_t cut_from = UINT64_MAX;  // a session with this keyframe is cut there
 
   std::size_t attempted() {
@@ -65,6 +67,13 @@ class ScriptedPipeline : public Pipeline {
     return !known.empty() && known.back() >= script_.cut_from
                ? SessionCut{script_.cut_from, false, "its odometry jumps"}
                : SessionCut();
+  }
+  AttemptReport move_session(SessionId id, const std::vector<Keyframe>& keyframes) override {
+    const std::lock_guard lock(script_.mutex);
+    script_.moved.emplace_back(id, keyframes);
+    AttemptReport report;
+    report.atlas_changed = script_.moves_anything;
+    return report;
   }
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource&) override {
     const std::lock_guard lock(script_.mutex);
@@ -130,6 +139,11 @@ struct FakeRobots : Robots {
   void tell_localization(SessionId session, const SessionLocalization& localization) override {
     const std::lock_guard lock(mutex);
     localizations.emplace_back(session, localization);
+  }
+  std::vector<SessionId> moved;
+  void tell_moved(SessionId session) override {
+    const std::lock_guard lock(mutex);
+    moved.push_back(session);
   }
   std::map<SessionId, SessionCut> cuts;
   void tell_cut(SessionId session, const SessionCut& cut) override {

@@ -18,11 +18,12 @@ using Numbers = std::vector<std::uint64_t>;
 
 class RobotEnd : public RobotLink {
  public:
-  Numbers keyframes, clouds, refused, asked;
+  Numbers keyframes, clouds, refused, asked, updates_of_poses;
   std::vector<v1::TransformUpdate> updates;
   bool stored = true, closed = false;
   void settled(std::size_t, const Result<void>& result) override { stored &= result.has_value(); }
   void keyframes_durable(std::uint64_t sequence) override { keyframes.push_back(sequence); }
+  void poses_durable(std::uint64_t update) override { updates_of_poses.push_back(update); }
   void cloud_durable(std::uint64_t sequence) override { clouds.push_back(sequence); }
   void cloud_refused(std::uint64_t sequence, const std::string&) override { refused.push_back(sequence); }
   void request_submap(const Numbers& sequences) override { asked = sequences; }
@@ -59,6 +60,7 @@ class HeardNews : public NobodysNews {
   void clouds_unavailable(SessionId session, const Numbers& sequences) override {
     for (const std::uint64_t sequence : sequences) say("no cloud", session, sequence);
   }
+  void poses_durable(SessionId session) override { say("poses", session); }
   void robot_came(SessionId session, bool) override { say("came", session); }
   void robot_left(SessionId session) override { say("left", session); }
   void asks_where(SessionId session, bool asks) override { say(asks ? "asks" : "asks no more", session); }
@@ -87,6 +89,7 @@ class InterruptedStore : public Store {
                              const std::function<void(Keyframe)>& visit) override {
     return inner_->each_keyframe(session, first, visit);
   }
+  Result<NewPoses> new_poses(SessionId session) override { return inner_->new_poses(session); }
   Result<std::uint64_t> last_keyframe(SessionId session) override { return inner_->last_keyframe(session); }
   Result<Numbers> cloud_sequences(SessionId session) override { return inner_->cloud_sequences(session); }
   Result<std::vector<CloudSize>> cloud_sizes(SessionId session) override { return inner_->cloud_sizes(session); }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <set>
 
 #include "client/uplink/uplink_protocol.hpp"
 #include "common/wire/limits.hpp"
@@ -16,6 +17,22 @@ class Table : public UplinkSource {
   std::map<std::uint64_t, std::string> clouds;
   std::optional<LiveState> state;
   std::optional<LiveState> live() const override { return state; }
+  std::vector<std::pair<std::uint64_t, std::vector<std::uint64_t>>> updates;  // of poses: when, and of which keyframes
+  bool damaged_poses = false;
+  void move(std::uint64_t keyframes_then, const std::vector<std::uint64_t>& sequences) {
+    updates.emplace_back(keyframes_then, sequences);
+  }
+  std::uint64_t last_pose_update() const override { return updates.size(); }
+  std::uint64_t keyframes_at_update(std::uint64_t number) const override { return updates.at(number - 1).first; }
+  Result<std::vector<KeyframePose>> poses(std::uint64_t first, std::uint64_t last) const override {
+    if (damaged_poses) return failure(ErrorCode::bad_input, "damaged");
+    std::set<std::uint64_t> all;
+    for (auto i = first; i <= last; ++i) all.insert(updates.at(i - 1).second.begin(), updates.at(i - 1).second.end());
+    std::vector<KeyframePose> out;
+    out.reserve(all.size());
+    for (const std::uint64_t sequence : all) out.push_back({sequence, Pose::Identity()});
+    return out;
+  }
   std::uint64_t last_sequence() const override { return keyframes; }
   Result<Keyframe> keyframe(std::uint64_t sequence) const override {
     Keyframe k;
@@ -44,7 +61,7 @@ class UplinkProtocolTest : public testing::Test {
   void start(CloudPolicy clouds = CloudPolicy::all) { link_.emplace(limits_, rover(clouds), table_, now_); }
 
   /// Everything it wants to send now, in words, those that go as one in one: "k3" keyframe, "c2:0" chunk of cloud 2 at
-  /// KiB 0, "none2" unavailable.
+  /// KiB 0, "none2" unavailable, "u1:0/5" the part of update 1 of five poses that begins with the first.
   std::vector<std::string> sent(std::size_t most = 1000) {
     std::vector<std::string> words;
     while (words.size() < most) {
@@ -76,6 +93,9 @@ class UplinkProtocolTest : public testing::Test {
     if (m.has_trigger()) return "trigger";
     if (m.has_localize()) return m.localize().stop() ? "where no more" : "where?";
     if (m.has_coverage_request()) return "coverage?";
+    if (m.has_pose_update())
+      return "u" + std::to_string(m.pose_update().number()) + ":" + std::to_string(m.pose_update().offset()) + "/" +
+             std::to_string(m.pose_update().total_poses());
     if (m.has_live()) return "live";
     if (m.has_goodbye()) return m.goodbye().complete() ? "goodbye complete" : "goodbye";
     return m.has_ping() ? "ping" : "pong";

@@ -45,5 +45,33 @@ TEST(WhereTheyMeet, FindsACrossingOfLongDrivesThatAreLookedAtThinly) {
   EXPECT_EQ(where_they_meet(a, Session{}, Pose::Identity()), Eigen::Vector3d::Zero());
 }
 
+TEST(WhereThePastWasMoved, ARigidMoveIsTakenBackExactly) {
+  const Session was = along({0, 0, 0}, {200, 0, 0}, 101), other = along({150, 2, 0}, {300, 2, 0}, 76);
+  const Pose T_now_was = pose_from_yaw(0.7, {30, -20, 5});
+  std::vector<Keyframe> now = was.keyframes;
+  for (Keyframe& k : now) k.T_local_sensor = T_now_was * k.T_local_sensor;
+  EXPECT_TRUE(T_was_now_where_they_meet(was, now, other, Pose::Identity()).isApprox(T_now_was.inverse(), 1e-9));
+  EXPECT_TRUE(T_was_now_where_they_meet(was, was.keyframes, Session{}, Pose::Identity()).isApprox(Pose::Identity()));
+  EXPECT_TRUE(T_was_now_where_they_meet(was, {}, other, Pose::Identity()).isApprox(Pose::Identity()));
+}
+
+TEST(WhereThePastWasMoved, OfOneThatWasBentOnlyWhereTheyMeetCounts) {
+  const Session was = along({0, 0, 0}, {200, 0, 0}, 101), other = along({150, 2, 0}, {300, 2, 0}, 76);
+  std::vector<Keyframe> now = was.keyframes;
+  for (std::size_t i = 1; i < now.size(); ++i) {  // each step turns a little
+    const Pose step = was.keyframes[i - 1].T_local_sensor.inverse() * was.keyframes[i].T_local_sensor;
+    now[i].T_local_sensor = now[i - 1].T_local_sensor * pose_from_yaw(0.001, {0, 0, 0}) * step;
+  }
+  const Pose T_was_now = T_was_now_where_they_meet(was, now, other, Pose::Identity());
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();
+  for (std::size_t i = 71; i < now.size(); ++i) {  // from 142 m on, some 10 m before the other's end
+    const Eigen::Vector3d p = T_was_now * position(now[i]) - position(was.keyframes[i]);
+    EXPECT_LT(p.norm(), 0.5) << i;
+    off += p;
+  }
+  EXPECT_LT(off.norm() / 30, 0.05) << "in the middle of it nothing moves";
+  EXPECT_GT((T_was_now * position(now[0])).norm(), 5) << "far from there it does";
+}
+
 }  // namespace
 }  // namespace headframe

@@ -156,6 +156,40 @@ TEST_F(MadeComponent, ASessionThatWasSplitEndsWhereItsOdometryJumped) {
   EXPECT_EQ(coverage.tiles, fresh_coverage.tiles);
 }
 
+TEST_F(MadeComponent, ASessionWhosePastWasMovedIsToldAnewWhereItLies) {
+  for (const SessionId session : {1, 2}) {
+    drive(session, 100);
+    place(session, {0, 0, 0});
+  }
+  refresh();
+  Reader paths, coverage;
+  take_paths(paths, 1);
+  take_coverage(coverage);
+  const auto before = paths.paths.at(2);
+  for (Keyframe& k : driven_[2]) k.T_local_sensor.translation().y() += 30;
+  map_.moved(2, 0);
+  refresh();
+  take_paths(paths, 1);
+  EXPECT_EQ(paths.paths.at(2), before) << "nobody said that it moved";
+  map_.moved(2, 1);
+  map_.moved(7, 1);  // of another component
+  refresh();
+  take_paths(paths, 1);
+  take_coverage(coverage);
+  ASSERT_EQ(paths.paths.at(2).size(), before.size());
+  EXPECT_EQ(paths.paths.at(2)[5][1], before[5][1] + 300) << "in tenths of a metre";
+  EXPECT_EQ(position(driven_[2][9]).y(), map_.keyframes(2)->at(9).T_local_sensor.translation().y());
+  Reader fresh_coverage;
+  take_coverage(fresh_coverage);
+  std::erase_if(coverage.tiles, [](const auto& tile) { return tile.second.empty(); });
+  std::erase_if(fresh_coverage.tiles, [](const auto& tile) { return tile.second.empty(); });
+  EXPECT_EQ(coverage.tiles, fresh_coverage.tiles);
+  const std::size_t read = read_;
+  map_.moved(2, 1);
+  refresh();
+  EXPECT_EQ(read_, read) << "once";
+}
+
 TEST_F(MadeComponent, WhoMovedLittleIsNotToldAndWhoMovedMoreIsToldAnew) {
   for (const SessionId session : {1, 2}) {
     drive(session, 50);

@@ -44,6 +44,8 @@ class PostgresMigration : public testing::Test {
     merge.frozen = {{2, 1, pose_from_yaw(0.1, {4, 5, 6}), {{1, Pose::Identity()}}}};
     merge.archived = PutArchived{3, true};
     merge.site = PutSite{1, "north"};
+    merge.moved = MovedPoses{1, 1, {{3, pose_from_yaw(0.1, {3, 4, 5})}}};
+    ASSERT_TRUE(write_and_wait(store, PutPoses{1, 2, {{1, {30, {{7, pose_from_yaw(0.2, {7, 8, 9})}}}}}}));
     ASSERT_TRUE(write_and_wait(store, merge));
     ASSERT_TRUE(write_and_wait(store, PutSessionNote{1, "two lines\nof \"text\""}));
     ASSERT_TRUE(write_and_wait(store, PutLabel{1, "north drift"}));

@@ -61,6 +61,7 @@ struct Robot {
                                   keyframe_frame(line_keyframe(2)),
                                   chunk_frame(1, cloud.size(), 0, cloud),
                                   chunk_frame(2, cloud.size(), 0, cloud.substr(0, 100)),
+                                  poses_frame(1, 2, 0, {{1, Pose::Identity()}, {2, Pose::Identity()}}),
                                   goodbye_frame(true),
                                   hello};
 };
@@ -73,6 +74,10 @@ void expect_sound(const std::vector<RobotEvent>& events, std::uint64_t& keyframe
       EXPECT_TRUE(sequence >= 1 && sequence <= keyframes + 1) << "the next one, or a repeat";
       keyframes = std::max(keyframes, sequence);
       EXPECT_TRUE(keyframe->keyframe.T_local_sensor.matrix().allFinite());
+    }
+    if (const auto* update = std::get_if<PosesReceived>(&event)) {
+      EXPECT_TRUE(update->poses.front().sequence >= 1 && update->poses.back().sequence <= keyframes);
+      for (const KeyframePose& pose : update->poses) EXPECT_TRUE(pose.T_local_sensor.matrix().allFinite());
     }
     if (const auto* cloud = std::get_if<CloudReceived>(&event)) {
       EXPECT_TRUE(cloud->sequence >= 1 && cloud->sequence <= keyframes);

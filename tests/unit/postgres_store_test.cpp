@@ -242,6 +242,20 @@ TEST_F(PostgresStore, AFolderThatHoldsADatabaseOfItsOwnIsRefused) {
   EXPECT_NE(refused.error().message.find("headframe.db"), std::string::npos) << refused.error().message;
 }
 
+TEST_F(PostgresStore, ADatabaseOfBeforeKeyframesMovedIsBroughtUp) {
+  ASSERT_TRUE(write_and_wait(*open(*home), PutSession{session_record(1, "ant")}));
+  ASSERT_TRUE(
+      home->database()->execute("DROP TABLE moved_poses; DROP TABLE pose_updates;"
+                                "ALTER TABLE sessions DROP COLUMN pose_update;"
+                                "UPDATE schema_version SET version = version - 1"));
+  const auto store = open(*home);
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);
+  ASSERT_TRUE(write_and_wait(*store, PutKeyframe{1, line_keyframe(1)}));
+  ASSERT_TRUE(write_and_wait(*store, PutPoses{1, 1, {{1, {1, {{1, Pose::Identity()}}}}}}));
+  EXPECT_EQ(store->new_poses(1)->poses.size(), 1U);
+}
+
 TEST_F(PostgresStore, ANewerSchemaIsRefused) {
   open(*home).reset();
   ASSERT_TRUE(home->database()->execute("UPDATE schema_version SET version = version + 1"));

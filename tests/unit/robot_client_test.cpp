@@ -14,6 +14,7 @@
 #include "common/cloud/cloud_codec.hpp"
 #include "common/wire/convert.hpp"
 #include "common/wire/frame_codec.hpp"
+#include "common/wire/pose_message.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace headframe {
@@ -47,6 +48,9 @@ class ScriptedStation {
   // Read after the robot is closed.
   std::vector<Keyframe> keyframes;
   std::map<std::uint64_t, KeyframeCloud> clouds;
+  std::map<std::uint64_t, Pose> moved;        // keyframes, by updates of poses
+  std::vector<std::uint64_t> keyframes_then;  // when each update came
+  std::uint64_t pose_update = 0;
   int connections = 0, chunks = 0, triggers = 0;
   std::vector<std::string> sessions;
   bool complete = false;
@@ -85,6 +89,7 @@ class ScriptedStation {
       } else {
         reply.mutable_welcome()->set_protocol_version(protocol_version);
         reply.mutable_welcome()->set_durable_keyframes(keyframes.size());
+        reply.mutable_welcome()->set_durable_pose_update(pose_update);
         for (const auto& name : capabilities) reply.mutable_welcome()->add_capabilities(name);
         for (const auto& [sequence, cloud] : clouds) {
           auto& range = *reply.mutable_welcome()->add_durable_clouds();
@@ -95,6 +100,12 @@ class ScriptedStation {
     } else if (m.has_keyframe()) {
       keyframes.push_back(*from_proto(m.keyframe()));
       reply.mutable_keyframe_ack()->set_durable_keyframes(keyframes.size());
+    } else if (m.has_pose_update()) {
+      const auto part = from_proto(m.pose_update()).value();
+      for (const KeyframePose& pose : part.poses) moved[pose.sequence] = pose.T_local_sensor;
+      if (part.offset + part.poses.size() < part.total_poses) return true;
+      keyframes_then.push_back(keyframes.size());
+      reply.mutable_pose_update_ack()->set_durable_pose_update(pose_update = part.number);
     } else if (m.has_cloud_chunk()) {
       const auto& c = m.cloud_chunk();
       if (++chunks == drop_after_chunks) return false;
@@ -289,6 +300,73 @@ TEST_F(RobotClientTest, IntensitiesArriveWhereTheyAreWantedAndCanBeRead) {
         for (const int value : sweep.intensity) EXPECT_NEAR(value, 64, 4);
       }
   }
+}
+
+/// All keyframes that there are, turned and moved.
+std::vector<KeyframePose> moved_poses(std::uint64_t keyframes) {
+  std::vector<KeyframePose> poses;
+  for (std::uint64_t s = 1; s <= keyframes; ++s)
+    poses.push_back({s, pose_from_yaw(0.5, {50, 10.0 * static_cast<double>(s), 0})});
+  return poses;
+}
+
+TEST_F(RobotClientTest, NewPosesArriveBehindTheirKeyframesAlsoAfterARestart) {
+  ScriptedStation station;
+  station.capabilities = {"poses"};
+  {
+    const auto robot = RobotClient::open(config(1));  // nobody is there yet
+    ASSERT_TRUE(robot) << robot.error().message;
+    ASSERT_EQ(drive(**robot), 4U);
+    EXPECT_EQ((*robot)->last_keyframe(), 4U);
+    ASSERT_TRUE((*robot)->update_poses(moved_poses(4)));
+    const auto nobody = (*robot)->update_poses(moved_poses(5));
+    ASSERT_FALSE(nobody);
+    EXPECT_EQ(nobody.error().code, ErrorCode::invalid_argument);
+    // 40 m up the y axis: known ground, as the keyframes lie now; along x from (50, 0) on it is not.
+    EXPECT_FALSE((*robot)->add_scan(100, pose_from_yaw(0.5, {50.5, 40, 0}), drift_scan()).value());
+    EXPECT_TRUE((*robot)->add_scan(101, pose_from_yaw(0.5, {50, 60, 0}), drift_scan()).value());
+    EXPECT_EQ((*robot)->progress().pose_updates, 1U);
+  }
+  station.start();
+  const auto robot = RobotClient::open(config(station.port()));
+  ASSERT_TRUE(robot) << robot.error().message;
+  EXPECT_FALSE((*robot)->add_scan(102, pose_from_yaw(0.5, {50.5, 30, 0}), drift_scan()).value());
+  const auto done = (*robot)->finish(20s);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ((*robot)->progress().pose_updates_acknowledged, 1U);
+  EXPECT_FALSE((*robot)->progress().pose_updates_unsupported);
+  (*robot)->close();
+  ASSERT_EQ(station.keyframes.size(), 5U);
+  EXPECT_EQ(station.keyframes_then, std::vector<std::uint64_t>{4}) << "behind its keyframes, ahead of what came later";
+  ASSERT_EQ(station.moved.size(), 4U);
+  EXPECT_TRUE(station.moved[3].isApprox(moved_poses(4)[2].T_local_sensor));
+  EXPECT_FALSE((*robot)->update_poses(moved_poses(4))) << "the session is finished";
+}
+
+TEST_F(RobotClientTest, AServerOfBeforePoseUpdatesGetsAllElseAndANewerOneThoseThatWaited) {
+  {
+    ScriptedStation station;
+    station.capabilities = {"live"};
+    station.start();
+    const auto robot = RobotClient::open(config(station.port()));
+    ASSERT_TRUE(robot) << robot.error().message;
+    ASSERT_EQ(drive(**robot), 4U);
+    ASSERT_TRUE((*robot)->update_poses(moved_poses(4)));
+    ASSERT_TRUE((*robot)->finish(20s));
+    EXPECT_TRUE((*robot)->progress().pose_updates_unsupported);
+    EXPECT_EQ((*robot)->progress().pose_updates_acknowledged, 0U);
+    (*robot)->close();
+    EXPECT_TRUE(station.moved.empty());
+    EXPECT_EQ(station.keyframes.size(), 4U);
+  }
+  ScriptedStation newer;
+  newer.capabilities = {"live", "poses"};
+  newer.start();
+  const auto robot = RobotClient::open(config(newer.port()));
+  ASSERT_TRUE(robot) << robot.error().message;
+  ASSERT_TRUE((*robot)->finish(20s));
+  (*robot)->close();
+  EXPECT_EQ(newer.moved.size(), 4U);
 }
 
 TEST_F(RobotClientTest, OneIntensityTooManyOrTooFewIsAnError) {

@@ -19,6 +19,7 @@ class HeardLink : public RobotLink {
     if (!result) heard.push_back("not stored");
   }
   void keyframes_durable(std::uint64_t) override {}
+  void poses_durable(std::uint64_t) override {}
   void cloud_durable(std::uint64_t) override {}
   void cloud_refused(std::uint64_t, const std::string&) override {}
   void request_submap(const std::vector<std::uint64_t>&) override { heard.push_back("request"); }

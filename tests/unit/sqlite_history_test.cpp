@@ -19,6 +19,7 @@ constexpr const char* to_schema_3 =
     "DROP TABLE changes;"
     "ALTER TABLE sessions DROP COLUMN note; ALTER TABLE sessions DROP COLUMN archived; DROP TABLE frozen; DROP TABLE "
     "let_go; ALTER TABLE sessions DROP COLUMN site; DROP TABLE robot_sites;"
+    "DROP TABLE moved_poses; DROP TABLE pose_updates; ALTER TABLE sessions DROP COLUMN pose_update;"
     "PRAGMA user_version=3;";
 
 TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
@@ -56,6 +57,8 @@ TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   EXPECT_FALSE(store->sessions()->at(0).archived);
   EXPECT_TRUE(store->sessions()->at(0).site.empty());
   EXPECT_TRUE(store->robot_sites()->empty());
+  EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);
+  EXPECT_EQ(store->new_poses(1)->number, 0U);
   ASSERT_TRUE(write_and_wait(*store, PutLabel{1, "north"})) << "and it is written to";
   ASSERT_TRUE(write_and_wait(*store, PutSurvey{{1, Pose::Identity(), {}}}));
 }

@@ -1,5 +1,5 @@
 from types import TracebackType
-from typing import Callable, Dict, List, Optional, Tuple, Type
+from typing import Callable, Dict, List, Mapping, Optional, Tuple, Type
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,9 @@ class Sensor:
 class Progress:
     keyframes: int
     keyframes_acknowledged: int
+    pose_updates: int
+    pose_updates_acknowledged: int
+    pose_updates_unsupported: bool  # the server is older: they wait in the spool
     clouds_waiting: int
     clouds_acknowledged: int
     clouds_dropped: int
@@ -128,6 +131,9 @@ class Robot:
                  intensity: Optional[ArrayLike] = None) -> bool:
         """One scan (n, 3) in the sensor's frame, at its pose. True: it became a keyframe and is on the disk.
         intensity (n): how strong the returns were, as the sensor says it, on a scale to 1, to 255 or to 65535."""
+    def update_poses(self, T_local_sensor: Mapping[int, ArrayLike]) -> None:
+        """SLAM moved the past: where these keyframes, which add_scan made before, lie now, by their numbers from 1 on
+        (last_keyframe says how many there are). From the thread that calls add_scan."""
     def on_transforms(self, callback: Optional[Callable[[Transforms], None]]) -> None: ...
     def localize(self, callback: Optional[Callable[[Localization], None]]) -> None:
         """Asks where the robot is in the map of others, from now on. None: no more."""
@@ -145,6 +151,8 @@ class Robot:
     def close(self) -> None: ...
     @property
     def transforms(self) -> Optional[Transforms]: ...
+    @property
+    def last_keyframe(self) -> int: ...
     @property
     def session(self) -> SessionKey: ...
     @property

@@ -94,6 +94,14 @@ void say_live(RobotClient& robot, std::optional<double> battery, const std::stri
   value_of(robot.live(state));
 }
 
+void update_poses(RobotClient& robot, const std::map<std::uint64_t, Matrix4>& T_local_sensor) {
+  std::vector<KeyframePose> poses;
+  poses.reserve(T_local_sensor.size());
+  for (const auto& [sequence, T] : T_local_sensor) poses.push_back({sequence, pose_of(T)});
+  const py::gil_scoped_release others_run;
+  value_of(robot.update_poses(poses));
+}
+
 void finish(RobotClient& robot, double patience_s) {
   const py::gil_scoped_release others_run;
   value_of(robot.finish(milliseconds(patience_s)));
@@ -122,6 +130,9 @@ void describe_values(py::module_& m) {
   py::class_<Progress>(m, "Progress")
       .def_readonly("keyframes", &Progress::keyframes)
       .def_readonly("keyframes_acknowledged", &Progress::keyframes_acknowledged)
+      .def_readonly("pose_updates", &Progress::pose_updates)
+      .def_readonly("pose_updates_acknowledged", &Progress::pose_updates_acknowledged)
+      .def_readonly("pose_updates_unsupported", &Progress::pose_updates_unsupported)
       .def_readonly("clouds_waiting", &Progress::clouds_waiting)
       .def_readonly("clouds_acknowledged", &Progress::clouds_acknowledged)
       .def_readonly("clouds_dropped", &Progress::clouds_dropped)
@@ -247,6 +258,7 @@ PYBIND11_MODULE(_robot, m) {
            py::arg("intensity") = true)
       .def("add_scan", &add_scan, py::arg("stamp_s"), py::arg("T_local_sensor"), py::arg("points"),
            py::arg("intensity") = std::nullopt)
+      .def("update_poses", &update_poses, py::arg("T_local_sensor"))
       .def("on_transforms", subscription(&RobotClient::on_transform), py::arg("callback"))
       .def("localize", subscription(&RobotClient::localize), py::arg("callback"))
       .def("trajectories", subscription(&RobotClient::trajectories), py::arg("callback"))
@@ -259,6 +271,7 @@ PYBIND11_MODULE(_robot, m) {
       .def("finish", &finish, py::arg("patience_s") = 30.0)
       .def("close", &RobotClient::close, others_run)
       .def_property_readonly("transforms", property(&RobotClient::transforms))
+      .def_property_readonly("last_keyframe", property(&RobotClient::last_keyframe))
       .def_property_readonly("session", property(&RobotClient::session))
       .def_property_readonly("warnings", property(&RobotClient::warnings))
       .def_property_readonly("progress", property(&RobotClient::progress));

@@ -43,6 +43,7 @@ export class Station {
   completed = 0;
   /** Whose path has become shorter: what was drawn of it has to go. */
   readonly shortened = new Set<number>();
+  private readonly moves = new Map<number, number>();
   revision = 0;
   pending: Pending = { attempts: 0, keyframes: 0, awaited_submaps: 0 };
   status: Status | null = null;
@@ -347,11 +348,14 @@ export class Station {
     this.thin.delete(id);
   }
 
-  /** A session that was split ends where its odometry jumped; what followed is another's. */
-  private shorten({ id, keyframes }: Session): void {
+  /** A session that was split ends where its odometry jumped; what followed is another's. One whose past was moved is read anew. */
+  private shorten({ id, keyframes, moves = 0 }: Session): void {
     const path = this.paths.get(id);
-    if (!path || path.length <= keyframes) return;
-    this.paths.set(id, path.slice(0, keyframes));
+    const moved = (this.moves.get(id) ?? moves) !== moves;
+    this.moves.set(id, moves);
+    if (!path || (path.length <= keyframes && !moved)) return;
+    this.paths.set(id, moved ? [] : path.slice(0, keyframes));
+    if (moved) this.thin.delete(id);
     this.shortened.add(id);
   }
 

@@ -31,6 +31,8 @@ export interface Session extends SessionName {
   /** The mine it was driven in; null: the server has one alone. */
   site?: string | null;
   keyframes: number;
+  /** How often its past was moved: another number, and its keyframes and points lie elsewhere. */
+  moves?: number;
   clouds: number;
   bytes_received: number;
   backlog: number;

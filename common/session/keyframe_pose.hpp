@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/geometry/se3.hpp"
+
+namespace headframe {
+
+/// Where a keyframe of a session lies.
+struct KeyframePose {
+  std::uint64_t sequence = 0;
+  Pose T_local_sensor = Pose::Identity();
+};
+
+}  // namespace headframe
