@@ -89,7 +89,9 @@ double asked_overlap_m(const Evidence& e) {
   // all else there shared 57 m.
   constexpr double few = 0.3, metres_each = 200, most_m = 70, told_m = 100;
   const double of_all_m = std::clamp(metres_each * (e.repetition - few), 0.0, most_m);
-  return std::clamp(asked_each_m * counted_aliases(e), of_all_m, told_m);
+  const double aliases = counted_aliases(e);
+  const double of_pair_m = asked_first_m * std::min(aliases, 1.0) + asked_further_m * std::max(0.0, aliases - 1);
+  return std::clamp(of_pair_m, of_all_m, told_m);
 }
 
 double runner_up_share(const Evidence& e) {
