@@ -85,8 +85,8 @@ class RobotClient {
   /// SLAM moved the past (it closed a loop): these keyframes, which were added before, lie elsewhere in the session's
   /// local frame now. Those that are not named stay. On the disk when it returns, all of them or none; sent after the
   /// keyframes that there are by now and before those that come. What is added from here on has to be in the frame as
-  /// it is now. It reads the session's keyframes from the disk (some 10 ms for each thousand), and the sweeps since the
-  /// last keyframe are dropped. A server that is older than this is told nothing of it
+  /// it is now. It reads all keyframes of the session from the disk, and the sweeps since the last keyframe are
+  /// dropped. A server that is older than this is told nothing of it
   /// (Progress::pose_updates_unsupported): it waits in the spool for a newer one. invalid_argument: no such keyframe,
   /// one that is named twice, a pose that is not finite or beyond 1e8 m, none or more than 100 000, or the session is
   /// finished; unavailable: the disk's.
