@@ -80,7 +80,7 @@ double counted_aliases(const Evidence& e) {
 }
 
 double descriptors_told(const Evidence& e) {
-  return std::clamp((e.descriptors_alike - 0.85) / 0.1, 0.0, 1.0) *
+  return std::clamp((e.descriptors_alike - 0.88) / 0.09, 0.0, 1.0) *
          std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0);
 }
 
