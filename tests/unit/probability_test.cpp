@@ -181,7 +181,7 @@ TEST(Probability, AShortOverlapAmongManyLookAlikesIsNotBelieved) {
     e.overlap_m = overlap_m;
     e.look_alikes = look_alikes;
     e.descriptors_compared = 5;
-    e.descriptors_alike = 0.97;
+    e.descriptors_alike = 0.96;
     return probability(RegistrationStatus::converged, e);
   };
   EXPECT_GT(p(28, 8), 0.9) << "as in tunnel-four";
