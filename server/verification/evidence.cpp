@@ -79,9 +79,8 @@ double counted_aliases(const Evidence& e) {
   return e.aliases * (1 + unlike * std::min(1.0, e.descriptors_compared / 6));
 }
 
-double descriptors_told(const Evidence& e) {
-  return std::clamp((e.descriptors_alike - 0.88) / 0.09, 0.0, 1.0) *
-         std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0);
+double descriptors_differ(const Evidence& e) {
+  return std::clamp((0.97 - e.descriptors_alike) / 0.09, 0.0, 1.0) * std::min(1.0, e.descriptors_compared / 4);
 }
 
 double asked_overlap_m(const Evidence& e) {

@@ -23,12 +23,12 @@ double missing_overlap(const Evidence& e) {
 
 /// Each metre less costs 0.1, and no more than 1.5 in all, or right placements of 28 m among copies would wait; among
 /// many look-alikes (in full from 4.3 on, not at all up to 2.7) 0.3 more for each metre below 50 (70 from eighteen
-/// look-alikes on), or below 28 where descriptors are all but the same: of drives through a mine of equal tunnels, many
-/// with many others, four right placements of 25 to 47 m there reached 0.9, and six copies.
+/// look-alikes on), or below 28 where no descriptors were compared, or they are all but the same: of drives through a
+/// mine of equal tunnels, many with many others, four right placements of 25 to 47 m there reached 0.9, and six copies.
 double short_among_look_alikes(const Evidence& e) {
   const double many = std::clamp((e.look_alikes - 2.7) / 1.6, 0.0, 1.0);
-  const double asked_m = 50 + 2 * std::clamp(e.look_alikes - 8, 0.0, 10.0);
-  const double told_m = asked_m + descriptors_told(e) * (28 - asked_m);
+  const double more_m = 22 + 2 * std::clamp(e.look_alikes - 8, 0.0, 10.0);
+  const double told_m = 28 + descriptors_differ(e) * more_m;
   const double most = 1.5 + 0.3 * many * std::max(0.0, told_m - e.overlap_m);
   return std::max(-most, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
 }
