@@ -68,7 +68,7 @@ TEST_F(CarriedRobot, MergesInBothMinesAndJoinsThemNot) {
   drive("two", test::drive(other_mine(), {{78, 0}, {55, 0}, {55, 28}}, 0.7, 5));
   const Drive before = drive_a_to_c(3), after = test::drive(other_mine(), {{2, 0}, {78, 0}}, 0, 4);
   const int first = static_cast<int>(before.keyframes.size()), all = first + static_cast<int>(after.keyframes.size());
-  const std::string said = drive("ant", carried(before, after, {400, 0, 0}), {"--linger", "8"});
+  const std::string said = drive("ant", carried(before, after, {400, 0, 0}), {"--linger", "20"});
   (void)components();  // the worker may be busy with what came before
   const auto counts = keyframes();
   std::string whole, part;
