@@ -3,9 +3,8 @@
 //
 // A directory is one session:
 //   lock                 held by the one process that uses the directory
-//   session.log          records (record_log.hpp): the identity, then runs, keyframes, updates of poses and
-//   acknowledgements
-//                        as they came
+//   session.log          records (record_log.hpp): the identity, then runs, keyframes, updates of their poses and
+//                        acknowledgements as they came
 //   clouds/0000000001    one record each; removed when acknowledged, or when the quota needs the room
 // A cloud and then its keyframe are on the disk (fdatasync) when append() returns. Acknowledgements are not synced: one
 // that is lost to a power cut is asked for again. Poses and descriptors are never dropped. A run is a random number for

@@ -162,18 +162,18 @@ void UplinkProtocol::on_welcome(const v1::Welcome& message, Events& events) {
                "the server speaks protocol " + std::to_string(message.protocol_version()) + ", this robot " +
                    std::to_string(protocol_version) + ": update the older of the two",
                true);
+  const auto is_old_copy = [&](const std::string& held, std::uint64_t in_spool) {
+    end(events, ErrorCode::refused,
+        "the server holds " + held + ", the spool only " + std::to_string(in_spool) +
+            ": it is an old copy; begin a new session",
+        true);
+  };
   if (message.durable_keyframes() > source_.last_sequence())
-    return end(events, ErrorCode::refused,
-               "the server holds " + std::to_string(message.durable_keyframes()) +
-                   " keyframes of this session, the spool only " + std::to_string(source_.last_sequence()) +
-                   ": it is an old copy; begin a new session",
-               true);
+    return is_old_copy(std::to_string(message.durable_keyframes()) + " keyframes of this session",
+                       source_.last_sequence());
   if (message.durable_pose_update() > source_.last_pose_update())
-    return end(events, ErrorCode::refused,
-               "the server holds update " + std::to_string(message.durable_pose_update()) +
-                   " of this session's poses, the spool only " + std::to_string(source_.last_pose_update()) +
-                   ": it is an old copy; begin a new session",
-               true);
+    return is_old_copy("update " + std::to_string(message.durable_pose_update()) + " of this session's poses",
+                       source_.last_pose_update());
   state_ = State::welcomed;
   sent_keyframes_ = durable_keyframes_ = message.durable_keyframes();
   auto capabilities = usable_capabilities({message.capabilities().begin(), message.capabilities().end()});

@@ -79,7 +79,7 @@ double counted_aliases(const Evidence& e) {
   return e.aliases * (1 + unlike * std::min(1.0, e.descriptors_compared / 6));
 }
 
-double descriptors_differ(const Evidence& e) {
+double descriptors_leave_doubt(const Evidence& e) {
   return std::clamp((0.97 - e.descriptors_alike) / 0.09, 0.0, 1.0) * std::min(1.0, e.descriptors_compared / 4);
 }
 

@@ -88,7 +88,7 @@ double counted_aliases(const Evidence& evidence);
 /// How far descriptors that were compared leave room for a copy, 0 to 1: not at all from .97 alike on, in full at .88
 /// and less over four keyframes and more. At right placements of the recordings among look-alikes they were .95 to .97,
 /// at copies .83 to .93, but for two of .96 and .97.
-double descriptors_differ(const Evidence& evidence);
+double descriptors_leave_doubt(const Evidence& evidence);
 
 /// For the first alias that counts, and for each further one. With 30 m two mines of the same 20 m tiles were merged
 /// over 24 m; of six placements of 25 to 39 m beside an alias in a mine of equal tunnels three were copies.

@@ -28,7 +28,7 @@ double missing_overlap(const Evidence& e) {
 double short_among_look_alikes(const Evidence& e) {
   const double many = std::clamp((e.look_alikes - 2.7) / 1.6, 0.0, 1.0);
   const double more_m = 22 + 2 * std::clamp(e.look_alikes - 8, 0.0, 10.0);
-  const double told_m = 28 + descriptors_differ(e) * more_m;
+  const double told_m = 28 + descriptors_leave_doubt(e) * more_m;
   const double most = 1.5 + 0.3 * many * std::max(0.0, told_m - e.overlap_m);
   return std::max(-most, 0.1 * std::min(0.0, e.overlap_m - asked_among_look_alikes_m(e)));
 }

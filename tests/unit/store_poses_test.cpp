@@ -18,6 +18,12 @@ class StorePoses : public OverBothStores {
     }
   }
   void keep(Write write) { ASSERT_TRUE(write_and_wait(*store_, std::move(write))); }
+  /// What merging does with update 1.
+  void take_in_first() {
+    PutMerge taken;
+    taken.moved = MovedPoses{1, 1, store_->new_poses(1)->poses};
+    keep(std::move(taken));
+  }
   static KeyframePose at(std::uint64_t sequence, double x) { return {sequence, pose_from_yaw(0.1, {x, 0, 0})}; }
   static PutPoses update(std::uint64_t number, std::uint64_t keyframes, std::vector<KeyframePose> poses,
                          SessionId session = 1) {
@@ -105,18 +111,14 @@ TEST_P(StorePoses, OneOfAKeyframeThatIsNotThereIsNotTakenAndOthersAre) {
 
 TEST_P(StorePoses, AKeyframeThatComesAgainIsComparedWithWhatCame) {
   keep(update(1, 6, {at(2, 20)}));
-  PutMerge taken;
-  taken.moved = MovedPoses{1, 1, store_->new_poses(1)->poses};
-  keep(taken);
+  take_in_first();
   keep(PutKeyframe{1, line_keyframe(2)});
   EXPECT_EQ(x(2), 20);
 }
 
 TEST_P(StorePoses, TheyGoWithAPartAndWithADeletedSession) {
   keep(update(1, 6, {at(2, 20), at(5, 50)}));
-  PutMerge taken;
-  taken.moved = MovedPoses{1, 1, store_->new_poses(1)->poses};
-  keep(taken);
+  take_in_first();
   keep(update(2, 6, {at(3, 30), at(6, 60)}));
   SessionRecord part = session_record(3, "robot1");
   part.key.session = "s1~4";
@@ -136,9 +138,7 @@ TEST_P(StorePoses, TheyGoWithAPartAndWithADeletedSession) {
 
 TEST_P(StorePoses, ADamagedPoseIsNotBelieved) {
   keep(update(1, 6, {at(2, 20), at(3, 30)}));
-  PutMerge taken;
-  taken.moved = MovedPoses{1, 1, store_->new_poses(1)->poses};
-  keep(taken);
+  take_in_first();
   keep(update(2, 6, {at(4, 40), at(5, 50)}));
   store_.reset();
   {
