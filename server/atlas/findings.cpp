@@ -64,7 +64,8 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
        formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
        formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), shared(e) + ": hardly any",
-       descriptors(e) + ", where places look alike"}};
+       descriptors(e) +
+           formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes)}};
 }
 
 /// The figure that moves a contribution, and how it reads.

@@ -127,7 +127,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     Evidence& e = verdict.judgement.evidence;
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
-    e.repetition = self_.repetition();
+    self_.tell_of_mine(e);
     e.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes +
                     look_alikes(screened, verdict.judgement.T_a_b);
     weigh(verdict.judgement);
@@ -171,7 +171,7 @@ Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at
 Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds) {
   Judgement out = judge_again(pair, at, clouds);
   Evidence known = out.evidence;
-  known.repetition = self_.repetition();
+  self_.tell_of_mine(known);
   known.aliases = self_.last(pair.a).aliases + self_.last(pair.b).aliases;
   known.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes;
   const double excused = excused_by_changes(known);
@@ -190,7 +190,7 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
     out.evidence.aliases += self.aliases;
     out.evidence.look_alikes += self.look_alikes;
   }
-  out.evidence.repetition = self_.repetition();
+  self_.tell_of_mine(out.evidence);
   weigh(out);
   return out;
 }

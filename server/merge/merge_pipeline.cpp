@@ -125,9 +125,10 @@ const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptRepor
 JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Found& found,
                                              const std::vector<Case>& cases) const {
   Evidence of_all;
-  of_all.repetition = self.repetition();
+  self.tell_of_mine(of_all);
   JudgedOn out{found.version,
                static_cast<int>(asked_overlap_m(of_all) / 10),
+               static_cast<int>(10 * mine_looks_alike(of_all)),
                of_all.repetition >= copies_known,
                static_cast<int>(sessions.at(pair.a).complete) + static_cast<int>(sessions.at(pair.b).complete),
                {}};
@@ -162,7 +163,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   e.support = published.evidence.support;
   e.path_m = published.evidence.path_m;
   e.runner_up = published.evidence.runner_up;
-  e.repetition = self.repetition();
+  self.tell_of_mine(e);
   weigh(again);
   if (e.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b.stored[now.b.stored.size() / 2].p;

@@ -123,14 +123,19 @@ int SelfSimilarity::copies_within(SessionId id, const std::vector<ScreeningResul
   return static_cast<int>(copies.size());
 }
 
-double SelfSimilarity::repetition() const {
+void SelfSimilarity::tell_of_mine(Evidence& evidence) const {
+  evidence.repetition = per_100_m(&SelfLikeness::aliases);
+  evidence.mine_look_alikes = per_100_m(&SelfLikeness::look_alikes);
+}
+
+double SelfSimilarity::per_100_m(double SelfLikeness::*counted) const {
   constexpr double least_m = 500;
-  double copies = 0, path_m = 0;
+  double sum = 0, path_m = 0;
   for (const auto& [id, found] : known_) {
-    copies += found.aliases;
+    sum += found.*counted;
     if (found.wanted.empty()) path_m += std::max(0.0, found.path_m);
   }
-  return 100 * copies / std::max(path_m, least_m);
+  return 100 * sum / std::max(path_m, least_m);
 }
 
 }  // namespace headframe

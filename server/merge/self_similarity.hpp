@@ -21,9 +21,9 @@ class SelfSimilarity {
   /// What was found last; nothing of a session that nobody asked about.
   const SelfLikeness& last(SessionId id) const;
 
-  /// Copies that all sessions show of themselves so far; see Evidence::repetition. Of less than 500 m little can be
-  /// said, and of sessions that have yet to be looked at nothing.
-  double repetition() const;
+  /// Sets what all sessions show of themselves so far: Evidence::repetition and mine_look_alikes. Of less than 500 m
+  /// little can be said, and of sessions that have yet to be looked at nothing.
+  void tell_of_mine(Evidence& evidence) const;
 
   /// What was found before a restart; of() looks no further while it still holds.
   void restore(std::map<SessionId, SelfLikeness> known) { known_ = std::move(known); }
@@ -36,6 +36,7 @@ class SelfSimilarity {
   }
 
  private:
+  double per_100_m(double SelfLikeness::*counted) const;
   /// The same placement of a session on itself, looked at 15 m before and behind along its path.
   std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const;
   /// How many of these placements of a session on itself, other than where it lies, are copies 15 m long and more:

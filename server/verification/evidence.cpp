@@ -6,7 +6,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 32> fields{{
+constexpr std::array<EvidenceField, 33> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -22,6 +22,7 @@ constexpr std::array<EvidenceField, 32> fields{{
     {"aliases", &Evidence::aliases},
     {"repetition", &Evidence::repetition},
     {"look_alikes", &Evidence::look_alikes},
+    {"mine_look_alikes", &Evidence::mine_look_alikes},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},
@@ -65,6 +66,10 @@ double farther_contradiction(const Evidence& e) {
 
 double places_look_alike(const Evidence& e) {
   return std::clamp(std::max(e.aliases, (e.look_alikes - 1) / 1.5), 0.0, 1.0);
+}
+
+double mine_looks_alike(const Evidence& e) {
+  return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
 }
 
 double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, std::max(e.aliases, e.look_alikes)); }

@@ -34,7 +34,8 @@ struct Evidence {
   /// Other placements at which a place fits, taken alone, as a copy of the rock would (likeness()): of the two on each
   /// other, and of each on itself. At right placements 0 in a cave, 1 in rough tunnels, .3 to 13 among equal tunnels.
   double look_alikes = 0;
-  double overlap_a = 0;  // share of a's points near the overlap that b's rays met, and the other way round
+  double mine_look_alikes = 0;  // that all sessions of the database show of themselves, per 100 m of their path
+  double overlap_a = 0;         // share of a's points near the overlap that b's rays met, and the other way round
   double overlap_b = 0;
   double seen_points = 0;            // that speak for it, both ways
   double freespace_violation = 0;    // points of one map that the other's rays pass through / points that say anything
@@ -50,7 +51,7 @@ struct Evidence {
   double tilt_deg = 0;               // gravity disagreement after registration
   double support = 0;                // wall map score of the hypothesis it came from
   double runner_up = 0;              // probability of the best different hypothesis
-  double probability_if_unique = 0;  // what it would be with no aliases and no repetition
+  double probability_if_unique = 0;  // what it would be with no aliases, no repetition and no look-alikes
 };
 
 /// Weakest hold from which on nothing slides along a tunnel, and the end-on match from which on a place of a tunnel
@@ -74,6 +75,12 @@ double farther_contradiction(const Evidence& evidence);
 /// what agrees is believed on less: of 340 wrong placements there none reached .85 then, and where it is 1 three had
 /// reached .9 before.
 double places_look_alike(const Evidence& evidence);
+
+/// How far the mine is known to look like itself, 0 to 1: by what all sessions show of themselves, 0 up to one tenth of
+/// a look-alike in 100 m of path, 1 from three tenths on; or by look-alikes of the two, 0 up to one, 1 from two on. Of
+/// pairs of drives 38 of 39 in three worlds without copies had less than 0.05 in 100 m, and 24 of 27 in two worlds of
+/// equal pieces more than 0.1, half of them more than 0.4.
+double mine_looks_alike(const Evidence& evidence);
 
 /// How alike the descriptors have to be: .72; .85 where the mine repeats itself, or places look alike. At right
 /// placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of copies

@@ -78,6 +78,24 @@ TEST_F(AwaitedPath, OfAShortSessionThatHasEndedIsMoreTheMoreLooksAlikeAndTheLess
   }
 }
 
+TEST_F(AwaitedPath, OfOneWhoAsksWhereItIsIsLongerInAMineThatLooksLikeItself) {
+  grow(3, 40);
+  const auto awaited_m = [&](double of_mine, double overlap_m) {
+    Evidence evidence;
+    evidence.probability = 0.99;
+    evidence.mine_look_alikes = of_mine;
+    evidence.overlap_m = overlap_m;
+    return sessions_.path_awaited_to_localize_m(3, {1, 3}, Pose::Identity(), evidence);
+  };
+  EXPECT_EQ(awaited_m(0, 20), 0);
+  EXPECT_EQ(awaited_m(0.1, 20), 0) << "no more than chance";
+  EXPECT_NEAR(awaited_m(0.2, 20), 30, 1e-6);
+  EXPECT_NEAR(awaited_m(0.3, 20), 60, 1e-6);
+  EXPECT_NEAR(awaited_m(3, 20), 60, 1e-6) << "a bound";
+  EXPECT_NEAR(awaited_m(3, 50), 30, 1e-6) << "a copy of 50 m";
+  EXPECT_EQ(awaited_m(3, 80), 0);
+}
+
 TEST_F(AwaitedPath, OfOthersCountsWherePlacesLookAlikeAlone) {
   sessions_.add(4, {"test", 1});  // stands at the portal: it has told nothing yet
   grow(3, 20);

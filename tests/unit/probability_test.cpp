@@ -269,6 +269,32 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
     EXPECT_NEAR(p(8, 33, alike, 6), p(8, 33, alike + 0.001, 6), 0.05) << "no cliff";
 }
 
+TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescriptorsThatAgree) {
+  const auto p = [](double of_mine, double overlap_m, double alike, double compared) {
+    Evidence e = convincing();
+    e.mine_look_alikes = of_mine;
+    e.overlap_m = overlap_m;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = compared;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(0.1, 31, 0.79, 2), p(0, 31, 0.79, 2)) << "a chance look-alike in a kilometre says nothing of the mine";
+  EXPECT_GT(p(0.1, 31, 0.79, 2), 0.9);
+  EXPECT_LT(p(0.3, 31, 0.79, 2), 0.5) << "a copy, and the two sessions have shown no other";
+  EXPECT_NEAR(p(0.3, 31, 0.79, 2), p(3, 31, 0.79, 2), 1e-9);
+  EXPECT_EQ(p(0.3, 51, 0.79, 2), p(0, 51, 0.79, 2)) << "longer than the pieces";
+  EXPECT_EQ(p(0.3, 31, 0.92, 2), p(0, 31, 0.92, 2)) << "the descriptors tell";
+  EXPECT_EQ(p(0.3, 29, 0, 0), p(0, 29, 0, 0)) << "of two families";
+  EXPECT_LT(p(0.3, 14, 0, 0), 0.7);
+  Evidence two;
+  two.look_alikes = 1;
+  EXPECT_EQ(mine_looks_alike(two), 0);
+  two.look_alikes = 2;
+  EXPECT_EQ(mine_looks_alike(two), 1) << "two look-alikes say the same of the mine";
+  for (double of_mine = 0.05; of_mine < 0.35; of_mine += 0.002)
+    EXPECT_NEAR(p(of_mine, 31, 0.85, 4), p(of_mine + 0.002, 31, 0.85, 4), 0.05) << "no cliff";
+}
+
 TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
   const auto p = [](double hold, double end_on_match, double violation) {
     Evidence e = convincing();
