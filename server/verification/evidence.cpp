@@ -72,7 +72,9 @@ double mine_looks_alike(const Evidence& e) {
   return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
 }
 
-double asked_alike(const Evidence& e) { return 0.72 + 0.13 * std::min(1.0, std::max(e.aliases, e.look_alikes)); }
+double asked_alike(const Evidence& e) {
+  return 0.72 + 0.13 * std::min(1.0, std::max({e.aliases, e.look_alikes, mine_looks_alike(e)}));
+}
 
 double asked_among_look_alikes_m(const Evidence& e) {
   constexpr double some = 0.6, least_m = 20, each_m = 4, most_m = 90;

@@ -82,9 +82,9 @@ double places_look_alike(const Evidence& evidence);
 /// equal pieces more than 0.1, half of them more than 0.4.
 double mine_looks_alike(const Evidence& evidence);
 
-/// How alike the descriptors have to be: .72; .85 where the mine repeats itself, or places look alike. At right
-/// placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of copies
-/// that were merged wrongly .62 to .69.
+/// How alike the descriptors have to be: .72; .85 where the mine repeats or looks like itself, or places look alike. At
+/// right placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of
+/// copies that were merged wrongly .62 to .69, and of one of 66 m that had no look-alike of its own .64.
 double asked_alike(const Evidence& evidence);
 
 /// The aliases as they count: twice when the descriptors are .72 alike or less (at .74, and counted once, a copy of a
