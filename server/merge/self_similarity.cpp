@@ -124,12 +124,11 @@ int SelfSimilarity::copies_within(SessionId id, const std::vector<ScreeningResul
 }
 
 void SelfSimilarity::tell_of_mine(Evidence& evidence) const {
-  evidence.repetition = per_100_m(&SelfLikeness::aliases);
-  evidence.mine_look_alikes = per_100_m(&SelfLikeness::look_alikes);
+  evidence.repetition = per_100_m(&SelfLikeness::aliases, 500);
+  evidence.mine_look_alikes = per_100_m(&SelfLikeness::look_alikes, 200);
 }
 
-double SelfSimilarity::per_100_m(double SelfLikeness::*counted) const {
-  constexpr double least_m = 500;
+double SelfSimilarity::per_100_m(double SelfLikeness::*counted, double least_m) const {
   double sum = 0, path_m = 0;
   for (const auto& [id, found] : known_) {
     sum += found.*counted;

@@ -22,7 +22,8 @@ class SelfSimilarity {
   const SelfLikeness& last(SessionId id) const;
 
   /// Sets what all sessions show of themselves so far: Evidence::repetition and mine_look_alikes. Of less than 500 m
-  /// little can be said, and of sessions that have yet to be looked at nothing.
+  /// of path little can be said of copies, of less than 200 m of look-alikes, and of sessions that have yet to be looked
+  /// at nothing.
   void tell_of_mine(Evidence& evidence) const;
 
   /// What was found before a restart; of() looks no further while it still holds.
@@ -36,7 +37,8 @@ class SelfSimilarity {
   }
 
  private:
-  double per_100_m(double SelfLikeness::*counted) const;
+  /// At least so much path is taken to be known.
+  double per_100_m(double SelfLikeness::*counted, double least_m) const;
   /// The same placement of a session on itself, looked at 15 m before and behind along its path.
   std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const;
   /// How many of these placements of a session on itself, other than where it lies, are copies 15 m long and more:
