@@ -22,8 +22,8 @@ class SelfSimilarity {
   const SelfLikeness& last(SessionId id) const;
 
   /// Sets what all sessions show of themselves so far: Evidence::repetition and mine_look_alikes. Of less than 500 m
-  /// of path little can be said of copies, of less than 200 m of look-alikes, and of sessions that have yet to be looked
-  /// at nothing.
+  /// of path little can be said of copies, of less than 200 m of look-alikes, and of sessions that have yet to be
+  /// looked at nothing.
   void tell_of_mine(Evidence& evidence) const;
 
   /// What was found before a restart; of() looks no further while it still holds.
