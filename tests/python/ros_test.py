@@ -458,7 +458,7 @@ class Heard:
     def wait(self, topic, condition):
         found = lambda: [m for m in self._heard.get(topic, []) if condition(m)]  # noqa: E731
         with self._changed:
-            assert self._changed.wait_for(found, 120), f"nothing on {topic}"
+            assert self._changed.wait_for(found, 120), f"{topic}, the last: {self._heard.get(topic, [None])[-1]}"
             return found()[-1]
 
     @staticmethod

@@ -119,8 +119,7 @@ class LoopsClosedAtTheEnd : public PlainPython {
     EXPECT_TRUE(ended && ended->status == 0) << ended->output;
     std::map<double, double> all;
     const auto poses = dataset::parse_poses(dataset::read_file(file, 1 << 20).value()).value();
-    for (const auto& pose : poses)
-      all[pose.stamp_s] = pose.T_local_sensor.translation().z();
+    for (const auto& pose : poses) all[pose.stamp_s] = pose.T_local_sensor.translation().z();
     return all;
   }
   void expect_level(const std::string& robot) {
