@@ -12,6 +12,7 @@ Pose at(double x_m, double y_m = 0, double yaw_rad = 0) { return pose_from_yaw(y
 /// Each 10 s, 10 m apart.
 std::vector<KnownKeyframe> keyframes(int count) {
   std::vector<KnownKeyframe> all;
+  all.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) all.push_back({10.0 * i, at(10.0 * i), 5});
   return all;
 }

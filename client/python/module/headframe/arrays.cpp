@@ -18,6 +18,7 @@ std::vector<TrajectoryPose> trajectory_of(const ValuesOfDouble& stamps_s, const 
                     T_local_sensor.shape(2) == 4 && T_local_sensor.shape(0) == stamps_s.shape(0);
   if (!fits) throw py::value_error("a trajectory is stamps of (n) and poses of (n, 4, 4)");
   std::vector<TrajectoryPose> out;
+  out.reserve(static_cast<std::size_t>(stamps_s.shape(0)));
   for (py::ssize_t i = 0; i < stamps_s.shape(0); ++i)
     out.push_back({*stamps_s.data(i), pose_of(Eigen::Map<const Matrix4>(T_local_sensor.data(i, 0, 0)))});
   return out;
