@@ -1,11 +1,10 @@
 #include "client/robot_client.hpp"
 
 #include <cmath>
-#include <map>
 #include <mutex>
 #include <utility>
 
-#include "client/credential/credential_file.hpp"
+#include "client/robot_identity.hpp"
 #include "client/spooled_link.hpp"
 #include "client/uplink/uplink.hpp"
 #include "common/cloud/cloud_codec.hpp"
@@ -13,8 +12,6 @@
 #include "common/descriptor/family.hpp"
 #include "common/descriptor/level.hpp"
 #include "common/descriptor/wall_profile.hpp"
-#include "common/security/enrolment.hpp"
-#include "common/wire/capabilities.hpp"
 
 namespace headframe {
 
@@ -30,8 +27,8 @@ struct RobotClient::State {
         link(std::move(spool)),
         sequence(link.last_sequence()) {}
 
+  Result<void> restore_keyframes();
   void note_moved(std::span<const KeyframePose> poses);
-  Result<void> restore_selection();
   void on_event(const UplinkEvent& event);
   Result<bool> judge(double stamp_s, const Pose& T_local_sensor) const;
   Result<Returns> usable(const Points& points_sensor, const std::vector<float>& intensity);
@@ -47,55 +44,11 @@ struct RobotClient::State {
   SpooledLink link;
   std::optional<CredentialFile> credential;  // of the uplink's thread; none: in the clear
   std::uint64_t sequence = 0;                // of the last keyframe
-  double last_stamp_s = 0;                   // of it
-  std::map<std::uint64_t, Pose> moved;       // where keyframes lie now that update_poses() named
+  std::vector<KnownKeyframe> keyframes;      // all of them, where they lie now
   std::mutex unfamiliar_mutex;
   std::string unfamiliar;          // what the family said of the first scan that was so
   std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
 };
-
-namespace {
-
-Hello hello_of(const RobotConfig& config, const DescriptorFamily* family) {
-  Hello hello;
-  hello.session = {config.robot, config.session};
-  hello.sensor = config.sensor;
-  if (hello.sensor.model.empty()) hello.sensor.model = "unknown";
-  if (config.own_descriptors)
-    hello.family = {config.own_descriptors->family, config.own_descriptors->q_size, config.own_descriptors->w_size};
-  else
-    hello.family = {family->id(), family->q_size(), family->w_size()};
-  hello.clouds = config.clouds;
-  hello.software = "headframe robot library 0.1.0";
-  hello.capabilities = robot_capabilities(config.provisional);
-  return hello;
-}
-
-Result<CredentialFile> credential_of(const RobotConfig& config) {
-  const auto spool = std::filesystem::absolute(config.spool / "").parent_path();
-  const auto path =
-      config.credential.empty() ? spool.parent_path() / (config.robot + ".credential") : config.credential;
-  return CredentialFile::open(path, config.robot, config.enrolment);
-}
-
-Result<UplinkConfig> link_of(const RobotConfig& config, std::optional<CredentialFile>& credential) {
-  UplinkConfig link;
-  link.host = config.host;
-  link.port = config.port;
-  link.more_servers = config.more_servers;
-  link.bytes_per_s = config.bytes_per_s;
-  if (config.insecure) return link;
-  auto opened = credential_of(config);
-  if (!opened) return tl::unexpected(opened.error());
-  const auto pinned = config.fingerprint.empty() ? Result<std::string>(opened->credential().fingerprint)
-                                                 : parse_fingerprint(config.fingerprint);
-  if (!pinned) return tl::unexpected(pinned.error());
-  link.fingerprint = *pinned;
-  credential = std::move(*opened);
-  return link;
-}
-
-}  // namespace
 
 Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config) {
   if (auto ok = check_name("robot", config.robot); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
@@ -113,10 +66,7 @@ Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config
   if (!spool) return tl::unexpected(spool.error());
 
   auto state = std::make_unique<State>(config, std::move(family), std::move(*spool));
-  const auto moved = state->link.poses(1, state->link.last_pose_update());
-  if (!moved) return tl::unexpected(moved.error());
-  state->note_moved(*moved);
-  if (auto ok = state->restore_selection(); !ok) return tl::unexpected(ok.error());
+  if (auto ok = state->restore_keyframes(); !ok) return tl::unexpected(ok.error());
   Hello shown = state->link.identity();
   if (credential) {
     shown.token = credential->credential().token;
@@ -134,23 +84,32 @@ void RobotClient::State::on_event(const UplinkEvent& event) {
   link.on_event(event);
 }
 
-void RobotClient::State::note_moved(std::span<const KeyframePose> poses) {
-  for (const KeyframePose& pose : poses) moved[pose.sequence] = pose.T_local_sensor;
+/// From the spool; by the keyframes as they lie now.
+Result<void> RobotClient::State::restore_keyframes() {
+  keyframes.reserve(sequence);
+  for (std::uint64_t s = 1; s <= sequence; ++s) {
+    const auto keyframe = link.keyframe(s);
+    if (!keyframe) return tl::unexpected(keyframe.error());
+    keyframes.push_back({keyframe->stamp_s, keyframe->T_local_sensor, keyframe->spaciousness_m});
+  }
+  const auto moved = link.poses(1, link.last_pose_update());
+  if (!moved) return tl::unexpected(moved.error());
+  note_moved(*moved);
+  return {};
 }
 
-/// By the keyframes as they lie now.
-Result<void> RobotClient::State::restore_selection() {
-  selector = KeyframeSelector(config.keyframes);
-  for (std::uint64_t s = 1; s <= sequence; ++s) {
-    auto keyframe = link.keyframe(s);
-    if (!keyframe) return tl::unexpected(keyframe.error());
-    if (const auto now = moved.find(s); now != moved.end()) keyframe->T_local_sensor = now->second;
-    selector.restore(keyframe->T_local_sensor, keyframe->spaciousness_m);
-    last_stamp_s = keyframe->stamp_s;
-    // The sweeps since then are lost: at most one keyframe's way.
-    if (s == sequence) (void)sweeps.take(keyframe->T_local_sensor, {});
+/// Selection goes on by the keyframes as they lie now. The sweeps since the last one are lost: at most one keyframe's
+/// way.
+void RobotClient::State::note_moved(std::span<const KeyframePose> poses) {
+  for (const KeyframePose& pose : poses) keyframes.at(pose.sequence - 1).T_local_sensor = pose.T_local_sensor;
+  if (keyframes.empty() || !family) return;  // who chooses keyframes himself has no use for the rest
+  if (selector.size() == keyframes.size()) {
+    selector.move(poses, keyframes.back().spaciousness_m);
+  } else {  // after a start, or it chose what the disk did not take
+    selector = KeyframeSelector(config.keyframes);
+    for (const KnownKeyframe& k : keyframes) selector.restore(k.T_local_sensor, k.spaciousness_m);
   }
-  return {};
+  (void)sweeps.take(keyframes.back().T_local_sensor, {});
 }
 
 /// False: it is of the past.
@@ -158,7 +117,7 @@ Result<bool> RobotClient::State::judge(double stamp_s, const Pose& T_local_senso
   if (!std::isfinite(stamp_s) || !T_local_sensor.matrix().allFinite())
     return failure(ErrorCode::invalid_argument, "a stamp or pose that is not finite");
   if (finished) return failure(ErrorCode::invalid_argument, "the session is finished");
-  return sequence == 0 || stamp_s > last_stamp_s;
+  return keyframes.empty() || stamp_s > keyframes.back().stamp_s;
 }
 
 /// The points that are returns.
@@ -244,7 +203,7 @@ Result<bool> RobotClient::State::spool_keyframe(Keyframe keyframe, const Returns
   }
   if (auto ok = link.append(keyframe, encoded); !ok) return tl::unexpected(ok.error());
   sequence = keyframe.sequence;
-  last_stamp_s = keyframe.stamp_s;
+  keyframes.push_back({keyframe.stamp_s, keyframe.T_local_sensor, keyframe.spaciousness_m});
   uplink->wake();
   return true;
 }
@@ -255,7 +214,15 @@ Result<void> RobotClient::update_poses(std::span<const KeyframePose> poses) {
   if (auto ok = s.link.update_poses({poses.begin(), poses.end()}); !ok) return ok;
   s.uplink->wake();
   s.note_moved(poses);
-  return s.restore_selection();
+  return {};
+}
+
+Result<CorrectedKeyframes> RobotClient::correct(std::span<const TrajectoryPose> trajectory,
+                                                const CorrectionRules& rules) {
+  auto found = corrected_keyframes(state_->keyframes, trajectory, rules);
+  if (!found || found->moved.empty()) return found;
+  if (auto ok = update_poses(found->moved); !ok) return tl::unexpected(ok.error());
+  return found;
 }
 
 std::uint64_t RobotClient::last_keyframe() const { return state_->link.last_sequence(); }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "client/keyframe/corrected_keyframes.hpp"
 #include "client/keyframe/keyframe_selector.hpp"
 #include "client/keyframe/sweeps.hpp"
 #include "client/localization.hpp"
@@ -61,8 +62,8 @@ struct RobotConfig {
   SweepConfig sweeps;
 };
 
-/// add_scan, add_keyframe and update_poses: from one thread at a time, and one of the first two only. All else is
-/// thread safe.
+/// add_scan, add_keyframe, update_poses and correct: from one thread at a time, and one of the first two only. All else
+/// is thread safe.
 class RobotClient {
  public:
   /// Opens the spool (resuming its session when there is one) and starts connecting. The server need not be there.
@@ -85,12 +86,17 @@ class RobotClient {
   /// SLAM moved the past (it closed a loop): these keyframes, which were added before, lie elsewhere in the session's
   /// local frame now. Those that are not named stay. On the disk when it returns, all of them or none; sent after the
   /// keyframes that there are by now and before those that come. What is added from here on has to be in the frame as
-  /// it is now. It reads all keyframes of the session from the disk, and the sweeps since the last keyframe are
-  /// dropped. A server that is older than this is told nothing of it
+  /// it is now. The sweeps since the last keyframe are dropped. A server that is older than this is told nothing of it
   /// (Progress::pose_updates_unsupported): it waits in the spool for a newer one. invalid_argument: no such keyframe,
   /// one that is named twice, a pose that is not finite or beyond 1e8 m, none or more than 100 000, or the session is
   /// finished; unavailable: the disk's.
   Result<void> update_poses(std::span<const KeyframePose> poses);
+
+  /// The same from a whole trajectory of the sensor, as SLAM gives it after a loop closure: keyframes that moved by
+  /// enough are updated, and those that it has no pose for move as those around them (corrected_keyframes). Gives which
+  /// they are, and how many it had a pose for: none, then no stamp agrees and nothing is moved. Fails as update_poses,
+  /// but not where nothing moved; invalid_argument: stamps that do not rise, or what is not finite.
+  Result<CorrectedKeyframes> correct(std::span<const TrajectoryPose> trajectory, const CorrectionRules& rules = {});
 
   /// Which number the last keyframe has; 0: there is none. For update_poses: they are numbered from 1.
   std::uint64_t last_keyframe() const;

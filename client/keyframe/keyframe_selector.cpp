@@ -56,6 +56,28 @@ void KeyframeSelector::restore(const Pose& T_local_sensor, float spaciousness_m)
   remember(T_local_sensor);
 }
 
+void KeyframeSelector::move(std::span<const KeyframePose> moved, float spaciousness_m) {
+  for (const KeyframePose& pose : moved) {
+    const std::size_t i = pose.sequence - 1;
+    Pose& T_local_sensor = keyframes_.at(i).T_local_sensor;
+    const std::uint64_t was = cell_key(T_local_sensor.translation(), 0, 0, 0),
+                        now = cell_key(pose.T_local_sensor.translation(), 0, 0, 0);
+    T_local_sensor = pose.T_local_sensor;
+    if (was == now) continue;
+    const auto left = cells_.find(was);
+    std::erase(left->second, i);
+    if (left->second.empty()) cells_.erase(left);
+    cells_[now].push_back(i);
+  }
+  spaciousness_m_ = spaciousness_m;
+  path_m_ = 0;
+  path_end_local_.reset();
+  for (Chosen& keyframe : keyframes_) {
+    drive_to(keyframe.T_local_sensor.translation());
+    keyframe.path_m = path_m_;
+  }
+}
+
 void KeyframeSelector::drive_to(const Eigen::Vector3d& p_local) {
   const double step_m = path_end_local_ ? (p_local - *path_end_local_).norm() : path_step_m;
   if (step_m < path_step_m) return;

@@ -5,11 +5,13 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/session/keyframe_pose.hpp"
 
 namespace headframe {
 
@@ -58,6 +60,14 @@ class KeyframeSelector {
   /// A keyframe that was chosen before a restart, in order: afterwards add() decides as if there had been none. The
   /// pose must be finite and within 1e9 m.
   void restore(const Pose& T_local_sensor, float spaciousness_m);
+
+  /// How many keyframes were chosen or restored.
+  std::size_t size() const { return keyframes_.size(); }
+
+  /// Keyframes lie elsewhere now, by their numbers, 1 being the first that was chosen: afterwards add() decides as if
+  /// all had been restored where they lie now. spaciousness_m: of the last keyframe. Throws std::out_of_range where a
+  /// number is none. Costs what is moved, and an addition for each keyframe.
+  void move(std::span<const KeyframePose> moved, float spaciousness_m);
 
  private:
   struct Nearby {

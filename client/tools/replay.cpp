@@ -8,6 +8,7 @@
 #include "client/robot_client.hpp"
 #include "client/tools/replay_report.hpp"
 #include "common/dataset/session_folder.hpp"
+#include "common/dataset/text.hpp"
 #include "common/endpoint.hpp"
 
 namespace headframe {
@@ -16,8 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string server, robot, folder, spool, credential, enrolment, fingerprint, clouds = "all",
-                                                                                family = RobotConfig().family;
+  std::string server, robot, folder, spool, credential, enrolment, fingerprint, corrected;
+  std::string clouds = "all", family = RobotConfig().family;
   bool insecure = false, fast = false, provisional = false, localize = false, around = false, no_intensity = false;
   double map_radius_m = 0, rate = 1, linger_s = -1, patience_s = 30, bytes_per_s = 0;
 };
@@ -57,6 +58,33 @@ Result<void> play(const SessionFolder& session, const Options& options, RobotCli
   return {};
 }
 
+/// A TUM trajectory of the sensor; without a file none.
+Result<std::vector<TrajectoryPose>> read_trajectory(const std::string& file) {
+  constexpr std::uintmax_t most_bytes = std::uintmax_t{256} << 20U;
+  std::vector<TrajectoryPose> out;
+  if (file.empty()) return out;
+  const auto text = dataset::read_file(file, most_bytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto poses = dataset::parse_poses(*text);
+  if (!poses) return failure(poses.error().code, file + ": " + poses.error().message);
+  out.reserve(poses->size());
+  for (const auto& pose : *poses) out.push_back({pose.stamp_s, pose.T_local_sensor});
+  return out;
+}
+
+/// At the end of the drive SLAM has closed its loops.
+Result<void> correct(const std::vector<TrajectoryPose>& corrected, const Options& options, RobotClient& robot,
+                     ReplayReport& report) {
+  if (options.corrected.empty()) return {};
+  const auto done = robot.correct(corrected);
+  if (!done) return tl::unexpected(done.error());
+  if (done->matched == 0)
+    return failure(ErrorCode::bad_input, options.corrected + ": it has no pose near the stamp of any keyframe");
+  report.line(std::to_string(done->moved.size()) + " of " + std::to_string(robot.last_keyframe()) +
+              " keyframes were moved by " + options.corrected);
+  return {};
+}
+
 /// Stays connected until nothing was asked for or acknowledged for so long, or the server has cut it off.
 void linger(double linger_s, std::size_t scans, const RobotClient& robot, ReplayReport& report) {
   constexpr std::uint64_t more_than_pings = 4096;
@@ -81,7 +109,8 @@ void ask_for_map(const Options& options, const SessionFolder& session, RobotClie
   robot.map_around({sphere}, [&](const MapAround& map) { report.map(map); });
 }
 
-Result<void> run(const Options& options, const SessionFolder& session, RobotClient& robot) {
+Result<void> run(const Options& options, const SessionFolder& session, const std::vector<TrajectoryPose>& corrected,
+                 RobotClient& robot) {
   ReplayReport report(session.size());
   for (const auto& warning : session.warnings()) report.warning(warning);
   std::size_t told = 0;
@@ -100,6 +129,7 @@ Result<void> run(const Options& options, const SessionFolder& session, RobotClie
   if (options.around) robot.coverage([&](const Coverage& c) { report.coverage(c); });
 
   auto done = play(session, options, robot, report);
+  if (done) done = correct(corrected, options, robot, report);
   if (done)
     done = robot.finish(milliseconds(options.patience_s), [&](const Progress& p) { report.step(session.size(), p); });
   if (done) linger(options.linger_s, session.size(), robot, report);
@@ -118,6 +148,8 @@ int replay(Options options) {
   config.more_servers.assign(servers->begin() + 1, servers->end());
   const auto session = SessionFolder::open(options.folder);
   if (!session) return failed(session.error().message);
+  const auto corrected = read_trajectory(options.corrected);
+  if (!corrected) return failed(corrected.error().message);
   config.robot = options.robot;
   config.insecure = options.insecure;
   config.enrolment = options.enrolment;
@@ -141,7 +173,7 @@ int replay(Options options) {
   }
 
   const auto robot = RobotClient::open(config);
-  const auto done = robot ? run(options, *session, **robot) : tl::unexpected(robot.error());
+  const auto done = robot ? run(options, *session, *corrected, **robot) : tl::unexpected(robot.error());
   std::error_code ignored;
   if (options.spool.empty() && (done || !robot)) std::filesystem::remove_all(config.spool, ignored);
   if (done) return 0;
@@ -176,6 +208,8 @@ int main(int argc, char** argv) {
   app.add_option("--clouds", o.clouds, "which clouds to send")
       ->capture_default_str()
       ->check(CLI::IsMember({"all", "on_request", "never"}));
+  app.add_option("--corrected", o.corrected,
+                 "TUM trajectory of the sensor as SLAM has it at the end: keyframes that it moves are told then");
   app.add_flag("--no-intensity", o.no_intensity, "leave out how strong the returns were, which exports show");
   app.add_option(
          "--family", o.family,

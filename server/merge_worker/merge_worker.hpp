@@ -145,7 +145,8 @@ class MergeWorker : public MergeNews, private CloudSource {
   Result<std::size_t> ask_for_clouds(SessionId session);
   void request(const std::vector<KeyframeRef>& clouds);
   bool commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt);
-  void published(const AttemptReport& report, const MergeSchedule::Attempt* attempt);
+  void published(const AttemptReport& report, const MergeSchedule::Attempt* attempt,
+                 const std::vector<Withdrawal>& withdrawn);
   // worker_localize.cpp
   void take_question(SessionId session, bool asks);
   void take_question_aside(SessionId session, bool asks);

@@ -36,7 +36,8 @@ Result<void> MergeWorker::carry_out_anchor(SessionId session) {
   return {};
 }
 
-/// attempt: what led to it; null: the operator's decision. False: the server stops.
+/// attempt: what led to it; null: the operator's decision, or a robot's SLAM that moved its past (write.moved). False:
+/// the server stops.
 bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
   write.changed = report.changed;
   write.decided = report.decided;
@@ -50,21 +51,27 @@ bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const Merg
                     !write.self_likeness.empty() || !write.closures.empty() || !write.frozen.empty() ||
                     write.thawed != 0 || write.trouble || write.archived || write.site || write.moved;
   if ((news || write.atlas) && !write_durably(write)) return false;
-  if (report.atlas_changed || report.provisional_changed) published(report, attempt);
+  const bool by_operator = !attempt && !write.moved;
+  if (report.atlas_changed || report.provisional_changed) {
+    std::vector<Withdrawal> withdrawn = withdrawn_by(report);
+    if (write.moved)
+      for (Withdrawal& w : withdrawn) w.reason = "a robot's SLAM moved where it had been, and " + w.reason;
+    published(report, attempt, withdrawn);
+    if (report.atlas_changed && !by_operator) note_withdrawn(withdrawn);
+  }
   if (report.atlas_changed || report.provisional_changed || !report.closures.empty() || !report.changed.empty())
     update_view();
   return true;
 }
 
-void MergeWorker::published(const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
+void MergeWorker::published(const AttemptReport& report, const MergeSchedule::Attempt* attempt,
+                            const std::vector<Withdrawal>& withdrawn) {
   const Atlas before = std::exchange(atlas_, pipeline_->atlas());
   add_supports(atlas_, pipeline_->alignments());
   const auto changed = changed_components(before, atlas_);
-  const std::vector<Withdrawal> withdrawn = withdrawn_by(report);
   if (report.atlas_changed) robots_->publish(atlas_, changed, withdrawn);
   if (report.provisional_changed) robots_->tell_provisional(atlas_, changed_provisionals(before, atlas_));
   if (!report.atlas_changed || !attempt) return;
-  note_withdrawn(withdrawn);
   const double ms = ms_since(attempt->triggered);
   for (const Component& component : changed)
     for (const Placement& placement : component.placements) {

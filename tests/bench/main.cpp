@@ -57,7 +57,7 @@ struct Options {
   double days_apart = 0;                                                    // sessions of stages
   std::vector<std::string> set_families{std::string(default_family_name)};  // the robots take them in turn
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
-  std::uint64_t first_seed = Campaign{}.first_seed;
+  std::optional<std::uint64_t> first_seed;
   LiveBench live = {};
   YearsBench years = {};
   LocalizeBench localize = {};
@@ -76,7 +76,8 @@ int fail(const std::string& message, int status) {
 }
 
 nlohmann::json drawn_mines(const Options& options, Clouds clouds, const char* folder) {
-  return run_campaign({options.mines.value_or(Campaign{}.mines), clouds, options.out / folder, options.first_seed});
+  return run_campaign({options.mines.value_or(Campaign{}.mines), clouds, options.out / folder,
+                       options.first_seed.value_or(Campaign{}.first_seed)});
 }
 
 nlohmann::json merges(const Options& options) {
@@ -137,8 +138,9 @@ int run(const Options& options) {
   });
   part("partners", false, [&] { return partners(options.sets); });
   part("pose-graph", false, [&] {
-    return pose_graph(
-        {options.sets, options.mines.value_or(PoseGraphBench{}.mines), 71000, options.out / "pose-graph"});
+    const PoseGraphBench usual;
+    return pose_graph({options.sets, options.mines.value_or(usual.mines), options.first_seed.value_or(usual.first_seed),
+                       options.out / "pose-graph"});
   });
   part("pose-graph-scale", false, [] { return pose_graph_scale(1000, 3000); });
   part("basin", false, [&] { return basin(options.out); });

@@ -152,12 +152,20 @@ class Module(unittest.TestCase):
             robot.update_poses({2: pose(0.1, 14, 1, 0), 3: pose(0.2, 28, 3, 0)})
             for bad in ({}, {4: np.eye(4)}, {0: np.eye(4)}, {1: 2 * np.eye(4)}):
                 self.assertRaises(ValueError, robot.update_poses, bad)
+            stamps, path = [1, 2, 3], [pose(0, 0, 0, 0), pose(0.1, 14, 1, 0), pose(0.2, 28, 5, 0)]
+            moved, matched = robot.correct(stamps, path)
+            self.assertEqual((list(moved), matched), ([3], 3))
+            np.testing.assert_allclose(moved[3], path[2], atol=1e-9)
+            self.assertEqual(robot.correct(stamps, path), ({}, 3), "nothing has moved since")
+            self.assertEqual(robot.correct([50], path[:1]), ({}, 0))
+            for bad in (([1, 1, 3], path), (stamps, path[:2]), (stamps, [np.ones((4, 4))] * 3)):
+                self.assertRaises(ValueError, robot.correct, *bad)
             robot.finish(60)
-            self.assertEqual((robot.progress.pose_updates, robot.progress.pose_updates_acknowledged), (1, 1))
+            self.assertEqual((robot.progress.pose_updates, robot.progress.pose_updates_acknowledged), (2, 2))
             self.assertFalse(robot.progress.pose_updates_unsupported)
         next(e for e in station.events() if station.session("slam")["moves"] > 0)  # the merge has taken it in
         rows = station.session("slam")
-        self.assertAlmostEqual(rows["distance_m"], math.hypot(14, 1) + math.hypot(14, 2), 3)
+        self.assertAlmostEqual(rows["distance_m"], math.hypot(14, 1) + math.hypot(14, 4), 3)
 
     def test_what_can_not_be_opened_says_why(self):
         self.assertRaisesRegex(ValueError, "robot", self.robot, "a/b")

@@ -24,8 +24,8 @@ sys.path.insert(0, str(PACKAGE))
 import genpy  # noqa: E402
 import rosbag  # noqa: E402
 from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
-from geometry_msgs.msg import Transform, TransformStamped  # noqa: E402
-from headframe_ros import bags, messages, pairing  # noqa: E402
+from geometry_msgs.msg import PoseStamped, Transform, TransformStamped  # noqa: E402
+from headframe_ros import bags, corrected, messages, pairing  # noqa: E402
 from nav_msgs.msg import OccupancyGrid, Odometry  # noqa: E402
 from nav_msgs.msg import Path as PathMessage  # noqa: E402
 from sensor_msgs.msg import PointCloud2, PointField  # noqa: E402
@@ -80,10 +80,22 @@ def mounting_message():
     return TFMessage([out])
 
 
-def drive(folder):
-    """(topic, stamp, message) in order: odometry half a second before and after each cloud, as straight between two."""
+def path_message(stamps_s, T_local_base, frame_id):
+    out = PathMessage()
+    out.header.frame_id = frame_id
+    for stamp_s, T in zip(stamps_s, T_local_base):
+        at, moved = PoseStamped(), messages.fill_transform(Transform(), T)
+        at.header.stamp = genpy.Time.from_sec(stamp_s)
+        at.pose.position, at.pose.orientation = moved.translation, moved.rotation
+        out.poses.append(at)
+    return out
+
+
+def drive(folder, climb_m=0):
+    """(topic, stamp, message) in order: odometry half a second before and after each cloud, as straight between two. It
+    climbs by so much more with each scan."""
     T_lidar_base = np.linalg.inv(T_BASE_LIDAR)
-    all_scans = list(scans(folder))
+    all_scans = [(s, pose(0, 0, 0, i * climb_m) @ T, points) for i, (s, T, points) in enumerate(scans(folder))]
     yield "/tf_static", 99.0, mounting_message()
     yield "/odom", 99.5, odometry_message(99.5, all_scans[0][1] @ T_lidar_base)
     for (stamp_s, T, points), (_, T_next, _) in zip(all_scans, all_scans[1:] + all_scans[-1:]):
@@ -218,6 +230,67 @@ class Pairing(unittest.TestCase):
         self.assertEqual(len(pairs.take()), 1)
 
 
+class Robot:
+    """What the corrected path asks of it."""
+
+    def __init__(self, last_keyframe=0):
+        self.last_keyframe, self.told = last_keyframe, []
+
+    def correct(self, stamps_s, T_local_sensor, least_moved_m, least_turned_rad, later_ones):
+        self.told.append((list(stamps_s), T_local_sensor, later_ones))
+        return {1: T_local_sensor[0]}, len(stamps_s)
+
+
+class CorrectedPath(unittest.TestCase):
+    def listening(self, robot):
+        pairs = pairing.Pairing(T_BASE_LIDAR)
+        path = corrected.Corrected(robot, pairs)
+        for i in range(20):
+            pairs.odometry(100 + i, "base", pose(0, i, 0, 0))
+        pairs.cloud(110, "lidar", "points")
+        return pairs, path
+
+    def test_of_another_frame_lays_odometry_where_its_newest_pose_does(self):
+        robot = Robot()
+        pairs, path = self.listening(robot)
+        ((_, T, *_),) = path.scans(pairs.take())
+        np.testing.assert_allclose(T, pose(0, 10, 0, 0) @ T_BASE_LIDAR, atol=1e-12)
+        T_map_odom = pose(0.3, 5, 6, 7)
+        path.path(path_message([105, 112], [pose(0, 5, 0, 0), T_map_odom @ pose(0, 12, 0, 0)], "map"), "odom")
+        ((stamps, T_map_sensor, later_ones),) = robot.told
+        self.assertEqual((stamps, later_ones, path.frame, path.moved), ([105, 112], True, "map", 1))
+        np.testing.assert_allclose(T_map_sensor[1], T_map_odom @ pose(0, 12, 0, 0) @ T_BASE_LIDAR, atol=1e-9)
+        pairs.cloud(115, "lidar", "points")
+        ((_, T, *_),) = path.scans(pairs.take())
+        np.testing.assert_allclose(T, T_map_odom @ pose(0, 15, 0, 0) @ T_BASE_LIDAR, atol=1e-9)
+        path.path(path_message([5], [np.eye(4)], "map"), "odom")
+        self.assertIn("ends before the odometry", path.warning)
+
+    def test_of_the_odometrys_own_frame_leaves_it_as_it_is(self):
+        robot = Robot()
+        pairs, path = self.listening(robot)
+        path.path(path_message([112], [pose(0.3, 5, 6, 7)], "odom"), "odom")
+        self.assertFalse(robot.told[0][2], "what is newer than the path lies right already")
+        ((_, T, *_),) = path.scans(pairs.take())
+        np.testing.assert_allclose(T, pose(0, 10, 0, 0) @ T_BASE_LIDAR, atol=1e-12)
+
+    def test_a_session_that_goes_on_waits_until_the_path_says_in_which_frame(self):
+        pairs, path = self.listening(Robot(last_keyframe=3))
+        self.assertEqual(path.scans(pairs.take()), [])
+        self.assertEqual(pairs.lost, {"no corrected path yet": 1})
+        path.path(path_message([112], [pose(0, 1, 0, 0) @ pose(0, 12, 0, 0)], "map"), "odom")
+        pairs.cloud(115, "lidar", "points")
+        self.assertEqual(len(path.scans(pairs.take())), 1)
+
+    def test_one_whose_stamps_do_not_rise_is_refused(self):
+        robot = Robot()
+        _, path = self.listening(robot)
+        with self.assertRaisesRegex(ValueError, "stamps of their own"):
+            path.path(path_message([112, 112], [np.eye(4)] * 2, "map"), "odom")
+        path.path(path_message([], [], "map"), "odom")
+        self.assertEqual(robot.told, [])
+
+
 def free_port():
     with socket.socket() as s:
         s.bind(("127.0.0.1", 0))
@@ -272,9 +345,10 @@ class Bags(unittest.TestCase):
         told = Heard(port)
         node = subprocess.Popen(["roslaunch", "-p", str(port), "headframe_ros", "headframe.launch", f"server:={self.address}", "robot:=b",
                                  f"spool:={OUT / 'b_spool'}", "points:=/lidar", "odometry:=/odom", "map_radius:=8",
-                                 "insecure:=true"], env=told.environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
+                                 "insecure:=true", "corrected:=/slam/path"], env=told.environment, stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT)
         try:
-            told.listen_and_drive(list(drive(OUT / "drives" / "b")))
+            told.listen_and_drive(list(drive(OUT / "drives" / "b", climb_m=0.02)))
+            told.close_loops(OUT / "drives" / "b")
             told.ask_for_a_merge()
             T_map_odom = told.wait("/tf", lambda m: m.transforms[0].header.frame_id == "map")
             path = told.wait("paths", lambda m: True)
@@ -354,10 +428,21 @@ class Heard:
         for topic, _, message in told:
             out[topic].publish(message)
 
+    def close_loops(self, folder):
+        """When all scans have come SLAM finds that the mine is level."""
+        import rospy
+        value = lambda m, key: float({v.key: v.value for v in m.status[0].values}.get(key, 0) or 0)  # noqa: E731
+        self.wait("/diagnostics", lambda m: value(m, "scans") == 84)
+        out = rospy.Publisher("/slam/path", PathMessage, queue_size=1)
+        self.wait_for(lambda: out.get_num_connections() > 0)
+        truth = list(scans(folder))
+        out.publish(path_message([s for s, *_ in truth], [T @ np.linalg.inv(T_BASE_LIDAR) for _, T, _ in truth], "odom"))
+        told = self.wait("/diagnostics", lambda m: value(m, "moves acknowledged") == 1)
+        assert value(told, "keyframes moved") > 0.8 * value(told, "keyframes"), told.status[0]
+
     def ask_for_a_merge(self):
         """Until then the robot drives on, and an exact copy of the mine may lie ahead of it."""
         import rospy
-        self.wait("/diagnostics", lambda m: "84" in [v.value for v in m.status[0].values if v.key == "scans"])
         asks = rospy.Publisher("/headframe/merge", Empty, queue_size=1)
         self.wait_for(lambda: asks.get_num_connections() > 0)
         asks.publish(Empty())
@@ -373,7 +458,7 @@ class Heard:
     def wait(self, topic, condition):
         found = lambda: [m for m in self._heard.get(topic, []) if condition(m)]  # noqa: E731
         with self._changed:
-            assert self._changed.wait_for(found, 120), f"nothing on {topic}"
+            assert self._changed.wait_for(found, 120), f"{topic}, the last: {self._heard.get(topic, [None])[-1]}"
             return found()[-1]
 
     @staticmethod

@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 import numpy as np
-from headframe.v1 import robot_pb2
+from headframe.v1 import robot_pb2, types_pb2
 from headframe_plain import cloud, credential, descriptor, geometry, keyframes, learned, protocol
 
 
@@ -172,6 +172,86 @@ class Credentials(unittest.TestCase):
             self.assertRaises(credential.Refused, credential.Credential, path, "hauler")
             os.chmod(path, 0o644)
             self.assertRaises(credential.Refused, credential.Credential, path, "scout")
+
+
+class PosesThatChange(unittest.TestCase):
+    """The protocol page's rules of PoseUpdate, beside a server that the test plays."""
+
+    def setUp(self):
+        hello = robot_pb2.Hello(clouds=robot_pb2.CLOUD_POLICY_NEVER)
+        self.session = protocol.Session(hello, lambda sequence: b"", lambda update: None)
+
+    def drive(self, keyframes):
+        for _ in range(keyframes):
+            self.session.keyframes.append(types_pb2.Keyframe(sequence=len(self.session.keyframes) + 1))
+
+    def move(self, **x):
+        """k3=9: keyframe 3 lies at x = 9 now."""
+        moved = {int(name[1:]): types_pb2.Pose(x=value) for name, value in x.items()}
+        self.session.updates.append((len(self.session.keyframes), moved))
+
+    def welcome(self, keyframes=0, update=0, capabilities=("poses",)):
+        self.session.disconnected()
+        self.tell(welcome=robot_pb2.Welcome(protocol_version=1, durable_keyframes=keyframes, durable_pose_update=update,
+                                            capabilities=capabilities))
+
+    def tell(self, **body):
+        self.session.receive(protocol.frame(robot_pb2.ServerMessage(**body)))
+
+    def said(self):
+        out = []
+        while (framed := self.session.next_frame()) is not None:
+            message = robot_pb2.RobotMessage()
+            message.ParseFromString(framed[4:])
+            out.append(message.pose_update if message.HasField("pose_update") else message.keyframe.sequence)
+        return out
+
+    def test_go_behind_the_keyframes_that_there_were_and_ahead_of_later_ones_and_those_that_wait_as_one(self):
+        self.drive(3)
+        self.move(k1=1, k2=2, k3=3)
+        self.drive(1)
+        self.move(k2=9)
+        self.move(k2=10, k4=4)
+        self.welcome()
+        *keyframes, first, last_keyframe, both = self.said()
+        self.assertEqual((keyframes, last_keyframe), ([1, 2, 3], 4))
+        self.assertEqual((first.number, first.total_poses, [(r.first, len(r.T_local_sensor)) for r in first.runs]), (1, 3, [(1, 3)]))
+        self.assertEqual((both.number, [(r.first, r.T_local_sensor[0].x) for r in both.runs]), (3, [(2, 10), (4, 4)]))
+        self.tell(keyframe_ack=robot_pb2.KeyframeAck(durable_keyframes=4))
+        self.tell(pose_update_ack=robot_pb2.PoseUpdateAck(durable_pose_update=1))
+        self.assertFalse(self.session.all_acknowledged())
+        self.welcome(keyframes=4, update=1)
+        self.assertEqual([update.number for update in self.said()], [3], "again, for it was not acknowledged")
+        self.tell(pose_update_ack=robot_pb2.PoseUpdateAck(durable_pose_update=3))
+        self.assertTrue(self.session.all_acknowledged())
+
+    def test_a_large_one_comes_in_parts(self):
+        self.drive(500)
+        self.session.updates.append((500, {s: types_pb2.Pose(x=s) for s in range(1, 501) if s != 7}))
+        self.welcome(keyframes=500)
+        parts = self.said()
+        self.assertGreater(len(parts), 3)
+        self.assertTrue(all(len(part.SerializeToString()) <= protocol.MOST_CHUNK_BYTES for part in parts))
+        offset, moved = 0, []
+        for part in parts:
+            self.assertEqual((part.number, part.total_poses, part.offset), (1, 499, offset))
+            offset += sum(len(run.T_local_sensor) for run in part.runs)
+            moved += [(run.first + i, T.x) for run in part.runs for i, T in enumerate(run.T_local_sensor)]
+        self.assertEqual(moved, [(s, s) for s in range(1, 501) if s != 7])
+
+    def test_a_server_that_is_older_or_that_holds_what_nobody_sent(self):
+        self.drive(1)
+        self.move(k1=1)
+        self.welcome(keyframes=1, capabilities=())
+        self.assertEqual(self.said(), [])
+        self.assertTrue(self.session.all_acknowledged())
+        with self.assertRaises(protocol.LinkEnds) as end:
+            self.welcome(keyframes=1, update=2)
+        self.assertTrue(end.exception.permanent)
+        self.welcome(keyframes=1)
+        with self.assertRaises(protocol.LinkEnds) as end:
+            self.tell(pose_update_ack=robot_pb2.PoseUpdateAck(durable_pose_update=1))
+        self.assertFalse(end.exception.permanent)
 
 
 if __name__ == "__main__":

@@ -45,6 +45,7 @@ struct Script {
   std::vector<SessionId> anchors;
   std::vector<std::pair<SessionId, std::vector<Keyframe>>> moved;
   bool moves_anything = true;
+  std::function<void(AttemptReport&)> on_move = [](AttemptReport&) {};
   std::uint64_t cut_from = UINT64_MAX;  // a session with this keyframe is cut there
 
   std::size_t attempted() {
@@ -73,6 +74,7 @@ class ScriptedPipeline : public Pipeline {
     script_.moved.emplace_back(id, keyframes);
     AttemptReport report;
     report.atlas_changed = script_.moves_anything;
+    script_.on_move(report);
     return report;
   }
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource&) override {

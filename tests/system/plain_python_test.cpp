@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <map>
 #include <sstream>
 
+#include "common/dataset/poses_file.hpp"
+#include "common/dataset/text.hpp"
 #include "tests/support/base_station.hpp"
 #include "tests/support/drawn_session.hpp"
 #include "tests/support/python_robot.hpp"
@@ -94,6 +97,61 @@ TEST_F(PlainPython, MergesOnARecordingWithTheLearnedDescriptor) {
   EXPECT_LT(error.rotation_deg, 1);
 }
 #endif
+
+/// A drive as odometry has it that climbs though the mine is level, and as SLAM knows at its end that it was.
+class LoopsClosedAtTheEnd : public PlainPython {
+ protected:
+  void SetUp() override {
+    PlainPython::SetUp();
+    Drive climbs = drive_a_to_c(1);
+    write_session(at("true"), climbs);
+    for (std::size_t i = 0; i < climbs.keyframes.size(); ++i)
+      climbs.keyframes[i].T_local_sensor.translation().z() += 0.03 * static_cast<double>(i);
+    write_session(at("climbs"), climbs);
+  }
+  std::string corrected() const { return (at("true") / "poses.txt").string(); }
+
+  /// Of each keyframe that the server has of the robot's session: how high it lies, by its stamp.
+  std::map<double, double> heights(const std::string& robot) {
+    (void)station->settled_atlas();
+    const std::string file = at(robot + ".txt");
+    const auto ended = station->command({"trajectory", robot, file});
+    EXPECT_TRUE(ended && ended->status == 0) << ended->output;
+    std::map<double, double> all;
+    const auto poses = dataset::parse_poses(dataset::read_file(file, 1 << 20).value()).value();
+    for (const auto& pose : poses) all[pose.stamp_s] = pose.T_local_sensor.translation().z();
+    return all;
+  }
+  void expect_level(const std::string& robot) {
+    const auto all = heights(robot);
+    EXPECT_GT(all.size(), 10U);
+    for (const auto& [stamp_s, z] : all) EXPECT_NEAR(z, 0, 0.002) << robot << ", at " << stamp_s << " s";
+  }
+};
+
+TEST_F(LoopsClosedAtTheEnd, AreToldByTheRobotInPython) {
+  auto closes = python("b", at("climbs"), {"--corrected", corrected()});
+  EXPECT_NE(output_of(closes).find("keyframes were moved by"), std::string::npos);
+  expect_level("b");
+  auto same = python("a", at("true"), {"--corrected", corrected()});
+  EXPECT_NE(output_of(same).find("0 keyframes were moved"), std::string::npos);
+}
+
+TEST_F(LoopsClosedAtTheEnd, AreToldByHeadframeReplayOnceAlsoWhenItIsStartedAgain) {
+  for (const bool again : {false, true}) {
+    auto replayed = station->replay("r", at("climbs"), {"--spool", at("spool"), "--corrected", corrected()});
+    ASSERT_TRUE(replayed);
+    const std::string said = output_of(*replayed);
+    EXPECT_EQ(said.find("\n0 of ") != std::string::npos, again) << said;
+    expect_level("r");
+  }
+  write_session(at("later"), drive_a_to_c(1), 1000);
+  auto other = station->replay("s", at("later"), {"--corrected", corrected()});
+  const auto ended = other->wait(300s);
+  ASSERT_TRUE(ended);
+  EXPECT_NE(ended->status, 0);
+  EXPECT_NE(ended->output.find("no pose near the stamp of any keyframe"), std::string::npos) << ended->output;
+}
 
 TEST_F(PlainPython, AServerThatIsKilledCostsNothing) {
   write_session(at("a"), drive_a_to_c(1));

@@ -119,6 +119,47 @@ TEST(KeyframeSelector, ARobotAtRestWhosePoseTremblesSendsNothingMore) {
   for (int i = 0; i < 100000; ++i) ASSERT_FALSE(selector.add(at(i % 2 == 0 ? 0.4 : -0.4), 30).keyframe) << i;
 }
 
+/// Random drives, of which random keyframes are moved: it decides as one that was restored by where they lie now.
+TEST(KeyframeSelector, WhoseKeyframesWereMovedDecidesAsOneThatWasRestored) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> side(-40, 40), turn(-180, 180), room(1, 12);
+    KeyframeSelector moved;
+    std::vector<KeyframePose> known;
+    std::vector<float> rooms;
+    for (int i = 0; i < 300; ++i) {
+      const Pose T = at(side(random), side(random), turn(random));
+      const auto decision = moved.add(T, static_cast<float>(room(random)));
+      if (!decision.keyframe) continue;
+      known.push_back({known.size() + 1, T});
+      rooms.push_back(decision.spaciousness_m);
+    }
+    for (int updates = 0; updates < 3; ++updates) {
+      std::vector<KeyframePose> update;
+      for (KeyframePose& k : known) {
+        if (random() % 3 != 0) continue;
+        k.T_local_sensor = pose_from_yaw(0.1, {side(random) / 4, side(random) / 4, 0}) * k.T_local_sensor;
+        update.push_back(k);
+      }
+      moved.move(update, rooms.back());
+    }
+    KeyframeSelector restored;
+    for (std::size_t i = 0; i < known.size(); ++i) restored.restore(known[i].T_local_sensor, rooms[i]);
+    ASSERT_EQ(moved.size(), restored.size());
+    std::size_t chosen = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Pose T = at(side(random), side(random), turn(random));
+      const auto range_m = static_cast<float>(room(random));
+      const auto one = moved.add(T, range_m), other = restored.add(T, range_m);
+      ASSERT_EQ(one.keyframe, other.keyframe) << "seed " << seed << ", scan " << i;
+      EXPECT_EQ(one.spaciousness_m, other.spaciousness_m);
+      chosen += one.keyframe ? 1 : 0;
+    }
+    EXPECT_GT(chosen, 5U);
+    EXPECT_LT(chosen, 295U);
+  }
+}
+
 TEST(KeyframeSelector, KnownGroundIsKnownAfterARestart) {
   KeyframeSelector first, again;
   for (int i = 0; i <= 30; ++i)

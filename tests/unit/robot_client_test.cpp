@@ -343,6 +343,30 @@ TEST_F(RobotClientTest, NewPosesArriveBehindTheirKeyframesAlsoAfterARestart) {
   EXPECT_FALSE((*robot)->update_poses(moved_poses(4))) << "the session is finished";
 }
 
+TEST_F(RobotClientTest, ACorrectedTrajectoryMovesWhatItMovesOnceAndSelectionGoesOnFromThere) {
+  std::vector<TrajectoryPose> corrected;  // the drive went up the y axis
+  corrected.reserve(31);
+  for (int i = 0; i <= 30; ++i) corrected.push_back({i * 0.5, pose_from_yaw(M_PI / 2, {0, static_cast<double>(i), 0})});
+  for (const bool again : {false, true}) {
+    const auto robot = RobotClient::open(config(1));
+    ASSERT_TRUE(robot) << robot.error().message;
+    if (!again) {
+      ASSERT_EQ(drive(**robot), 4U);
+    }
+    const auto done = (*robot)->correct(corrected);
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(done->matched, 4U);
+    EXPECT_EQ(done->moved.size(), again ? 0U : 4U);
+    EXPECT_EQ((*robot)->progress().pose_updates, 1U);
+    EXPECT_FALSE((*robot)->add_scan(100, pose_from_yaw(M_PI / 2, {0.5, 20, 0}), drift_scan()).value());
+    EXPECT_EQ((*robot)->correct(std::vector<TrajectoryPose>{{1000, Pose::Identity()}})->matched, 0U);
+    if (!again) continue;
+    corrected[1].stamp_s = corrected[0].stamp_s;
+    EXPECT_EQ((*robot)->correct(corrected).error().code, ErrorCode::invalid_argument);
+    EXPECT_TRUE((*robot)->add_scan(101, pose_from_yaw(0, {20, 0, 0}), drift_scan()).value()) << "nobody drove there";
+  }
+}
+
 TEST_F(RobotClientTest, AServerOfBeforePoseUpdatesGetsAllElseAndANewerOneThoseThatWaited) {
   {
     ScriptedStation station;

@@ -44,6 +44,33 @@ TEST_F(WorkerPoses, AnUpdateIsTakenInAndTheSessionIsTriedAgain) {
   EXPECT_EQ(x, 1005);
 }
 
+TEST_F(WorkerPoses, AMergeThatItWithdrawsIsAnIncidentAsAnyOther) {
+  const Pose T = pose_from_yaw(0.5, {1, 2, 3});
+  Alignment merged{1, 1, 2, AlignmentState::published, T, {}};
+  const Atlas together{1, {{1, {{1, Pose::Identity()}, {2, T}}}}},
+      apart{2, {{1, {{1, Pose::Identity()}}}, {2, {{2, Pose::Identity()}}}}};
+  script.atlas = together;
+  script.alignments = {merged};
+  PutMerge before;
+  before.changed = {merged};
+  before.atlas = together;
+  keep(before);
+  script.on_move = [&](AttemptReport& report) {
+    merged.state = AlignmentState::verified;
+    script.atlas = apart;
+    script.alignments = {merged};
+    report.changed = {merged};
+  };
+  start();
+  say(update(1, 5, {2, 5}));
+  ASSERT_TRUE(eventually([&] { return script.attempted() == 1 && idle(); }));
+  EXPECT_EQ(worker->effort().withdrawn, 1U);
+  const std::lock_guard lock(robots.mutex);
+  ASSERT_EQ(robots.withdrawn.size(), 1U);
+  EXPECT_EQ(robots.withdrawn[0].reason, "a robot's SLAM moved where it had been, and other sessions contradict it");
+  EXPECT_EQ(worker->view()->alignments.at(0).state, AlignmentState::verified) << "which the page makes an alarm of";
+}
+
 TEST_F(WorkerPoses, OneThatMovesNothingIsNotTriedAgain) {
   script.moves_anything = false;
   start();

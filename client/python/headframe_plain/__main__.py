@@ -4,8 +4,10 @@ import argparse
 import sys
 import time
 
+import numpy as np
+
 from .credential import Refused
-from .recording import Recording
+from .recording import Recording, read_trajectory
 from .robot import POLICIES, Robot, Settings
 
 
@@ -20,6 +22,8 @@ def arguments():
     parser.add_argument("--cloud-form", type=int, default=1, choices=(1, 2))
     parser.add_argument("--network", default="", metavar="FILE",
                         help="learned.onnx: describe as the library's robots do, not with Scan Context")
+    parser.add_argument("--corrected", default="", metavar="FILE",
+                        help="TUM trajectory as SLAM has it at the end: keyframes whose stamps it has lie where it says")
     parser.add_argument("--rate", type=float, default=0, help="times real time; without it as fast as it goes")
     parser.add_argument("--linger", type=float, default=0, metavar="SECONDS",
                         help="stay until merged with another session, so long at most")
@@ -49,12 +53,19 @@ def in_time(recording, rate):
 
 def play(options):
     recording = Recording(options.recording)
+    corrected = read_trajectory(options.corrected) if options.corrected else {}
     robot = Robot(Settings(
         server=options.server, robot=options.robot, enrolment=options.enrol, clouds=options.clouds,
         cloud_form=options.cloud_form, network=options.network, sensor=recording.sensor,
         credential="" if options.insecure else options.credential or f"{options.robot}.credential"))
     try:
         count = sum(robot.add_scan(*scan) for scan in in_time(recording, options.rate))
+        if corrected:
+            moved = {number: corrected[stamp_s] for number, stamp_s, T in robot.keyframes
+                     if stamp_s in corrected and not np.allclose(corrected[stamp_s], T, rtol=0, atol=1e-9)}
+            if moved:
+                robot.update_poses(moved)
+            print(f"{len(moved)} keyframes were moved by {options.corrected}", flush=True)
         robot.wait_acknowledged(options.patience)
         print(f"{count} keyframes, all acknowledged", flush=True)
         robot.trigger("all is sent")

@@ -26,6 +26,12 @@ def quaternion(R):
     return q / np.linalg.norm(q)
 
 
+def is_pose(T):
+    """A rotation, and a place within the 1e8 m that the protocol knows."""
+    return (T.shape == (4, 4) and np.isfinite(T).all() and np.abs(T[:3, 3]).max() <= 1e8 and
+            np.allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-6) and np.linalg.det(T[:3, :3]) > 0)
+
+
 def inverse(T):
     out = np.eye(4)
     out[:3, :3] = T[:3, :3].T

@@ -57,6 +57,15 @@ class Selector:
         self._path_m_of.append(self._path_m)
         return True
 
+    def restore(self, poses, spaciousness):
+        """As if the keyframes had been chosen where they lie now."""
+        self.spaciousness, self._path_m, self._path_end = spaciousness, 0.0, None
+        self._poses, self._path_m_of = [], []
+        for T in poses:
+            self._drive_to(T[:3, 3])
+            self._poses.append(np.array(T))
+            self._path_m_of.append(self._path_m)
+
     def _drive_to(self, position):
         """In steps of a metre: a pose that trembles drives nowhere."""
         step = 1.0 if self._path_end is None else np.linalg.norm(position - self._path_end)

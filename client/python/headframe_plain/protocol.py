@@ -18,7 +18,9 @@ KEYFRAMES_ON_THEIR_WAY = 64
 CLOUDS_ON_THEIR_WAY = 16
 NO_NAME = re.compile("[/\x00-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
                      "\U000e0000-\U000e007f]")
-CAPABILITIES = ("cloud_refusal", "link_policy")
+POSES_IN_A_MESSAGE = 120  # about 8 KiB: a keyframe waits no longer for it
+POSES_IN_AN_UPDATE = 100000
+CAPABILITIES = ("cloud_refusal", "link_policy", "poses")
 
 
 class LinkEnds(Exception):
@@ -66,8 +68,8 @@ class FrameReader:
 
 
 class Session:
-    """What outlives a connection: the keyframes (all of them: a server that lost its database asks for them again), their
-    clouds, and what the server said last. Not thread safe.
+    """What outlives a connection: the keyframes and the updates of their poses (all of them: a server that lost its database
+    asks for them again), their clouds, and what the server said last. Not thread safe.
 
     cloud(sequence) gives a keyframe's encoded cloud, b"" if it has none. on_transforms(TransformUpdate) is called when a
     new revision comes.
@@ -75,6 +77,7 @@ class Session:
 
     def __init__(self, hello, cloud, on_transforms):
         self.hello, self.keyframes, self.durable = hello, [], 0
+        self.updates, self.durable_update = [], 0  # (how many keyframes there were, {sequence: types_pb2.Pose})
         self.transforms, self.welcomed_once = None, False
         self._cloud, self._on_transforms = cloud, on_transforms
         self._durable_clouds = set()  # as the last Welcome and the acknowledgements since say
@@ -87,7 +90,8 @@ class Session:
         self.welcomed, self.hold, self.cut = False, "", ""
         self.bytes_per_s = 0
         self._reader, self._answers = FrameReader(), []
-        self._sent = 0
+        self._sent = self._sent_update = 0
+        self._takes_poses, self._moving = False, None  # an update on its way: its number, its poses, how many are sent
         self._requested, self._transfer = [], None
         self._clouds_on_their_way, self._background_from = set(), 1
         self._asked = self._said_goodbye = False
@@ -110,6 +114,8 @@ class Session:
             return self._answers.pop(0)
         if self.hold:
             return None
+        if self._takes_poses and (self._moving or self._begin_update()):
+            return self._next_poses()
         if self._sent < len(self.keyframes) and self._sent - self.durable < KEYFRAMES_ON_THEIR_WAY:
             return self._next_keyframe()
         return self._next_chunk()
@@ -135,9 +141,10 @@ class Session:
         return frame(message)
 
     def all_acknowledged(self):
-        """Keyframes, and what the policy says of clouds."""
+        """Keyframes, where they lie now, if the server takes that, and what the policy says of clouds."""
         clouds = self.hello.clouds == robot_pb2.CLOUD_POLICY_ALL
-        return (self.welcomed and self.durable == len(self.keyframes) and not self._transfer and not self._requested and
+        moved = self.durable_update == len(self.updates) or not self._takes_poses
+        return (self.welcomed and self.durable == len(self.keyframes) and moved and not self._transfer and not self._requested and
                 not self._clouds_on_their_way and (not clouds or self._next_background() is None))
 
     def _next_keyframe(self):
@@ -145,6 +152,32 @@ class Session:
         message.keyframe.CopyFrom(self.keyframes[self._sent])
         self._sent += 1
         message.backlog = len(self.keyframes) - self._sent
+        return frame(message)
+
+    def _begin_update(self):
+        """Those that wait and whose keyframes are all sent, as one: the newest pose of each keyframe. False: there is none."""
+        last, poses = self._sent_update, {}
+        while last < len(self.updates) and self.updates[last][0] <= self._sent:
+            both = {**poses, **self.updates[last][1]}
+            if poses and len(both) > POSES_IN_AN_UPDATE:
+                break
+            last, poses = last + 1, both
+        if poses:
+            self._moving = [last, sorted(poses.items()), 0]
+        return bool(poses)
+
+    def _next_poses(self):
+        number, poses, offset = self._moving
+        message = robot_pb2.RobotMessage()
+        update, run = message.pose_update, None
+        update.number, update.total_poses, update.offset = number, len(poses), offset
+        for sequence, pose in poses[offset:offset + POSES_IN_A_MESSAGE]:
+            if run is None or sequence != run.first + len(run.T_local_sensor):
+                run = update.runs.add(first=sequence)
+            run.T_local_sensor.append(pose)
+        self._moving[2] += POSES_IN_A_MESSAGE
+        if self._moving[2] >= len(poses):
+            self._sent_update, self._moving = number, None
         return frame(message)
 
     def _next_background(self):
@@ -219,7 +252,12 @@ class Session:
         if welcome.durable_keyframes > len(self.keyframes):
             raise LinkEnds(f"the server holds {welcome.durable_keyframes} keyframes of this session, the robot made only "
                            f"{len(self.keyframes)}: begin a new session", permanent=True)
+        if welcome.durable_pose_update > len(self.updates):
+            raise LinkEnds(f"the server holds update {welcome.durable_pose_update} of this session's poses, the robot made only "
+                           f"{len(self.updates)}: begin a new session", permanent=True)
         self.welcomed = self.welcomed_once = True
+        self._takes_poses = "poses" in welcome.capabilities
+        self._sent_update = self.durable_update = welcome.durable_pose_update
         self._sent = self.durable = welcome.durable_keyframes
         self._durable_clouds = {s for r in welcome.durable_clouds
                                 for s in range(r.first, min(r.last, len(self.keyframes)) + 1)}
@@ -230,6 +268,11 @@ class Session:
         if ack.durable_keyframes > self._sent:
             raise LinkEnds("an acknowledgement of a keyframe that was not sent")
         self.durable = max(self.durable, ack.durable_keyframes)
+
+    def _on_pose_update_ack(self, ack):
+        if ack.durable_pose_update > self._sent_update:
+            raise LinkEnds("an acknowledgement of an update of poses that was not sent")
+        self.durable_update = max(self.durable_update, ack.durable_pose_update)
 
     def _on_cloud_ack(self, ack):
         for sequence in ack.sequences:

@@ -20,6 +20,12 @@ def of_file(path, read):
             raise ValueError(f"{path}: {fault}") from fault
 
 
+def read_trajectory(path):
+    """{stamp_s: 4x4} of a TUM file: t x y z qx qy qz qw a line."""
+    rows = of_file(path, lambda file: np.loadtxt(file, ndmin=2))
+    return {row[0]: pose(row[1:4], row[4:8]) for row in rows}
+
+
 class Recording:
     def __init__(self, folder):
         self._scans = os.path.join(folder, "scans")

@@ -11,10 +11,15 @@ from . import cloud, descriptor, geometry, keyframes
 from .credential import Credential, Refused
 from .learned import Learned
 from .link import Link
-from .protocol import CAPABILITIES, VERSION, Session, is_name
+from .protocol import CAPABILITIES, POSES_IN_AN_UPDATE, VERSION, Session, is_name
 
 POLICIES = {"on_request": robot_pb2.CLOUD_POLICY_ON_REQUEST, "all": robot_pb2.CLOUD_POLICY_ALL,
             "never": robot_pb2.CLOUD_POLICY_NEVER}
+
+
+def message_of(T):
+    quaternion = geometry.quaternion(T[:3, :3])
+    return types_pb2.Pose(**dict(zip(("x", "y", "z"), T[:3, 3])), **dict(zip(("qx", "qy", "qz", "qw"), quaternion)))
 
 
 @dataclass
@@ -33,7 +38,7 @@ class Settings:
 class Robot:
     """One session. Keyframes are kept in memory only: a robot that is started anew begins a new session.
 
-    add_scan() from one thread at a time; all else is thread safe. `on_transforms(TransformUpdate)` is called on the
+    add_scan() and update_poses() from one thread at a time; all else is thread safe. `on_transforms(TransformUpdate)` is called on the
     link's thread, with its lock held: it must not call the robot. Refused: what can not be helped by trying again.
     """
 
@@ -45,6 +50,7 @@ class Robot:
         self._family = Learned(settings.network) if settings.network else descriptor.ScanContext()
         self._selector, self._sweeps, self._clouds = keyframes.Selector(), keyframes.Sweeps(), []
         self._last_stamp = -np.inf
+        self._now = []  # where keyframes lie
         credential = Credential(settings.credential, settings.robot, settings.enrolment) if settings.credential else None
         self._session = Session(self._hello(), self._encoded_cloud, on_transforms)
         self._session.credential = credential
@@ -71,8 +77,34 @@ class Robot:
             self._clouds.append(sweeps)
             keyframe.sequence = len(self._clouds)
             self._session.keyframes.append(keyframe)
+        self._now.append(T)
         self._link.wake()
         return True
+
+    def update_poses(self, T_local_sensor):
+        """SLAM moved the past: where these keyframes lie now, {number: 4x4}, numbered from 1 in the order in which add_scan()
+        said True. From the thread that calls add_scan(), which goes on in the frame as it is now. A server that is too old
+        for it is told nothing. ValueError: no such keyframe, no pose, or none at all."""
+        moved = {int(sequence): np.array(T, float) for sequence, T in T_local_sensor.items()}
+        if not 1 <= len(moved) <= POSES_IN_AN_UPDATE:
+            raise ValueError(f"{len(moved)} poses, an update has 1 to {POSES_IN_AN_UPDATE}")
+        for sequence, T in moved.items():
+            if not 1 <= sequence <= len(self._now):
+                raise ValueError(f"there is no keyframe {sequence}")
+            if not geometry.is_pose(T):
+                raise ValueError(f"what is given for keyframe {sequence} is no pose")
+        for sequence, T in moved.items():
+            self._now[sequence - 1] = T
+        self._selector.restore(self._now, self._session.keyframes[-1].spaciousness_m)
+        self._sweeps.take(self._now[-1], np.empty((0, 3)))
+        with self._link.lock:
+            self._session.updates.append((len(self._now), {s: message_of(T) for s, T in moved.items()}))
+        self._link.wake()
+
+    @property
+    def keyframes(self):
+        """(number, stamp_s, 4x4 as it lies now) of each."""
+        return [(k.sequence, k.stamp_s, T) for k, T in zip(self._session.keyframes, self._now)]
 
     def trigger(self, reason):
         """Asks the server to merge now."""
@@ -84,12 +116,13 @@ class Robot:
         """Until the server has all keyframes (and with "all" their clouds) on its disk. Refused; TimeoutError: nothing was
         acknowledged for so long."""
         with self._link.lock:
-            last, until = -1, 0.0
+            last, until = None, 0.0
             while not self._session.all_acknowledged():
                 if self._link.refused:
                     raise Refused(self._link.last_error)
-                if self._session.durable != last:
-                    last, until = self._session.durable, time.monotonic() + patience_s
+                durable = self._session.durable, self._session.durable_update
+                if durable != last:
+                    last, until = durable, time.monotonic() + patience_s
                 if not self._link.lock.wait(max(0, until - time.monotonic())) and time.monotonic() >= until:
                     raise TimeoutError(self._link.last_error or "the server acknowledges nothing")
 
@@ -137,12 +170,10 @@ class Robot:
         q, w, place_class = self._family.describe(points_level)
         sweeps = self._sweeps.take(T, points)
         count = sum(len(sweep) for _, sweep in sweeps) if self._settings.clouds != "never" else 0
-        quaternion = geometry.quaternion(T[:3, :3])
         return types_pb2.Keyframe(
             stamp_s=stamp_s, spaciousness_m=self._selector.spaciousness, q=descriptor.halves_of_q(q),
-            T_local_sensor=types_pb2.Pose(**dict(zip(("x", "y", "z"), T[:3, 3])),
-                                          **dict(zip(("qx", "qy", "qz", "qw"), quaternion))),
-            w=descriptor.halves(w), walls=descriptor.wall_profile(points_level), point_count=count, place_class=place_class), [
+            T_local_sensor=message_of(T), w=descriptor.halves(w), walls=descriptor.wall_profile(points_level),
+            point_count=count, place_class=place_class), [
                 (origin.astype(np.float32), sweep.astype(np.float32)) for origin, sweep in sweeps]
 
     def _encoded_cloud(self, sequence):

@@ -14,6 +14,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Empty
 from tf2_msgs.msg import TFMessage
 
+from .corrected import Corrected
 from .messages import fill_transform
 from .pairing import Pairing
 from .replay import mounting_of
@@ -23,15 +24,37 @@ from .topics import Listener
 class Feed:
     """ROS calls back on a thread for each topic; the robot gets scans one at a time, in order."""
 
-    def __init__(self, robot, pairing, listener):
+    def __init__(self, robot, pairing, listener, corrected=None):
         self.scans = 0
         self.warning = ""
         self.T_local_sensor = None  # of the last scan
+        self.corrected = corrected
         self._robot, self._pairing, self._listener = robot, pairing, listener
         self._pairs, self._feeds = threading.Lock(), threading.Lock()
 
     def hear(self, topic):
         return rospy.Subscriber(topic, self._kind(topic), lambda m: self._take(topic, m), queue_size=200)
+
+    def hear_path(self, topic):
+        return rospy.Subscriber(topic, Path, self._take_path, queue_size=1)
+
+    @property
+    def local_frame(self):
+        """Of the session: the corrected path's, if there is to be one; None: not known yet."""
+        return self.corrected.frame if self.corrected else self._listener.local_frame
+
+    def _take_path(self, message):
+        try:
+            with self._feeds, self._pairs:
+                self.corrected.path(message, self._listener.local_frame)
+            if self.corrected.warning:
+                raise ValueError(self.corrected.warning)
+        except (ValueError, headframe.Error) as fault:
+            self._warn(fault)
+
+    def _warn(self, fault):
+        self.warning = str(fault)
+        rospy.logwarn_throttle(10, f"headframe: {fault}")
 
     def _kind(self, topic):
         if topic.startswith("/tf"):
@@ -47,20 +70,20 @@ class Feed:
             with self._feeds:
                 with self._pairs:
                     scans = self._pairing.take()
+                    scans = self.corrected.scans(scans) if self.corrected else scans
                 for scan in scans:
                     self.T_local_sensor = scan[1]
                     self.scans += 1
                     self._robot.add_scan(*scan)
         except (ValueError, headframe.Error) as fault:
-            self.warning = str(fault)
-            rospy.logwarn_throttle(10, f"headframe: {fault}")
+            self._warn(fault)
 
 
 class Told:
     """What the base station tells, as topics."""
 
-    def __init__(self, robot, listener, map_frame):
-        self._robot, self._listener, self._map_frame = robot, listener, map_frame
+    def __init__(self, robot, feed, map_frame):
+        self._robot, self._feed, self._map_frame = robot, feed, map_frame
         self._tf = rospy.Publisher("/tf", TFMessage, queue_size=10)
         self._coverage = rospy.Publisher("~coverage", OccupancyGrid, queue_size=1, latch=True)
         self._map = rospy.Publisher("~map", PointCloud2, queue_size=1, latch=True)
@@ -70,7 +93,7 @@ class Told:
 
     def tf(self, _event=None):
         """The component's frame to the robot's local one, while the robot is on the map of others."""
-        told, local = self._robot.transforms, self._listener.local_frame
+        told, local = self._robot.transforms, self._feed.local_frame
         T = told.T_component_session.get(self._robot.session) if told and local else None
         if T is None:
             return
@@ -86,7 +109,7 @@ class Told:
             if name not in self._paths:
                 self._paths[name] = rospy.Publisher(name, Path, queue_size=1, latch=True)
             out = Path()
-            out.header.frame_id = self._listener.local_frame or ""
+            out.header.frame_id = self._feed.local_frame or ""
             for x, y, z in path.points:
                 at = PoseStamped(header=out.header)
                 at.pose.position.x, at.pose.position.y, at.pose.position.z = x, y, z
@@ -116,7 +139,7 @@ class Told:
             rospy.logwarn_throttle(60, f"headframe: no map: {told.refused}")
             return
         out = PointCloud2(height=1, width=len(told.points), point_step=12, row_step=12 * len(told.points), is_dense=True)
-        out.header.frame_id, out.header.stamp = self._listener.local_frame or "", rospy.Time.now()
+        out.header.frame_id, out.header.stamp = self._feed.local_frame or "", rospy.Time.now()
         out.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate("xyz")]
         out.data = np.asarray(told.points, "<f4").tobytes()
         self._map.publish(out)
@@ -138,6 +161,8 @@ def diagnostics(robot, feed, pairing):
     values = {"scans": feed.scans, "keyframes": p.keyframes, "acknowledged": p.keyframes_acknowledged,
               "clouds waiting": p.clouds_waiting, "clouds dropped": p.clouds_dropped, "bytes sent": p.bytes_sent,
               "link": p.link_error, "last fault": feed.warning}
+    if feed.corrected:
+        values.update({"keyframes moved": feed.corrected.moved, "moves acknowledged": p.pose_updates_acknowledged})
     values.update({f"left out, {why}": count for why, count in pairing.lost.items()})
     status = DiagnosticStatus(level, "headframe", text, str(robot.session.robot),
                               [KeyValue(key, str(value)) for key, value in values.items()])
@@ -154,7 +179,10 @@ def run(robot):
     pairing = Pairing(mounting_of(mounting or None))
     local = param("~tf", "")
     listener = Listener(pairing, rospy.resolve_name("points"), None if local else rospy.resolve_name("odometry"), local or None)
-    feed, told = Feed(robot, pairing, listener), Told(robot, listener, param("~map_frame", "map"))
+    corrected = Corrected(robot, pairing, float(param("~least_moved", 0.05)), float(param("~least_turned", 0.01))) \
+        if param("~corrected", False) else None
+    feed = Feed(robot, pairing, listener, corrected)
+    told = Told(robot, feed, param("~map_frame", "map"))
     health = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
     radius_m = float(param("~map_radius", 0))
 
@@ -166,6 +194,8 @@ def run(robot):
             robot.map_around(feed.T_local_sensor[:3, 3], radius_m, 0.2, callback=told.map)
 
     subscribers = [feed.hear(topic) for topic in listener.topics]
+    if corrected:
+        subscribers.append(feed.hear_path(rospy.resolve_name("corrected")))
     subscribers.append(rospy.Subscriber("~merge", Empty, lambda _: robot.trigger("asked for on a topic"), queue_size=1))
     timers = [rospy.Timer(rospy.Duration(0.2), told.tf), rospy.Timer(rospy.Duration(1), each_second)]
     if radius_m > 0:

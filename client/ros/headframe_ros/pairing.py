@@ -35,7 +35,7 @@ class Pairing:
         self._T_base_sensor = T_base_sensor
         self._mounted = {}  # frame -> {frame: T}
         self._stamps, self._poses = [], []
-        self._base = None
+        self._base = self._sensor = None  # frames: of what moves, and of the last cloud
         self._waiting = deque()
 
     def static(self, parent, child, T_parent_child):
@@ -54,6 +54,7 @@ class Pairing:
         return None
 
     def cloud(self, stamp_s, frame, points, intensity=None):
+        self._sensor = frame
         self._waiting.append((stamp_s, frame, points, intensity))
         if len(self._waiting) > MOST_WAITING:
             self._waiting.popleft()
@@ -65,7 +66,7 @@ class Pairing:
         while self._waiting and self._stamps and self._waiting[0][0] <= self._stamps[-1]:
             stamp_s, frame, points, intensity = self._waiting.popleft()
             T_base_sensor = self._mounting(frame)
-            T_local_base = self._pose_at(stamp_s)
+            T_local_base = self.pose_at(stamp_s)
             if T_local_base is None:
                 self._lose("no odometry near its stamp")
             elif T_base_sensor is None:
@@ -80,11 +81,26 @@ class Pairing:
             self._lose("no odometry came for it")
         self._waiting.clear()
 
-    def _lose(self, why):
-        self.lost[why] = self.lost.get(why, 0) + 1
+    def mounting(self):
+        """T_base_sensor of the clouds that come; None: none has come, or nothing says where it is mounted."""
+        return None if self._sensor is None else self._mounting(self._sensor)
 
-    def _pose_at(self, stamp_s):
+    def oldest_s(self):
+        """Of the odometry that is kept."""
+        return self._stamps[0] if self._stamps else np.inf
+
+    def lose(self, why, count):
+        if count:
+            self.lost[why] = self.lost.get(why, 0) + count
+
+    def _lose(self, why):
+        self.lose(why, 1)
+
+    def pose_at(self, stamp_s):
+        """T_local_base; None: no odometry is near this stamp."""
         after = bisect_left(self._stamps, stamp_s)
+        if after == len(self._stamps):
+            return None
         if self._stamps[after] == stamp_s:
             return self._poses[after]
         gap_s = self._stamps[after] - self._stamps[after - 1] if after > 0 else np.inf

@@ -134,6 +134,11 @@ class Robot:
     def update_poses(self, T_local_sensor: Mapping[int, ArrayLike]) -> None:
         """SLAM moved the past: where these keyframes, which add_scan made before, lie now, by their numbers from 1 on
         (last_keyframe says how many there are). From the thread that calls add_scan."""
+    def correct(self, stamps_s: ArrayLike, T_local_sensor: ArrayLike, least_moved_m: float = 0.05,
+                least_turned_rad: float = 0.01, later_ones: bool = True) -> Tuple[Dict[int, NDArray[np.float64]], int]:
+        """The same from SLAM's whole trajectory of the sensor, (n) and (n, 4, 4): keyframes whose stamps it has, or has poses
+        close before and after, lie where it says if they moved by enough; the others move as those around them, those
+        that are newer only with later_ones. Which were moved, and how many it had a pose for."""
     def on_transforms(self, callback: Optional[Callable[[Transforms], None]]) -> None: ...
     def localize(self, callback: Optional[Callable[[Localization], None]]) -> None:
         """Asks where the robot is in the map of others, from now on. None: no more."""

@@ -13,6 +13,17 @@ Pose pose_of(const Matrix4& T) {
   return orthonormalised(out);
 }
 
+std::vector<TrajectoryPose> trajectory_of(const ValuesOfDouble& stamps_s, const PoseArray& T_local_sensor) {
+  const bool fits = stamps_s.ndim() == 1 && T_local_sensor.ndim() == 3 && T_local_sensor.shape(1) == 4 &&
+                    T_local_sensor.shape(2) == 4 && T_local_sensor.shape(0) == stamps_s.shape(0);
+  if (!fits) throw py::value_error("a trajectory is stamps of (n) and poses of (n, 4, 4)");
+  std::vector<TrajectoryPose> out;
+  out.reserve(static_cast<std::size_t>(stamps_s.shape(0)));
+  for (py::ssize_t i = 0; i < stamps_s.shape(0); ++i)
+    out.push_back({*stamps_s.data(i), pose_of(Eigen::Map<const Matrix4>(T_local_sensor.data(i, 0, 0)))});
+  return out;
+}
+
 Points points_of(const PointArray& points) {
   if (points.ndim() != 2 || points.shape(1) < 3) throw py::value_error("points has to be an array of (n, 3)");
   const auto p = points.unchecked<2>();

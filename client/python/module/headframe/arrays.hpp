@@ -15,6 +15,8 @@ namespace py = pybind11;
 using Matrix4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 using PointArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using ValueArray = PointArray;
+using PoseArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using ValuesOfDouble = PoseArray;
 
 /// headframe.Error
 struct Fault : std::runtime_error {
@@ -34,6 +36,8 @@ struct Unlocked {
 
 /// ValueError: it is no rigid transform.
 Pose pose_of(const Matrix4& T);
+/// From (n) and (n, 4, 4); else ValueError.
+std::vector<TrajectoryPose> trajectory_of(const ValuesOfDouble& stamps_s, const PoseArray& T_local_sensor);
 inline Matrix4 matrix_of(const Pose& T) { return T.matrix(); }
 
 /// From (n, 3) or (n, more), of which the first three columns count; else ValueError.

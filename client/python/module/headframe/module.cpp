@@ -102,6 +102,22 @@ void update_poses(RobotClient& robot, const std::map<std::uint64_t, Matrix4>& T_
   value_of(robot.update_poses(poses));
 }
 
+py::tuple correct(RobotClient& robot, const ValuesOfDouble& stamps_s, const PoseArray& T_local_sensor,
+                  double least_moved_m, double least_turned_rad, bool later_ones) {
+  const std::vector<TrajectoryPose> trajectory = trajectory_of(stamps_s, T_local_sensor);
+  CorrectionRules rules;
+  rules.least_moved_m = least_moved_m;
+  rules.least_turned_rad = least_turned_rad;
+  rules.later_ones = later_ones;
+  const CorrectedKeyframes done = [&] {
+    const py::gil_scoped_release others_run;
+    return value_of(robot.correct(trajectory, rules));
+  }();
+  py::dict moved;
+  for (const KeyframePose& pose : done.moved) moved[py::cast(pose.sequence)] = matrix_of(pose.T_local_sensor);
+  return py::make_tuple(moved, done.matched);
+}
+
 void finish(RobotClient& robot, double patience_s) {
   const py::gil_scoped_release others_run;
   value_of(robot.finish(milliseconds(patience_s)));
@@ -259,6 +275,10 @@ PYBIND11_MODULE(_robot, m) {
       .def("add_scan", &add_scan, py::arg("stamp_s"), py::arg("T_local_sensor"), py::arg("points"),
            py::arg("intensity") = std::nullopt)
       .def("update_poses", &update_poses, py::arg("T_local_sensor"))
+      .def("correct", &correct, py::arg("stamps_s"), py::arg("T_local_sensor"),
+           py::arg("least_moved_m") = CorrectionRules().least_moved_m,
+           py::arg("least_turned_rad") = CorrectionRules().least_turned_rad,
+           py::arg("later_ones") = CorrectionRules().later_ones)
       .def("on_transforms", subscription(&RobotClient::on_transform), py::arg("callback"))
       .def("localize", subscription(&RobotClient::localize), py::arg("callback"))
       .def("trajectories", subscription(&RobotClient::trajectories), py::arg("callback"))
