@@ -94,13 +94,12 @@ class SessionMap {
   /// for who takes his time.
   double path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const;
 
-  static constexpr double localize_m = 20;               // set by hand, as these:
-  static constexpr double localize_among_copies_m = 80;  // where the mine looks like itself (mine_looks_alike())
+  static constexpr double localize_m = 20;  // set by hand, as this:
   static constexpr double short_m = 20, most_of_short_m = 50;
   static constexpr double least_step_m = 0.25, of_a_turn = 12;
   /// The same before its robot, which asks where it is, is told of the placement: after localize_m in place of
-  /// MergeConfig::shown_m, also when it rests or has ended; up to localize_among_copies_m in a mine that looks like
-  /// itself, for who wakes up where nobody was finds its copy there, and nothing but that (one of 50 m, in a mine of
+  /// MergeConfig::shown_m, also when it rests or has ended. In a mine that looks like itself (mine_looks_alike()) no
+  /// less than that is asked: who wakes up where nobody was finds a copy there and nothing else (50 m, in a mine of
   /// equal tunnels).
   double path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,
                                     const Evidence& evidence) const;

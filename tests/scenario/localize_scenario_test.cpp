@@ -55,7 +55,7 @@ TEST(LocalizeScenario, ARobotThatWakesUpInAMappedMineIsToldWhereItIs) {
 
 TEST(LocalizeScenario, WithoutTheQuestionAShortSessionIsNotLookedAt) {
   Base base({test::drive_that_maps()});
-  const SessionId id = base.grow(test::drive_that_wakes_up());
+  const SessionId id = base.grow(test::drive_that_wakes_up(4, 40));
   base.pipeline.attempt(id, base.shelf);
   EXPECT_TRUE(base.pipeline.alignments().empty());
 }

@@ -23,9 +23,10 @@ inline Drive drive_that_maps(double spacing_m = 3) {
   return drive(branched_mine(), {{2, 0}, {108, 0}}, 0.7, 4, spacing_m);
 }
 
-/// 40 m in the middle, the other way: a robot that wakes up there.
-inline Drive drive_that_wakes_up(double spacing_m = 4) {
-  return drive(branched_mine(), {{66, 0}, {26, 0}}, -2, 9, spacing_m);
+/// So much of it, the other way: a robot that wakes up there. A tunnel of one width looks like itself, so it takes long
+/// until it is told where.
+inline Drive drive_that_wakes_up(double spacing_m = 4, double metres = 70) {
+  return drive(branched_mine(), {{106, 0}, {106 - metres, 0}}, -2, 9, spacing_m);
 }
 
 /// 42 m through other rock.

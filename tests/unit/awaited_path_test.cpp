@@ -89,11 +89,11 @@ TEST_F(AwaitedPath, OfOneWhoAsksWhereItIsIsLongerInAMineThatLooksLikeItself) {
   };
   EXPECT_EQ(awaited_m(0, 20), 0);
   EXPECT_EQ(awaited_m(0.1, 20), 0) << "no more than chance";
-  EXPECT_NEAR(awaited_m(0.2, 20), 30, 1e-6);
-  EXPECT_NEAR(awaited_m(0.3, 20), 60, 1e-6);
-  EXPECT_NEAR(awaited_m(3, 20), 60, 1e-6) << "a bound";
-  EXPECT_NEAR(awaited_m(3, 50), 30, 1e-6) << "a copy of 50 m";
-  EXPECT_EQ(awaited_m(3, 80), 0);
+  EXPECT_NEAR(awaited_m(0.2, 20), 10, 1e-6);
+  EXPECT_NEAR(awaited_m(0.3, 20), 40, 1e-6);
+  EXPECT_NEAR(awaited_m(3, 20), 40, 1e-6) << "a bound";
+  EXPECT_NEAR(awaited_m(3, 50), 10, 1e-6) << "a copy of 50 m";
+  EXPECT_EQ(awaited_m(3, 60), 0);
 }
 
 TEST_F(AwaitedPath, OfOthersCountsWherePlacesLookAlikeAlone) {
