@@ -1,17 +1,48 @@
 #include "server/merge/cloud_cache.hpp"
 
-namespace headframe {
+#include <utility>
 
-std::shared_ptr<const PreparedCloud> CloudCache::get(const KeyframeRef& keyframe, CloudSource& source) {
-  if (const auto* known = kept_.find(keyframe)) return *known;
-  if (source.state(keyframe) != CloudState::stored) return nullptr;
-  const auto cloud = source.load(keyframe);
-  if (!cloud) return nullptr;
-  auto prepared = std::make_shared<const PreparedCloud>(prepare(*cloud, threads_));
-  kept_.put(keyframe, prepared);
-  bytes_ += bytes_of(*prepared);
+#include "server/support/parallel.hpp"
+
+namespace headframe {
+namespace {
+
+using Prepared = std::shared_ptr<const PreparedCloud>;
+
+constexpr std::size_t read_at_once = 16;  // clouds as they were sent that are held until they are prepared
+
+}  // namespace
+
+Prepared CloudCache::get(const KeyframeRef& keyframe, CloudSource& source) { return get({&keyframe, 1}, source)[0]; }
+
+std::vector<Prepared> CloudCache::get(std::span<const KeyframeRef> keyframes, CloudSource& source) {
+  std::vector<Prepared> out(keyframes.size());
+  for (std::size_t next = 0; next < keyframes.size();) {
+    std::vector<std::size_t> missing;
+    std::vector<KeyframeCloud> read;
+    for (; next < keyframes.size() && read.size() < read_at_once; ++next) {
+      const KeyframeRef& keyframe = keyframes[next];
+      if (const Prepared* known = kept_.find(keyframe)) {
+        out[next] = *known;
+      } else if (source.state(keyframe) == CloudState::stored) {
+        auto cloud = source.load(keyframe);
+        if (!cloud) continue;
+        missing.push_back(next);
+        read.push_back(std::move(*cloud));
+      }
+    }
+    for_blocks(read.size(), 1, threads_, [&](std::size_t i, std::size_t, std::size_t) {
+      out[missing[i]] = std::make_shared<const PreparedCloud>(prepare(read[i], threads_));
+    });
+    for (const std::size_t i : missing) keep(keyframes[i], out[i]);
+  }
+  return out;
+}
+
+void CloudCache::keep(const KeyframeRef& keyframe, Prepared cloud) {
+  bytes_ += bytes_of(*cloud);
+  kept_.put(keyframe, std::move(cloud));
   while (bytes_ > capacity_bytes_ && kept_.size() > 1) bytes_ -= bytes_of(*kept_.drop_oldest());
-  return prepared;
 }
 
 }  // namespace headframe

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "server/merge/cloud_source.hpp"
 #include "server/support/lru_map.hpp"
@@ -17,8 +19,12 @@ class CloudCache {
 
   /// Null when the cloud is not stored, or can not be read.
   std::shared_ptr<const PreparedCloud> get(const KeyframeRef& keyframe, CloudSource& source);
+  /// The same of several, in order; those that are missing are prepared side by side. None may be asked for twice.
+  std::vector<std::shared_ptr<const PreparedCloud>> get(std::span<const KeyframeRef> keyframes, CloudSource& source);
 
  private:
+  void keep(const KeyframeRef& keyframe, std::shared_ptr<const PreparedCloud> cloud);
+
   std::size_t capacity_bytes_;
   int threads_;
   std::size_t bytes_ = 0;

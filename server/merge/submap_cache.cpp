@@ -35,12 +35,6 @@ std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node,
 }  // namespace
 
 std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests, CloudSource& source) {
-  struct Build {
-    Eigen::Vector3d p;
-    std::size_t stored = 0;
-    std::vector<PlacedCloud> clouds;
-    SubmapPtr submap;
-  };
   std::map<Key, Build> missing;
   std::map<Key, SubmapPtr> answers;
   std::vector<Key> keys;
@@ -54,12 +48,9 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
       answers[key] = known->submap;
       continue;
     }
-    Build build{r.keyframes[key.keyframe].T_local_sensor.translation(), window.size(), {}, nullptr};
-    for (const Keyframe* k : window)
-      if (auto cloud = prepared_.get({r.session, k->sequence}, source))
-        build.clouds.push_back({k->sequence, k->T_local_sensor, std::move(cloud), k->stamp_s});
-    missing.emplace(key, std::move(build));
+    missing.emplace(key, Build{r.keyframes[key.keyframe].T_local_sensor.translation(), window, {}, nullptr});
   }
+  fetch_clouds(missing, source);
   std::vector<Build*> builds;
   builds.reserve(missing.size());
   for (auto& [key, build] : missing) builds.push_back(&build);
@@ -68,12 +59,28 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
   });
   for (const auto& [key, build] : missing) {
     answers[key] = build.submap;
-    keep(key, build.submap, build.stored);
+    keep(key, build.submap, build.window.size());
   }
   std::vector<SubmapPtr> out;
   out.reserve(keys.size());
   for (const Key& key : keys) out.push_back(answers.at(key));
   return out;
+}
+
+/// Each once, however many submaps it is part of.
+void SubmapCache::fetch_clouds(std::map<Key, Build>& builds, CloudSource& source) {
+  std::map<KeyframeRef, std::shared_ptr<const PreparedCloud>> clouds;
+  for (const auto& [key, build] : builds)
+    for (const Keyframe* k : build.window) clouds[{key.session, k->sequence}];
+  std::vector<KeyframeRef> asked;
+  asked.reserve(clouds.size());
+  for (const auto& [keyframe, cloud] : clouds) asked.push_back(keyframe);
+  const auto prepared = prepared_.get(asked, source);
+  for (std::size_t i = 0; i < asked.size(); ++i) clouds[asked[i]] = prepared[i];
+  for (auto& [key, build] : builds)
+    for (const Keyframe* k : build.window)
+      if (const auto& cloud = clouds.at({key.session, k->sequence}))
+        build.clouds.push_back({k->sequence, k->T_local_sensor, cloud, k->stamp_s});
 }
 
 void SubmapCache::keep(const Key& key, SubmapPtr submap, std::size_t clouds) {

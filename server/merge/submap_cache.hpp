@@ -41,6 +41,14 @@ class SubmapCache {
     SubmapPtr submap;
     std::size_t clouds = 0;
   };
+  /// A submap that is to be made.
+  struct Build {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    std::vector<const Keyframe*> window;  // whose clouds are stored
+    std::vector<PlacedCloud> clouds;
+    SubmapPtr submap;
+  };
+  void fetch_clouds(std::map<Key, Build>& builds, CloudSource& source);
   void keep(const Key& key, SubmapPtr submap, std::size_t clouds);
   void let_go(const Submap& submap);
 

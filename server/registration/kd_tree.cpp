@@ -145,6 +145,17 @@ void KdTree::nearest_k(const Eigen::Vector3f& query, std::size_t k, std::vector<
   });
 }
 
+bool KdTree::has_within(const Eigen::Vector3f& query, float reach_m, std::size_t count) const {
+  const float squared_m = reach_m * reach_m;
+  float reach_squared = squared_m;
+  std::size_t found = 0;
+  search(query, reach_squared, [&](const Neighbour& n) {
+    if (n.index == nobody || n.squared_m >= squared_m || ++found < count) return;
+    reach_squared = -1;  // no more are needed
+  });
+  return found >= count;
+}
+
 void KdTree::leaves_near(const Box& box, float squared_reach, std::vector<std::uint32_t>& out) const {
   if (nodes_.empty()) return;
   std::array<std::uint32_t, 64> stack;

@@ -54,6 +54,9 @@ class KdTree {
   /// query it gives any k.
   void nearest_k(const Eigen::Vector3f& query, std::size_t k, std::vector<Neighbour>& out) const;
 
+  /// Whether so many points lie nearer than reach_m: it looks at no more than it needs to say so.
+  bool has_within(const Eigen::Vector3f& query, float reach_m, std::size_t count) const;
+
   /// Leaves in the order of the tree: those near in the list are often near in space.
   const std::vector<Leaf>& leaves() const { return leaves_; }
 

@@ -19,11 +19,9 @@ void tell_lone_ones(const SurfelCloud& rock, float reach_m, std::vector<PointSig
   for (std::size_t i = 0; i < sights.size(); ++i)
     if (sights[i] == PointSight::violated) violated.push_back(rock.points[i]);
   const KdTree tree(violated);
-  std::vector<Neighbour> around;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     if (sights[i] != PointSight::violated) continue;
-    tree.nearest_k(rock.points[i], companions + 1, around);  // itself among them
-    const bool patch = around.size() > companions && around.back().squared_m < reach_m * reach_m;
+    const bool patch = tree.has_within(rock.points[i], reach_m, companions + 1);  // itself among them
     if (!patch) sights[i] = PointSight::lone;
   }
 }

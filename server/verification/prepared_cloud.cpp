@@ -26,13 +26,11 @@ Points without_strays(const Points& points) {
   constexpr std::size_t companions = 3;
   constexpr float least_reach_m = 0.25F, reach_share = 0.08F;
   const KdTree tree(points);
-  std::vector<Neighbour> around;
   Points kept;
   kept.reserve(points.size());
   for (const auto& p : points) {
-    tree.nearest_k(p, companions + 1, around);  // itself among them
-    const float reach = std::max(least_reach_m, reach_share * p.norm());
-    if (around.size() > companions && around.back().squared_m < reach * reach) kept.push_back(p);
+    const float reach_m = std::max(least_reach_m, reach_share * p.norm());
+    if (tree.has_within(p, reach_m, companions + 1)) kept.push_back(p);  // itself among them
   }
   return kept;
 }

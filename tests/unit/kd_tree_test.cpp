@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace headframe {
@@ -41,11 +42,36 @@ TEST(KdTree, AgreesWithBruteForce) {
   }
 }
 
+TEST(KdTree, CountsWithinAReachAsBruteForceDoes) {
+  Points points = random_points(500, 3);
+  for (int i = 0; i < 20; ++i) points.push_back(points[0]);  // many at one place
+  const KdTree tree(points);
+  int yes = 0, no = 0;
+  for (const auto& query : random_points(300, 4)) {
+    const auto oracle = brute_force(points, query);
+    for (const std::size_t count : {1, 4, 17, 60}) {
+      const float nearest_m = std::sqrt(oracle[count - 1].squared_m);
+      for (const float reach_m : {0.5F, 1.5F, 4.0F, 0.999F * nearest_m, 1.001F * nearest_m}) {
+        const bool expected = oracle[count - 1].squared_m < reach_m * reach_m;
+        EXPECT_EQ(tree.has_within(query, reach_m, count), expected) << count << " within " << reach_m;
+        ++(expected ? yes : no);
+      }
+    }
+  }
+  EXPECT_GT(yes, 1000);
+  EXPECT_GT(no, 1000);
+  EXPECT_TRUE(tree.has_within(points[0], 0.01F, 21)) << "itself and all at its place";
+  EXPECT_FALSE(tree.has_within(points[0], 0.01F, 22));
+  EXPECT_FALSE(tree.has_within({0, 0, 0}, 1000, 521)) << "there are no more than 520";
+}
+
 TEST(KdTree, ReachIsExclusive) {
   const KdTree tree(Points{{2, 0, 0}});
   Neighbour n;
   EXPECT_FALSE(tree.nearest({0, 0, 0}, 2.0F, n));
   EXPECT_TRUE(tree.nearest({0, 0, 0}, 2.001F, n));
+  EXPECT_FALSE(tree.has_within({0, 0, 0}, 2.0F, 1));
+  EXPECT_TRUE(tree.has_within({0, 0, 0}, 2.001F, 1));
 }
 
 TEST(KdTree, HoldsNothingOrLittle) {

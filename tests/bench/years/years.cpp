@@ -7,6 +7,9 @@
 #include <ctime>
 #include <fstream>
 #include <future>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -55,13 +58,30 @@ class Stopped {
   mutable std::promise<void> go_;
 };
 
+/// Nobody is there; remembers when a session was first told that it is merged.
 class NoRobots : public Robots {
  public:
   void request_submap(SessionId, const std::vector<std::uint64_t>&) override {}
-  void publish(const Atlas&, const std::vector<Component>&, const std::vector<Withdrawal>&) override {}
+  void publish(const Atlas& atlas, const std::vector<Component>&, const std::vector<Withdrawal>&) override {
+    const auto now = Clock::now();
+    const std::lock_guard lock(mutex_);
+    for (const Component& component : atlas.components)
+      if (component.placements.size() > 1)
+        for (const Placement& placement : component.placements) merged_at_.try_emplace(placement.session, now);
+  }
   void tell_provisional(const Atlas&, const std::vector<Component>&) override {}
   void tell_localization(SessionId, const SessionLocalization&) override {}
   void tell_cut(SessionId, const SessionCut&) override {}
+
+  std::optional<Clock::time_point> merged_at(SessionId session) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = merged_at_.find(session);
+    return found == merged_at_.end() ? std::nullopt : std::optional(found->second);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<SessionId, Clock::time_point> merged_at_;
 };
 
 /// A database that grows over the run, and is found again by the next.
@@ -96,11 +116,13 @@ class Years {
 
   struct Figures {
     double restart_s = 0, rss_mb = 0, answer_s = 0;
-    std::vector<double> settle_s, settle_cpu_s;
+    std::vector<double> merge_s, settle_s, settle_cpu_s;  // merge_s: of those that merged
     int right = 0, wrong = 0;
     nlohmann::json json() const {
       return {{"restart_s", restart_s},
               {"rss_mb", rss_mb},
+              {"merge_p50_s", quantile(merge_s, 0.5)},
+              {"merge_p95_s", quantile(merge_s, 0.95)},
               {"settle_p50_s", quantile(settle_s, 0.5)},
               {"settle_p95_s", quantile(settle_s, 0.95)},
               {"settle_cpu_p50_s", quantile(settle_cpu_s, 0.5)},
@@ -136,6 +158,8 @@ class Years {
       stopped.go_on();
       settle(worker);
       out.settle_s.push_back(s_since(uploaded));
+      if (const auto merged = robots.merged_at(id))
+        out.merge_s.push_back(std::chrono::duration<double>(*merged - uploaded).count());
       out.settle_cpu_s.push_back(cpu_s() - cpu_before_s);
       judge(*worker.view(), static_cast<SessionId>(host), id, first.T_mine_local.inverse() * second.T_mine_local, out);
     }
@@ -207,7 +231,8 @@ nlohmann::json years(const YearsBench& bench) {
   std::printf("years: sessions of %zu keyframes, each in a mine of its own; then %zu visits, one after another\n",
               bench.keyframes, bench.visits);
   std::printf(
-      "  stored   start s   answers s   memory MB   settled p50 s   p95 s   cpu p50 s   merged rightly   wrongly\n");
+      "  stored   start s   answers s   memory MB   merged p50 s   p95 s   settled p50 s   p95 s   cpu p50 s   "
+      "merged rightly   wrongly\n");
   for (const std::size_t count : bench.stored) {
     const auto kept = bench.out / "years" / std::to_string(bench.keyframes) / std::to_string(count);
     const auto data = bench.out / "years" / "now";
@@ -216,10 +241,10 @@ nlohmann::json years(const YearsBench& bench) {
     std::filesystem::remove_all(data);
     std::filesystem::copy(kept, data, std::filesystem::copy_options::recursive);
     const auto figures = Years(bench, data).visit(count);
-    std::printf("  %6zu   %7.1f   %9.2f   %9.0f   %13.2f   %5.2f   %9.2f   %9d of %zu   %7d\n", count,
-                figures.restart_s, figures.answer_s, figures.rss_mb, quantile(figures.settle_s, 0.5),
-                quantile(figures.settle_s, 0.95), quantile(figures.settle_cpu_s, 0.5), figures.right, bench.visits,
-                figures.wrong);
+    std::printf("  %6zu   %7.1f   %9.2f   %9.0f   %12.2f   %5.2f   %13.2f   %5.2f   %9.2f   %9d of %zu   %7d\n", count,
+                figures.restart_s, figures.answer_s, figures.rss_mb, quantile(figures.merge_s, 0.5),
+                quantile(figures.merge_s, 0.95), quantile(figures.settle_s, 0.5), quantile(figures.settle_s, 0.95),
+                quantile(figures.settle_cpu_s, 0.5), figures.right, bench.visits, figures.wrong);
     std::fflush(stdout);
     out["by_sessions"][std::to_string(count)] = figures.json();
     out["settle_p95_s"] = quantile(figures.settle_s, 0.95);
