@@ -2,8 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <vector>
+#include <unordered_map>
 
 namespace headframe {
 namespace {
@@ -13,47 +12,12 @@ struct Cube {
   float count = 0;
 };
 
-/// Numbers keys in the order in which they come first: open addressing, at most half full.
-class KeyNumbers {
- public:
-  /// The number of the key, which is that of keys so far if it is new.
-  std::size_t of(std::uint64_t key) {
-    Slot* slot = find(key);
-    if (slot->number != none) return slot->number;
-    if (2 * (count_ + 1) > slots_.size()) {
-      grow();
-      slot = find(key);
-    }
-    *slot = {key, count_};
-    return count_++;
-  }
-
- private:
-  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-  struct Slot {
-    std::uint64_t key = 0;
-    std::size_t number = none;
-  };
-  Slot* find(std::uint64_t key) {
-    std::size_t at = ((key * 0x9E3779B97F4A7C15ULL) >> 20U) & (slots_.size() - 1);
-    while (slots_[at].number != none && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
-    return &slots_[at];
-  }
-  void grow() {
-    std::vector<Slot> old(2 * slots_.size());
-    old.swap(slots_);
-    for (const Slot& slot : old)
-      if (slot.number != none) *find(slot.key) = slot;
-  }
-  std::vector<Slot> slots_ = std::vector<Slot>(4096);  // a power of two
-  std::size_t count_ = 0;
-};
-
 /// The cubes of all points in the order of their first point. `put` hears of each point and the place of its cube.
 template <class Put>
 std::vector<Cube> cubes_of(const Points& points, float leaf_m, const Put& put) {
   constexpr float reach = 1e6F;  // cubes each way; 21 bits a coordinate
-  KeyNumbers numbers;
+  std::unordered_map<std::uint64_t, std::size_t> index;
+  index.reserve(points.size());
   std::vector<Cube> cubes;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f c = (points[i] / leaf_m).array().floor();
@@ -61,12 +25,12 @@ std::vector<Cube> cubes_of(const Points& points, float leaf_m, const Put& put) {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis)
       key = key << 21 | static_cast<std::uint64_t>(static_cast<std::int64_t>(c[axis]) + (1 << 20));
-    const std::size_t number = numbers.of(key);
-    if (number == cubes.size()) cubes.emplace_back();
-    Cube& cube = cubes[number];
+    const auto [it, fresh] = index.try_emplace(key, cubes.size());
+    if (fresh) cubes.emplace_back();
+    Cube& cube = cubes[it->second];
     cube.sum += points[i];
     cube.count += 1;
-    put(i, number);
+    put(i, it->second);
   }
   return cubes;
 }

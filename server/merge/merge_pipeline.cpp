@@ -78,16 +78,8 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
 }
 
-/// Two sessions alone can tell that it is no copy, and do: it need not wait until others were tried.
-bool MergePipeline::State::may_be_told_at_once(const OrderedPair& pair) const {
-  const Alignment* known = book.find(pair.a, pair.b);
-  return known && known->state == AlignmentState::verified && known->evidence.probability >= beyond_doubt &&
-         mine_looks_alike(known->evidence) <= 0 && known->evidence.aliases == 0 &&
-         known->evidence.repetition < copies_known;
-}
-
 /// With those whose places look most like its own, until enough of them came to nothing; and with those that something
-/// is known of already. What is beyond doubt where no place looks like another is told before the rest is looked at.
+/// is known of already.
 void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& attempt) {
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::set<SessionId> left = aligned;
@@ -98,12 +90,7 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
     left.erase(other);
     const OrderedPair pair = sessions.ordered(id, other);
-    const bool known_before = may_be_told_at_once(pair);  // and held back all the same
     merge_pair(pair, attempt);
-    if (!few && !known_before && may_be_told_at_once(pair)) {
-      attempt.report.unfinished = true;
-      return;
-    }
     came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
   for (const SessionId other : left)

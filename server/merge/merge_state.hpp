@@ -33,7 +33,6 @@ struct MergePipeline::State {
   std::set<SessionId> to_prepare;  // there is news of them that attempts will need something made of
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
-  bool may_be_told_at_once(const OrderedPair& pair) const;
   void merge_with_partners(SessionId id, const Attempt& attempt);
   void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report);

@@ -292,33 +292,6 @@ TEST(MergePipeline, SessionsOfAnotherFamilyOrVersionMergeByTheirWalls) {
   }
 }
 
-TEST(MergePipeline, AmongManySessionsWhatIsBeyondDoubtIsToldBeforeTheOthersAreTried) {
-  MergeConfig many = test::waits_for_no_others();
-  many.partners = 1;
-  MergeConfig unsure = many;
-  unsure.look_alikes = 0;  // two sessions alone can never tell a copy
-  const std::vector<Eigen::Vector2d> corners{{60, -23}, {60, 0}, {30, 0}, {30, 38}};
-  Drive elsewhere = test::drive(test::other_mine(), {{2, 0}, {78, 0}}, 0.3, 7);
-  for (Keyframe& k : elsewhere.keyframes)
-    for (float& value : k.descriptor.q) value += 10;  // it looks like nothing here: it is tried last
-  for (const MergeConfig& config : {many, unsure}) {
-    const bool at_once = config.look_alikes > 0;
-    Base base({elsewhere, test::drive(test::branches_mine(), corners, 0, 1)}, config);
-    const SessionId id = base.arrive(test::drive(test::branches_mine(), corners, 2.3, 2));
-    const AttemptReport first = base.pipeline.attempt(id, base.shelf);
-    EXPECT_EQ(first.unfinished, at_once);
-    EXPECT_EQ(first.atlas_changed, at_once);
-    EXPECT_EQ(first.traces.size(), at_once ? 1U : 2U) << base.pipeline.alignments().at(0).evidence.probability;
-    std::size_t tried = first.traces.size();
-    for (bool more = true; more;) {
-      const AttemptReport next = base.pipeline.attempt(id, base.shelf);
-      tried += next.traces.size();
-      more = next.unfinished;
-    }
-    EXPECT_EQ(tried, 2U);
-  }
-}
-
 TEST(MergePipeline, GarbageKeyframesChangeNothing) {
   Base base({a(), b()});
   std::mt19937 rng(1);
