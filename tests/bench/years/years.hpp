@@ -16,8 +16,8 @@ struct YearsBench {
 
 /// With so many sessions stored: how long a start takes and what memory it has then; for each visit the time from the
 /// end of its upload until it is told that it is merged, and until nothing is left to try, and whether it was merged
-/// rightly. The merge worker and the SQLite file are those of the product; sockets are left out. Stored sessions count as
-/// tried, and as free of copies.
+/// rightly. The merge worker and the SQLite file are those of the product; sockets are left out. Stored sessions count
+/// as tried, and as free of copies.
 nlohmann::json years(const YearsBench& bench);
 
 }  // namespace headframe::bench
