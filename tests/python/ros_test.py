@@ -213,13 +213,27 @@ class Pairing(unittest.TestCase):
         for stamp_s, frame in ((9.9, "base"), (10.999, "base"), (11.5, "base"), (12.001, "lidar")):
             pairs.cloud(stamp_s, frame, None)
         self.assertEqual([s for s, *_ in pairs.take()], [10.999])
-        self.assertEqual(pairs.lost, {"odometry that goes back in time": 1, "no odometry near its stamp": 2,
-                                      "no transform from base to lidar": 1})
+        self.assertEqual(pairs.lost, {"odometry that goes back in time": 1, "no odometry near its stamp": 2})
+        pairs.end()
+        self.assertEqual(pairs.lost["no transform from base to lidar"], 1)
         for i in range(pairing.MOST_WAITING + 3):
             pairs.cloud(100 + i, "base", None)
         self.assertEqual(pairs.lost["no odometry came for it"], 3)
         pairs.end()
         self.assertEqual(pairs.lost["no odometry came for it"], 3 + pairing.MOST_WAITING)
+
+    def test_a_cloud_waits_for_the_transform_that_says_where_its_lidar_sits(self):
+        pairs = pairing.Pairing()
+        for stamp_s in (10, 11, 12):
+            pairs.odometry(stamp_s, "base", np.eye(4))
+        pairs.cloud(10.5, "lidar", None)
+        pairs.cloud(11.5, "lidar", None)
+        self.assertEqual(pairs.take(), [])
+        pairs.static("base", "lidar", T_BASE_LIDAR)
+        self.assertEqual([s for s, *_ in pairs.take()], [10.5, 11.5])
+        for i in range(pairing.MOST_WAITING + 1):
+            pairs.cloud(11.6 + 1e-3 * i, "camera", None)
+        self.assertEqual((pairs.take(), pairs.lost), ([], {"no transform from base to camera": 1}))
 
     def test_hours_of_odometry_are_not_kept(self):
         pairs = pairing.Pairing()

@@ -57,29 +57,37 @@ class Pairing:
         self._sensor = frame
         self._waiting.append((stamp_s, frame, points, intensity))
         if len(self._waiting) > MOST_WAITING:
-            self._waiting.popleft()
-            self._lose("no odometry came for it")
+            self._lose_oldest()
 
     def take(self):
-        """[(stamp_s, T_local_sensor, points, intensity)] of the clouds whose odometry has come."""
+        """[(stamp_s, T_local_sensor, points, intensity)] of the clouds whose odometry and mounting have come."""
         out = []
-        while self._waiting and self._stamps and self._waiting[0][0] <= self._stamps[-1]:
-            stamp_s, frame, points, intensity = self._waiting.popleft()
+        while self._odometry_has_come():
+            stamp_s, frame, points, intensity = self._waiting[0]
             T_base_sensor = self._mounting(frame)
             T_local_base = self.pose_at(stamp_s)
             if T_local_base is None:
                 self._lose("no odometry near its stamp")
             elif T_base_sensor is None:
-                self._lose(f"no transform from {self._base} to {frame}")
+                break
             else:
                 out.append((stamp_s, T_local_base @ T_base_sensor, points, intensity))
+            self._waiting.popleft()
         return out
 
     def end(self):
         """No more comes: what waits is lost."""
-        for _ in self._waiting:
-            self._lose("no odometry came for it")
-        self._waiting.clear()
+        while self._waiting:
+            self._lose_oldest()
+
+    def _odometry_has_come(self):
+        """For the cloud that has waited longest."""
+        return self._waiting and self._stamps and self._waiting[0][0] <= self._stamps[-1]
+
+    def _lose_oldest(self):
+        frame = self._waiting[0][1]
+        self._lose(f"no transform from {self._base} to {frame}" if self._odometry_has_come() else "no odometry came for it")
+        self._waiting.popleft()
 
     def mounting(self):
         """T_base_sensor of the clouds that come; None: none has come, or nothing says where it is mounted."""
