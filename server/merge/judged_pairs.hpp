@@ -10,9 +10,9 @@ namespace headframe {
 
 /// What a pair was judged on. While nothing of it changes, the verdict would not either.
 struct JudgedOn {
-  std::size_t search = 0;     // Found::version; 0: a published alignment was judged again where it lies
-  int asked_overlap_10m = 0;  // that the repetition of all sessions asks for, in tens of metres
-  int looks_alike_10 = 0;     // mine_looks_alike(), in tenths
+  std::size_t search = 0;        // Found::version; 0: a published alignment was judged again where it lies
+  int asked_overlap_10m = 0;     // that the repetition of all sessions asks for, in tens of metres
+  int looks_like_itself_10 = 0;  // looks_like_itself(), in tenths
   bool copies_known = false;
   int complete = 0;                 // of the two sessions
   std::vector<std::size_t> clouds;  // that were stored, for each case

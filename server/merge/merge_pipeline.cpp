@@ -128,7 +128,7 @@ JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Foun
   self.tell_of_mine(of_all);
   JudgedOn out{found.version,
                static_cast<int>(asked_overlap_m(of_all) / 10),
-               static_cast<int>(10 * mine_looks_alike(of_all)),
+               static_cast<int>(10 * looks_like_itself(of_all)),
                of_all.repetition >= copies_known,
                static_cast<int>(sessions.at(pair.a).complete) + static_cast<int>(sessions.at(pair.b).complete),
                {}};

@@ -129,7 +129,7 @@ double SessionMap::path_awaited_to_localize_m(SessionId asking, const OrderedPai
                                               const Evidence& evidence) const {
   const bool a_asks = pair.a == asking;
   const Session &session = at(asking), &map = at(a_asks ? pair.b : pair.a);
-  const double asked_m = std::max(path_asked_m(evidence, localize_m), mine_looks_alike(evidence) * config_.shown_m);
+  const double asked_m = std::max(path_asked_m(evidence, localize_m), looks_like_itself(evidence) * config_.shown_m);
   const Pose T_map_session = a_asks ? T_a_b.inverse() : T_a_b;
   const double since_m = path_since(session, map, T_map_session, JudgeConfig{}.meet_m).value_or(0);
   const double awaited_m = std::max(0.0, asked_m - evidence.overlap_m - since_m);

@@ -98,7 +98,7 @@ class SessionMap {
   static constexpr double short_m = 20, most_of_short_m = 50;
   static constexpr double least_step_m = 0.25, of_a_turn = 12;
   /// The same before its robot, which asks where it is, is told of the placement: after localize_m in place of
-  /// MergeConfig::shown_m, also when it rests or has ended. In a mine that looks like itself (mine_looks_alike()) no
+  /// MergeConfig::shown_m, also when it rests or has ended. In a mine that looks like itself (looks_like_itself()) no
   /// less than that is asked: who wakes up where nobody was finds a copy there and nothing else (50 m, in a mine of
   /// equal tunnels).
   double path_awaited_to_localize_m(SessionId asking, const OrderedPair& pair, const Pose& T_a_b,

@@ -68,12 +68,12 @@ double places_look_alike(const Evidence& e) {
   return std::clamp(std::max(e.aliases, (e.look_alikes - 1) / 1.5), 0.0, 1.0);
 }
 
-double mine_looks_alike(const Evidence& e) {
+double looks_like_itself(const Evidence& e) {
   return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
 }
 
 double asked_alike(const Evidence& e) {
-  return 0.72 + 0.13 * std::min(1.0, std::max({e.aliases, e.look_alikes, mine_looks_alike(e)}));
+  return 0.72 + 0.13 * std::min(1.0, std::max({e.aliases, e.look_alikes, looks_like_itself(e)}));
 }
 
 double asked_among_look_alikes_m(const Evidence& e) {

@@ -80,7 +80,7 @@ double places_look_alike(const Evidence& evidence);
 /// a look-alike in 100 m of path, 1 from three tenths on; or by look-alikes of the two, 0 up to one, 1 from two on. Of
 /// pairs of drives 29 in three worlds without copies had 0.2 in 100 m at most, 20 of them less than 0.05, and of 20 in
 /// two worlds of equal pieces 18 had more than 0.25.
-double mine_looks_alike(const Evidence& evidence);
+double looks_like_itself(const Evidence& evidence);
 
 /// How alike the descriptors have to be: .72; .85 where the mine repeats or looks like itself, or places look alike. At
 /// right placements of drawn mines they were .76 and more but for one, .80 in mines of copies, on a campus .73; of

@@ -76,12 +76,12 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// In a mine that looks like itself a pair alone can not show how many copies there are: below 50 m descriptors have to
 /// be .92 alike, or fewer metres do the better they are; 28 m do where none were compared. Each metre less costs 0.3.
 /// Of drives through worlds of equal tunnels three copies of 9 to 31 m, with two look-alikes at most, reached 0.9
-/// without it; it holds four right placements of 16 to 32 m back.
+/// without it; it holds four right placements of 16 to 46 m back.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double doubt = std::clamp((0.92 - e.descriptors_alike) / 0.09, 0.0, 1.0);
   const double told_m = compared * doubt * 50 + (1 - compared) * 28;
-  return -0.3 * mine_looks_alike(e) * std::max(0.0, told_m - e.overlap_m);
+  return -0.3 * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
 }
 
 /// Where another placement fits, or places look alike, the descriptors of a short overlap have to tell. Of 11 pairs of

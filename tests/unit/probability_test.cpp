@@ -247,14 +247,19 @@ TEST(Probability, CopiesCountMoreWhereTheDescriptorsDifferAndNeverLess) {
   EXPECT_EQ(counted(0.5), 4.5) << "three keyframes are few";
 }
 
+/// What it is with so much of this, over an overlap whose descriptors are so alike.
+double with_overlap(double Evidence::*member, double value, double overlap_m, double alike, double compared) {
+  Evidence e = convincing();
+  e.*member = value;
+  e.overlap_m = overlap_m;
+  e.descriptors_alike = alike;
+  e.descriptors_compared = compared;
+  return probability(RegistrationStatus::converged, e);
+}
+
 TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   const auto p = [](double look_alikes, double overlap_m, double alike, double compared) {
-    Evidence e = convincing();
-    e.look_alikes = look_alikes;
-    e.overlap_m = overlap_m;
-    e.descriptors_alike = alike;
-    e.descriptors_compared = compared;
-    return probability(RegistrationStatus::converged, e);
+    return with_overlap(&Evidence::look_alikes, look_alikes, overlap_m, alike, compared);
   };
   EXPECT_LT(p(8, 33, 0.88, 6), 0.9) << "a copy of a tunnel piece, driven a little aside";
   EXPECT_GT(p(8, 33, 0.96, 6), 0.9);
@@ -270,25 +275,16 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
 }
 
 TEST(Probability, InAMineThatLooksLikeItselfDescriptorsOfALongOverlapHaveToAgreeToo) {
-  Evidence e = convincing();
-  e.overlap_m = 66;
-  e.descriptors_alike = 0.64;
-  e.descriptors_compared = 19;
-  const double elsewhere = probability(RegistrationStatus::converged, e);
-  e.mine_look_alikes = 0.3;
-  EXPECT_LT(probability(RegistrationStatus::converged, e), std::min(0.9, elsewhere));
-  e.descriptors_alike = 0.79;
-  EXPECT_GT(probability(RegistrationStatus::converged, e), 0.9);
+  const auto p = [](double of_mine, double alike) {
+    return with_overlap(&Evidence::mine_look_alikes, of_mine, 66, alike, 19);
+  };
+  EXPECT_LT(p(0.3, 0.64), std::min(0.9, p(0, 0.64)));
+  EXPECT_GT(p(0.3, 0.79), 0.9);
 }
 
 TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescriptorsThatAgree) {
   const auto p = [](double of_mine, double overlap_m, double alike, double compared) {
-    Evidence e = convincing();
-    e.mine_look_alikes = of_mine;
-    e.overlap_m = overlap_m;
-    e.descriptors_alike = alike;
-    e.descriptors_compared = compared;
-    return probability(RegistrationStatus::converged, e);
+    return with_overlap(&Evidence::mine_look_alikes, of_mine, overlap_m, alike, compared);
   };
   EXPECT_EQ(p(0.1, 31, 0.79, 2), p(0, 31, 0.79, 2)) << "a chance look-alike in a kilometre says nothing of the mine";
   EXPECT_GT(p(0.1, 31, 0.79, 2), 0.9);
@@ -300,9 +296,9 @@ TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescri
   EXPECT_LT(p(0.3, 14, 0, 0), 0.7);
   Evidence two;
   two.look_alikes = 1;
-  EXPECT_EQ(mine_looks_alike(two), 0);
+  EXPECT_EQ(looks_like_itself(two), 0);
   two.look_alikes = 2;
-  EXPECT_EQ(mine_looks_alike(two), 1) << "two look-alikes say the same of the mine";
+  EXPECT_EQ(looks_like_itself(two), 1) << "two look-alikes say the same of the mine";
   for (double of_mine = 0.05; of_mine < 0.35; of_mine += 0.002)
     EXPECT_NEAR(p(of_mine, 31, 0.85, 4), p(of_mine + 0.002, 31, 0.85, 4), 0.05) << "no cliff";
 }
