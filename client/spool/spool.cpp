@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstdio>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "common/wire/limits.hpp"
@@ -109,7 +110,8 @@ Result<Spool> Spool::open(const SpoolConfig& config, Hello robot) {
   if (auto ok = spool.settle_identity(std::move(robot)); !ok) return tl::unexpected(ok.error());
   if (auto ok = spool.begin_run(runs, welcomed); !ok) return tl::unexpected(ok.error());
   acknowledged.merge(dropped);
-  if (auto ok = spool.find_clouds(acknowledged); !ok) return tl::unexpected(ok.error());
+  if (auto ok = spool.clouds_.find(spool.last_sequence(), acknowledged); !ok) return tl::unexpected(ok.error());
+  spool.keep_quota();
   return spool;
 }
 
@@ -165,24 +167,6 @@ Result<void> Spool::run_welcomed() {
   return {};
 }
 
-Result<void> Spool::find_clouds(const std::set<std::uint64_t>& settled) {
-  std::error_code fault;
-  for (fs::directory_iterator it(config_.directory / "clouds", fault), end; !fault && it != end; it.increment(fault)) {
-    const std::uint64_t sequence = to_u64(it->path().filename().string());
-    std::error_code gone;
-    const auto size = it->file_size(gone);
-    if (sequence >= 1 && sequence <= last_sequence() && !settled.contains(sequence) && !gone) {
-      cloud_bytes_[sequence] = size;
-      all_cloud_bytes_ += size;
-    } else {
-      fs::remove(it->path(), gone);  // its keyframe never came, or it was done with and only the removal is missing
-    }
-  }
-  if (fault) return failure(ErrorCode::unavailable, config_.directory.string() + ": " + fault.message());
-  keep_quota();
-  return {};
-}
-
 Result<void> Spool::append(const Keyframe& keyframe, std::string_view encoded_cloud) {
   if (keyframe.sequence != last_sequence() + 1)
     return failure(ErrorCode::internal,
@@ -190,22 +174,16 @@ Result<void> Spool::append(const Keyframe& keyframe, std::string_view encoded_cl
   const auto message = to_proto(keyframe);
   if (!message) return tl::unexpected(message.error());
   if (auto ok = from_proto(*message); !ok) return failure(ErrorCode::invalid_argument, ok.error().message);
-  const bool cloud_kept = !encoded_cloud.empty() && keep_cloud(keyframe.sequence, encoded_cloud);
+  if (!encoded_cloud.empty()) keep_cloud(keyframe.sequence, encoded_cloud);
   const std::string record = message->SerializeAsString();
   auto at = log_.append(keyframe_record, record, config_.sync);
   if (!at && make_room(record.size())) at = log_.append(keyframe_record, record, config_.sync);
-  std::error_code ignored;
   if (!at) {
-    fs::remove(cloud_path(keyframe.sequence), ignored);
+    clouds_.remove(keyframe.sequence);
     return tl::unexpected(at.error());
   }
   keyframe_at_.push_back(*at);
-  if (cloud_kept) {
-    const auto size = fs::file_size(cloud_path(keyframe.sequence), ignored);
-    cloud_bytes_[keyframe.sequence] = size;
-    all_cloud_bytes_ += size;
-    keep_quota();
-  }
+  keep_quota();
   return {};
 }
 
@@ -219,36 +197,19 @@ Result<void> Spool::update_poses(std::vector<KeyframePose> poses) {
   return {};
 }
 
-/// False: the disk has no room for it even without older ones. Its keyframe goes on without.
-bool Spool::keep_cloud(std::uint64_t sequence, std::string_view bytes) {
-  auto written = write_cloud(sequence, bytes);
-  if (!written && make_room(bytes.size())) written = write_cloud(sequence, bytes);
-  if (written) return true;
-  std::error_code ignored;
-  fs::remove(cloud_path(sequence), ignored);
-  [[maybe_unused]] const auto at = log_.append(cloud_drop, std::to_string(sequence), false);  // as in drop_cloud()
-  ++dropped_clouds_;
-  return false;
+/// Where the disk has no room for it, even without older ones, its keyframe goes on without.
+void Spool::keep_cloud(std::uint64_t sequence, std::string_view bytes) {
+  auto written = clouds_.write(sequence, bytes);
+  if (!written && make_room(bytes.size())) written = clouds_.write(sequence, bytes);
+  if (!written) note_dropped(sequence);
 }
 
 /// Drops the oldest clouds, twice as many bytes as asked for; false: there was none.
 bool Spool::make_room(std::uint64_t bytes) {
-  const auto before = all_cloud_bytes_;
-  if (cloud_bytes_.empty()) return false;
-  while (!cloud_bytes_.empty() && before - all_cloud_bytes_ < 2 * bytes) drop_cloud(cloud_bytes_.begin()->first);
+  const auto before = clouds_.bytes();
+  if (clouds_.count() == 0) return false;
+  while (clouds_.count() > 0 && before - clouds_.bytes() < 2 * bytes) drop_cloud(clouds_.next(1));
   return true;
-}
-
-Result<void> Spool::write_cloud(std::uint64_t sequence, std::string_view bytes) {
-  const fs::path path = cloud_path(sequence);
-  std::error_code ignored;
-  fs::remove(path, ignored);
-  auto file = RecordLog::open(path, [](const Record&) {});
-  if (!file) return tl::unexpected(file.error());
-  if (auto at = file->append('p', bytes, config_.sync); !at) return tl::unexpected(at.error());
-  if (config_.sync && !sync_directory(path.parent_path()))
-    return failure(ErrorCode::unavailable, path.string() + ": its folder can not be synced");
-  return {};
 }
 
 Result<Keyframe> Spool::keyframe(std::uint64_t sequence) const {
@@ -259,19 +220,6 @@ Result<Keyframe> Spool::keyframe(std::uint64_t sequence) const {
   v1::Keyframe message;
   if (!message.ParseFromString(*bytes)) return failure(ErrorCode::bad_input, "session.log: a keyframe is unreadable");
   return from_proto(message);
-}
-
-std::uint64_t Spool::next_held_cloud(std::uint64_t from) const {
-  const auto it = cloud_bytes_.lower_bound(from);
-  return it == cloud_bytes_.end() ? 0 : it->first;
-}
-
-Result<std::string> Spool::cloud(std::uint64_t sequence) const {
-  if (!holds_cloud(sequence))
-    return failure(ErrorCode::not_found, "no cloud " + std::to_string(sequence) + " in the spool");
-  auto file = RecordLog::open(cloud_path(sequence), [](const Record&) {});
-  if (!file) return tl::unexpected(file.error());
-  return file->read(0);
 }
 
 Result<void> Spool::acknowledge_keyframes(std::uint64_t up_to) {
@@ -292,10 +240,7 @@ Result<void> Spool::acknowledge_poses(std::uint64_t up_to) {
 Result<void> Spool::acknowledge_cloud(std::uint64_t sequence) {
   if (!holds_cloud(sequence)) return {};
   const auto at = log_.append(cloud_ack, std::to_string(sequence), false);
-  std::error_code ignored;
-  fs::remove(cloud_path(sequence), ignored);
-  all_cloud_bytes_ -= cloud_bytes_[sequence];
-  cloud_bytes_.erase(sequence);
+  clouds_.remove(sequence);
   ++acknowledged_clouds_;
   if (!at) return tl::unexpected(at.error());
   return {};
@@ -303,23 +248,18 @@ Result<void> Spool::acknowledge_cloud(std::uint64_t sequence) {
 
 void Spool::drop_cloud(std::uint64_t sequence) {
   if (!holds_cloud(sequence)) return;
-  // Only counted: when this record is lost, one drop is missing from the statistics.
+  note_dropped(sequence);
+  clouds_.remove(sequence);
+}
+
+/// Only counted: when this record is lost, one drop is missing from the statistics.
+void Spool::note_dropped(std::uint64_t sequence) {
   [[maybe_unused]] const auto at = log_.append(cloud_drop, std::to_string(sequence), false);
-  std::error_code ignored;
-  fs::remove(cloud_path(sequence), ignored);
-  all_cloud_bytes_ -= cloud_bytes_[sequence];
-  cloud_bytes_.erase(sequence);
   ++dropped_clouds_;
 }
 
 void Spool::keep_quota() {
-  while (all_cloud_bytes_ > config_.cloud_quota_bytes && !cloud_bytes_.empty()) drop_cloud(cloud_bytes_.begin()->first);
-}
-
-fs::path Spool::cloud_path(std::uint64_t sequence) const {
-  char name[24];
-  std::snprintf(name, sizeof name, "%010llu", static_cast<unsigned long long>(sequence));
-  return config_.directory / "clouds" / name;
+  while (clouds_.bytes() > config_.cloud_quota_bytes) drop_cloud(clouds_.next(1));
 }
 
 }  // namespace headframe

@@ -13,12 +13,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "client/spool/cloud_folder.hpp"
 #include "client/spool/pose_log.hpp"
 #include "client/spool/record_log.hpp"
 #include "common/result.hpp"
@@ -61,9 +60,9 @@ class Spool {
   }
 
   /// Clouds not yet acknowledged that are still here, by sequence.
-  bool holds_cloud(std::uint64_t sequence) const { return cloud_bytes_.count(sequence) != 0; }
-  std::uint64_t next_held_cloud(std::uint64_t from) const;  // 0: none at or after `from`
-  Result<std::string> cloud(std::uint64_t sequence) const;
+  bool holds_cloud(std::uint64_t sequence) const { return clouds_.holds(sequence); }
+  std::uint64_t next_held_cloud(std::uint64_t from) const { return clouds_.next(from); }  // 0: none at or after `from`
+  Result<std::string> cloud(std::uint64_t sequence) const { return clouds_.read(sequence); }
 
   /// Cumulative; never goes back.
   Result<void> acknowledge_keyframes(std::uint64_t up_to);
@@ -76,21 +75,22 @@ class Spool {
 
   std::uint64_t acknowledged_keyframes() const { return acknowledged_keyframes_; }
   std::uint64_t acknowledged_clouds() const { return acknowledged_clouds_; }
-  std::uint64_t held_clouds() const { return cloud_bytes_.size(); }
+  std::uint64_t held_clouds() const { return clouds_.count(); }
   std::uint64_t dropped_clouds() const { return dropped_clouds_; }
 
  private:
   Spool(SpoolConfig config, FileDescriptor lock, RecordLog log)
-      : config_(std::move(config)), lock_(std::move(lock)), log_(std::move(log)) {}
+      : config_(std::move(config)),
+        lock_(std::move(lock)),
+        log_(std::move(log)),
+        clouds_(config_.directory / "clouds", config_.sync) {}
   static Result<FileDescriptor> lock(const std::filesystem::path& directory);
-  Result<void> write_cloud(std::uint64_t sequence, std::string_view bytes);
-  Result<void> find_clouds(const std::set<std::uint64_t>& settled);
   Result<void> settle_identity(Hello robot);
   Result<void> begin_run(const std::vector<std::uint64_t>& runs, std::uint64_t welcomed);
-  bool keep_cloud(std::uint64_t sequence, std::string_view bytes);
+  void keep_cloud(std::uint64_t sequence, std::string_view bytes);
   bool make_room(std::uint64_t bytes);
   void keep_quota();
-  std::filesystem::path cloud_path(std::uint64_t sequence) const;
+  void note_dropped(std::uint64_t sequence);
 
   SpoolConfig config_;
   FileDescriptor lock_;
@@ -100,8 +100,7 @@ class Spool {
   std::vector<std::string> warnings_;
   std::vector<std::uint64_t> keyframe_at_;  // byte of each keyframe's record
   PoseLog poses_;
-  std::map<std::uint64_t, std::uint64_t> cloud_bytes_;  // of the clouds in clouds/
-  std::uint64_t all_cloud_bytes_ = 0;
+  CloudFolder clouds_;
   std::uint64_t acknowledged_keyframes_ = 0;
   std::uint64_t acknowledged_clouds_ = 0;
   std::uint64_t dropped_clouds_ = 0;

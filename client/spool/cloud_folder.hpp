@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "common/result.hpp"
+
+namespace headframe {
+
+/// The encoded clouds that a spool holds: one file each, named by the keyframe's sequence in ten digits. Not thread
+/// safe. Memory: about 50 bytes a cloud.
+class CloudFolder {
+ public:
+  /// sync: a cloud is on the disk (fdatasync) when write() returns.
+  CloudFolder(std::filesystem::path directory, bool sync) : directory_(std::move(directory)), sync_(sync) {}
+
+  /// Takes in what lies in the directory, which is there. Clouds of keyframes beyond `last`, and settled ones, whose
+  /// removal was cut short, are removed. unavailable: the disk says no.
+  Result<void> find(std::uint64_t last, const std::set<std::uint64_t>& settled);
+
+  /// Replaces what was there of the sequence. unavailable: the disk says no; then nothing of the sequence is held.
+  Result<void> write(std::uint64_t sequence, std::string_view bytes);
+  /// not_found: it is not held; otherwise as RecordLog::read().
+  Result<std::string> read(std::uint64_t sequence) const;
+  /// Harmless where it is not held.
+  void remove(std::uint64_t sequence);
+
+  bool holds(std::uint64_t sequence) const { return bytes_of_.contains(sequence); }
+  std::uint64_t next(std::uint64_t from) const;  // the first that is held at or after `from`; 0: none
+  std::uint64_t count() const { return bytes_of_.size(); }
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  std::filesystem::path path_of(std::uint64_t sequence) const;
+  void note(std::uint64_t sequence, std::uint64_t bytes);
+
+  std::filesystem::path directory_;
+  bool sync_;
+  std::map<std::uint64_t, std::uint64_t> bytes_of_;  // of each file
+  std::uint64_t bytes_ = 0;                          // of all
+};
+
+}  // namespace headframe
