@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/merge/merge_config.hpp"
+#include "server/verification/verification.hpp"
+#include "tests/support/convincing_evidence.hpp"
+
+namespace headframe {
+namespace {
+
+using test::convincing;
+
+TEST(Probability, WhereAllSessionsShowManyCopiesALongerOverlapIsAskedFor) {
+  Evidence e = convincing();
+  const auto asked = [&](double repetition, double aliases = 0) {
+    e.repetition = repetition;
+    e.aliases = aliases;
+    return asked_overlap_m(e);
+  };
+  EXPECT_EQ(asked(0.3), 0) << "as in the recordings";
+  EXPECT_NEAR(asked(0.4), 20, 1e-9);
+  EXPECT_NEAR(asked(0.65), 70, 1e-9);
+  EXPECT_EQ(asked(5), 70);
+  EXPECT_EQ(asked(0.4, 1), 42) << "the copies of the pair itself say more";
+  EXPECT_EQ(asked(0.3, 0.5), 21);
+  EXPECT_EQ(asked(5, 3), 82);
+  EXPECT_EQ(asked(5, 4), 100);
+  Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
+  j.evidence.repetition = 1;
+  const auto p = [&](double overlap_m) {
+    j.evidence.overlap_m = overlap_m;
+    weigh(j);
+    return j.evidence.probability;
+  };
+  EXPECT_LT(p(39), 0.9);
+  EXPECT_GT(j.evidence.probability_if_unique, 0.95);
+  EXPECT_GT(p(70), 0.95);
+}
+
+TEST(Probability, AmongLookAlikesALongerOverlapIsAskedFor) {
+  Judgement j{RegistrationStatus::converged, Pose::Identity(), convincing()};
+  const auto p = [&](double look_alikes, double overlap_m) {
+    j.evidence.look_alikes = look_alikes;
+    j.evidence.overlap_m = overlap_m;
+    weigh(j);
+    return j.evidence.probability;
+  };
+  const double accepted = MergeConfig{}.accept_probability;
+  EXPECT_GT(p(0, 20), accepted) << "nothing looks alike, as in a cave";
+  EXPECT_GT(p(0.9, 26), accepted) << "rough drifts";
+  EXPECT_LT(p(3.3, 29), p(0, 29)) << "a copy of a tunnel piece that was believed";
+  EXPECT_EQ(j.evidence.probability_if_unique, p(0, 29));
+  EXPECT_LT(p(5.3, 60), p(0, 60)) << "one as long as three pieces";
+  EXPECT_EQ(p(5, 90), p(100, 90)) << "90 m tell, wherever it is";
+  EXPECT_EQ(asked_among_look_alikes_m({}), 0);
+  for (double n = 0; n < 6; n += 0.05) EXPECT_NEAR(p(n, 40), p(n + 0.05, 40), 0.05) << "no cliff";
+}
+
+TEST(Probability, AShortOverlapAmongManyLookAlikesIsNotBelieved) {
+  const auto p = [](double overlap_m, double look_alikes) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.look_alikes = look_alikes;
+    e.descriptors_compared = 5;
+    e.descriptors_alike = 0.96;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_GT(p(28, 8), 0.9) << "as in tunnel-four";
+  EXPECT_LT(p(23.8, 5.3), 0.9) << "a copy";
+  EXPECT_LT(p(12.7, 7.8), 0.5) << "a copy";
+  EXPECT_GT(p(18.8, 1.1), 0.9) << "one look-alike is told apart";
+  EXPECT_GT(p(12, 2.6), 0.9) << "few look-alikes";
+  EXPECT_NEAR(p(27.99, 8), p(28.01, 8), 1e-3) << "no cliff";
+}
+
+TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
+  const auto p = [](double aliases, double alike) {
+    Evidence e = convincing();
+    e.aliases = aliases;
+    e.descriptors_compared = 12;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  const auto odds = [&](double aliases, double alike) {
+    const double chance = p(aliases, alike);
+    return std::log(chance / (1 - chance));
+  };
+  EXPECT_GT(odds(1, 0.85) - odds(1, 0.76), odds(0, 0.85) - odds(0, 0.76)) << "below .85 a copy's mine asks for more";
+}
+
+TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) {
+  const auto p = [](double likeness, double alike, double count = 5, double overlap_m = 23) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.aliases = 0.2 * likeness;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = count;
+    const double beside_another = probability(RegistrationStatus::converged, e);
+    e.aliases = 0;
+    e.look_alikes = 0.5 * likeness;
+    return std::max(beside_another, probability(RegistrationStatus::converged, e));
+  };
+  EXPECT_GT(p(0, 0.77), 0.9);
+  EXPECT_LT(p(1, 0.77), 0.6);
+  EXPECT_GT(p(1, 0.84), 0.9);
+  EXPECT_GT(p(1, 0.77, 3), 0.9) << "three tell little";
+  EXPECT_GT(p(1, 0.77, 4), p(1, 0.77, 5));
+  EXPECT_GT(p(1, 0.77, 5, 36), 0.9) << "a longer overlap tells by itself";
+  EXPECT_LT(p(1, 0.77, 5, 26), p(1, 0.77, 5, 31));
+  EXPECT_NEAR(p(1, 0.829), p(1, 0.831), 0.05) << "no cliff";
+}
+
+TEST(Probability, CopiesCountMoreWhereTheDescriptorsDifferAndNeverLess) {
+  Evidence e;
+  e.aliases = 3;
+  e.descriptors_compared = 6;
+  const auto counted = [&](double alike) {
+    e.descriptors_alike = alike;
+    return counted_aliases(e);
+  };
+  EXPECT_EQ(counted(1), 3) << "as alike as copies are";
+  EXPECT_EQ(counted(0.76), 3);
+  EXPECT_EQ(asked_overlap_m(e), 82);
+  EXPECT_NEAR(counted(0.74), 4.5, 1e-9) << "unlike: half more";
+  EXPECT_NEAR(counted(0.72), 6, 1e-9);
+  EXPECT_EQ(counted(0.5), 6) << "twice at most";
+  e.descriptors_compared = 3;
+  EXPECT_EQ(counted(0.5), 4.5) << "three keyframes are few";
+}
+
+/// What it is with so much of this, over an overlap whose descriptors are so alike.
+double with_overlap(double Evidence::*member, double value, double overlap_m, double alike, double compared) {
+  Evidence e = convincing();
+  e.*member = value;
+  e.overlap_m = overlap_m;
+  e.descriptors_alike = alike;
+  e.descriptors_compared = compared;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
+  const auto p = [](double look_alikes, double overlap_m, double alike, double compared) {
+    return with_overlap(&Evidence::look_alikes, look_alikes, overlap_m, alike, compared);
+  };
+  EXPECT_LT(p(8, 33, 0.88, 6), 0.9) << "a copy of a tunnel piece, driven a little aside";
+  EXPECT_GT(p(8, 33, 0.96, 6), 0.9);
+  EXPECT_LT(p(8, 33, 0.91, 6), p(8, 33, 0.96, 6));
+  EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";
+  EXPECT_GT(p(8, 33, 0.88, 1), p(8, 33, 0.88, 4)) << "one keyframe says little";
+  EXPECT_GT(p(8, 51, 0.88, 9), 0.9) << "longer than two pieces";
+  EXPECT_LT(p(18, 51, 0.85, 9), 0.9) << "a mine of nothing but copies";
+  EXPECT_GT(p(18, 71, 0.85, 9), 0.9);
+  EXPECT_GT(p(3, 33, 0.88, 6), 0.9) << "three look-alikes are not many";
+  for (double alike = 0.84; alike < 0.99; alike += 0.001)
+    EXPECT_NEAR(p(8, 33, alike, 6), p(8, 33, alike + 0.001, 6), 0.05) << "no cliff";
+}
+
+TEST(Probability, InAMineThatLooksLikeItselfDescriptorsOfALongOverlapHaveToAgreeToo) {
+  const auto p = [](double of_mine, double alike) {
+    return with_overlap(&Evidence::mine_look_alikes, of_mine, 66, alike, 19);
+  };
+  EXPECT_LT(p(0.3, 0.64), std::min(0.9, p(0, 0.64)));
+  EXPECT_GT(p(0.3, 0.79), 0.9);
+}
+
+TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescriptorsThatAgree) {
+  const auto p = [](double of_mine, double overlap_m, double alike, double compared) {
+    return with_overlap(&Evidence::mine_look_alikes, of_mine, overlap_m, alike, compared);
+  };
+  EXPECT_EQ(p(0.1, 31, 0.79, 2), p(0, 31, 0.79, 2)) << "a chance look-alike in a kilometre says nothing of the mine";
+  EXPECT_GT(p(0.1, 31, 0.79, 2), 0.9);
+  EXPECT_LT(p(0.3, 31, 0.79, 2), 0.5) << "a copy, and the two sessions have shown no other";
+  EXPECT_NEAR(p(0.3, 31, 0.79, 2), p(3, 31, 0.79, 2), 1e-9);
+  EXPECT_NEAR(p(0.3, 51, 0.79, 2), p(0, 51, 0.79, 2), 1e-3) << "longer than the pieces";
+  EXPECT_EQ(p(0.3, 31, 0.92, 2), p(0, 31, 0.92, 2)) << "the descriptors tell";
+  EXPECT_EQ(p(0.3, 29, 0, 0), p(0, 29, 0, 0)) << "of two families";
+  EXPECT_LT(p(0.3, 14, 0, 0), 0.7);
+  Evidence two;
+  two.look_alikes = 1;
+  EXPECT_EQ(looks_like_itself(two), 0);
+  two.look_alikes = 2;
+  EXPECT_EQ(looks_like_itself(two), 1) << "two look-alikes say the same of the mine";
+  for (double of_mine = 0.05; of_mine < 0.35; of_mine += 0.002)
+    EXPECT_NEAR(p(of_mine, 31, 0.85, 4), p(of_mine + 0.002, 31, 0.85, 4), 0.05) << "no cliff";
+}
+
+}  // namespace
+}  // namespace headframe
