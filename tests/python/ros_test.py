@@ -5,6 +5,7 @@
 
 import math
 import os
+import re
 import shutil
 import socket
 import sqlite3
@@ -135,6 +136,10 @@ class Cdr:
         elif isinstance(m, Odometry):
             self.header(m.header).text(m.child_frame_id).transform(m.pose.pose.position, m.pose.pose.orientation)
             self.put("d", *[0.0] * 78)
+        elif isinstance(m, PathMessage):
+            self.header(m.header).put("I", len(m.poses))
+            for at in m.poses:
+                self.header(at.header).transform(at.pose.position, at.pose.orientation)
         else:
             self.header(m.header).put("I", m.height, m.width, len(m.fields))
             for f in m.fields:
@@ -146,6 +151,13 @@ class Cdr:
 
 
 KINDS = {"/tf_static": "tf2_msgs/msg/TFMessage", "/odom": "nav_msgs/msg/Odometry", "/lidar": "sensor_msgs/msg/PointCloud2"}
+IN_BAGS = {**KINDS, "/slam/path": "nav_msgs/msg/Path"}
+
+
+def write_ros1(file, told, **how):
+    with rosbag.Bag(str(file), "w", **how) as bag:
+        for topic, stamp_s, message in told:
+            bag.write(topic, message, genpy.Time.from_sec(stamp_s))
 
 
 def write_ros2(folder, told):
@@ -153,8 +165,8 @@ def write_ros2(folder, told):
     with sqlite3.connect(folder / "drive_0.db3") as bag:
         bag.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
         bag.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
-        ids = {topic: i + 1 for i, topic in enumerate(KINDS)}
-        bag.executemany("INSERT INTO topics VALUES (?, ?, ?, 'cdr')", [(ids[t], t, KINDS[t]) for t in KINDS])
+        ids = {topic: i + 1 for i, topic in enumerate(IN_BAGS)}
+        bag.executemany("INSERT INTO topics VALUES (?, ?, ?, 'cdr')", [(ids[t], t, IN_BAGS[t]) for t in IN_BAGS])
         bag.executemany("INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)",
                         [(ids[t], int(s * 1e9), Cdr().message(m)) for t, s, m in told])
 
@@ -317,9 +329,7 @@ class Bags(unittest.TestCase):
         shutil.rmtree(OUT, ignore_errors=True)
         OUT.mkdir(parents=True)
         subprocess.run([BIN / "headframe-drawn-sessions", OUT / "drives"], check=True)
-        with rosbag.Bag(str(OUT / "a.bag"), "w", compression="lz4") as bag:
-            for topic, stamp_s, message in drive(OUT / "drives" / "a"):
-                bag.write(topic, message, genpy.Time.from_sec(stamp_s))
+        write_ros1(OUT / "a.bag", drive(OUT / "drives" / "a"), compression="lz4")
         write_ros2(OUT / "b", drive(OUT / "drives" / "b"))
         cls.server = subprocess.Popen([BIN / "headframe-server", "--data", OUT / "data", "--insecure", "--listen", "127.0.0.1:0",
                                        "--http", "127.0.0.1:0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
@@ -393,15 +403,28 @@ class Bags(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
         self.assertRegex(done.stdout, "revision [0-9]+: [23] sessions on one map")
 
+    def test_3_a_path_in_a_bag_moves_the_keyframes(self):
+        """SLAM closes its loop at the end of the drive, and finds that the mine is level."""
+        truth = list(scans(OUT / "drives" / "b"))
+        path = path_message([s for s, *_ in truth], [T @ np.linalg.inv(T_BASE_LIDAR) for _, T, _ in truth], "odom")
+        told = [*drive(OUT / "drives" / "b", climb_m=0.02), ("/slam/path", truth[-1][0] + 1, path)]
+        write_ros1(OUT / "climbs.bag", told)
+        write_ros2(OUT / "climbs", told)
+        for bag in OUT / "climbs.bag", OUT / "climbs":
+            done = self.replay(f"climbs_{bag.suffix[1:]}", bag, "--corrected", "/slam/path")
+            self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+            keyframes, moved = (int(re.search(f"{before} ([0-9]+)", done.stdout)[1]) for before in ("became", "moved keyframes"))
+            self.assertGreater(moved, 0.8 * keyframes)
+            self.assertLessEqual(moved, keyframes, "one path moves each once")
+
     def test_what_can_not_be_played_is_said_in_one_line(self):
-        with rosbag.Bag(str(OUT / "unmounted.bag"), "w") as bag:
-            for topic, stamp_s, message in list(drive(OUT / "drives" / "short_0"))[1:]:
-                bag.write(topic, message, genpy.Time.from_sec(stamp_s))
+        write_ros1(OUT / "unmounted.bag", list(drive(OUT / "drives" / "short_0"))[1:])
         (OUT / "cut.bag").write_bytes((OUT / "a.bag").read_bytes()[:200000])
         (OUT / "junk.db3").write_bytes(b"no database" * 100)
         for bag, word, more in ((OUT / "cut.bag", "reindex", ()), (OUT / "junk.db3", "junk.db3", ()),
                                 (OUT / "none.bag", "none.bag", ()), (OUT / "drives", "convert", ()),
                                 (OUT / "a.bag", "/imu", ("--odometry", "/imu")),
+                                (OUT / "a.bag", "no nav_msgs/Path", ("--odometry", "/odom", "--corrected", "/odom")),
                                 (OUT / "a.bag", "no topic /tf", ("--mounting", *"0000001", "--tf", "odom")),
                                 (OUT / "unmounted.bag", "no cloud has met", ())):
             with self.subTest(bag=bag, word=word):

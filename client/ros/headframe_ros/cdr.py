@@ -7,7 +7,7 @@ from types import SimpleNamespace as Message
 def decoded(kind, data):
     """ValueError: another kind, or not what it says."""
     readers = {"sensor_msgs/msg/PointCloud2": _point_cloud, "nav_msgs/msg/Odometry": _odometry,
-               "geometry_msgs/msg/PoseStamped": _pose_stamped, "tf2_msgs/msg/TFMessage": _transforms}
+               "geometry_msgs/msg/PoseStamped": _pose_stamped, "nav_msgs/msg/Path": _path, "tf2_msgs/msg/TFMessage": _transforms}
     if kind not in readers:
         raise ValueError(f"messages of {kind} are no clouds or poses")
     try:
@@ -71,6 +71,10 @@ def _pose(r):
 
 def _pose_stamped(r):
     return Message(header=_header(r), pose=_pose(r))
+
+
+def _path(r):
+    return Message(header=_header(r), poses=r.many(_pose_stamped))
 
 
 def _odometry(r):

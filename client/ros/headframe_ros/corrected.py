@@ -31,6 +31,8 @@ class Corrected:
 
     def path(self, message, odometry_frame):
         """The whole trajectory as it is now. ValueError: it is none."""
+        if not all(hasattr(pose, "header") for pose in getattr(message, "poses", [None])):
+            raise ValueError("the corrected path is no nav_msgs/Path")
         stamps = np.array([stamp_s(pose.header) for pose in message.poses])
         self.warning = ""
         if len(stamps) == 0:

@@ -12,6 +12,7 @@ import headframe
 import numpy as np
 
 from .bags import messages
+from .corrected import Corrected
 from .messages import rotation_of
 from .pairing import Pairing
 from .topics import Listener
@@ -27,6 +28,8 @@ def arguments():
     poses = parser.add_mutually_exclusive_group(required=True)
     poses.add_argument("--odometry", help="topic of nav_msgs/Odometry or geometry_msgs/PoseStamped")
     poses.add_argument("--tf", metavar="FRAME", help="poses are the tf transforms out of this frame (odom)")
+    parser.add_argument("--corrected", metavar="TOPIC",
+                        help="of nav_msgs/Path: SLAM's trajectory as it is after loop closures, which moves the keyframes")
     parser.add_argument("--mounting", type=float, nargs=7, metavar=tuple("xyz") + ("qx", "qy", "qz", "qw"),
                         help="of the lidar on what the odometry moves; without it static transforms of the bag say so")
     parser.add_argument("--rate", type=float, default=0, help="times real time; without it as fast as it goes")
@@ -52,11 +55,18 @@ def play(options, robot):
     """How many scans there were, and how many became keyframes."""
     pairing = Pairing(mounting_of(options.mounting))
     listener = Listener(pairing, options.points, options.odometry, options.tf)
+    corrected = Corrected(robot, pairing) if options.corrected else None
     scans = keyframes = 0
     first = None
-    for topic, message in messages(options.bag, listener.topics):
+    for topic, message in messages(options.bag, listener.topics + ([options.corrected] if corrected else [])):
+        if topic == options.corrected:
+            corrected.path(message, listener.local_frame)
+            if corrected.warning:
+                pairing.lose(corrected.warning, 1)
+            continue
         listener.take(topic, message)
-        for stamp_s, T_local_sensor, points, intensity in pairing.take():
+        taken = pairing.take()
+        for stamp_s, T_local_sensor, points, intensity in corrected.scans(taken) if corrected else taken:
             first = first or (stamp_s, time.monotonic())
             if options.rate > 0:
                 time.sleep(max(0, first[1] + (stamp_s - first[0]) / options.rate - time.monotonic()))
@@ -64,12 +74,14 @@ def play(options, robot):
             try:
                 keyframes += robot.add_scan(stamp_s, T_local_sensor, points, intensity)
             except headframe.BadInput as passed_over:
-                pairing.lost[str(passed_over)] = pairing.lost.get(str(passed_over), 0) + 1
+                pairing.lose(str(passed_over), 1)
             if sys.stderr.isatty():
                 print(f"\r{scans} scans, {keyframes} keyframes", end="", file=sys.stderr)
     pairing.end()
     for why, count in pairing.lost.items():
         print(f"{count} left out: {why}")
+    if corrected:
+        print(f"the corrected path moved keyframes {corrected.moved} times")
     return scans, keyframes
 
 
