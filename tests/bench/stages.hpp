@@ -10,8 +10,9 @@ namespace headframe::bench {
 /// For every pair of sessions in the data sets below `folders` (each with truth.json and truth/ROBOT.txt): is the right
 /// placement proposed (and at which rank), does screening keep it, what does the verdict say of the true placement, is
 /// the pair merged, rightly or wrongly, and how long the attempt takes. Pairs are counted by the share of rock that
-/// both saw. A table on stdout, a picture and a line for each pair (stages.csv) in `out`. Throws when a data set cannot
-/// be read.
+/// both saw. A table on stdout; in `out` a line for each pair (stages.csv), for each placement that was judged
+/// (verdict_sets.csv), and how far the verdict's probabilities can be believed (verdict.json, reliability.png). Throws
+/// when a data set cannot be read.
 nlohmann::json stages(const std::vector<std::filesystem::path>& folders, const std::vector<std::string>& families,
                       double days_apart, const std::filesystem::path& out);
 

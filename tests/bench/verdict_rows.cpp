@@ -29,7 +29,10 @@ void VerdictRows::add(const PipelineRun& run) {
   for (const PairTrace& trace : run.traces)
     for (const Judgement& judged : trace.judged) {
       const DrivenSession &a = run.session(trace.a), &b = run.session(trace.b);
-      if (const auto right = label(a, b, judged.T_a_b)) write("judged", a, b, *right, judged);
+      const auto right = label(a, b, judged.T_a_b);
+      if (!right) continue;
+      write("judged", a, b, *right, judged);
+      calibration_.add(judged.evidence.probability, *right, a.world);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "tests/bench/calibration.hpp"
 #include "tests/bench/pipeline_run.hpp"
 
 namespace headframe::bench {
@@ -19,9 +20,13 @@ class VerdictRows {
   /// The verdict on the true placement.
   void add_oracle(const DrivenSession& a, const DrivenSession& b, const Judgement& judged);
 
+  /// Of the placements that attempts judged.
+  const Calibration& calibration() const { return calibration_; }
+
  private:
   void write(const char* source, const DrivenSession& a, const DrivenSession& b, bool right, const Judgement& judged);
   std::ofstream csv_;
+  Calibration calibration_;
 };
 
 }  // namespace headframe::bench
