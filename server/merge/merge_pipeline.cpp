@@ -9,7 +9,7 @@
 
 namespace headframe {
 
-// ---- The page: one attempt to merge one session with all others (FRAME, section on map merging; numbers of its steps)
+// ---- One attempt to merge one session with others, on one page (FRAME, section on map merging; numbers of its steps)
 
 AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   AttemptReport report;
@@ -23,10 +23,10 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.settle_others(id, attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);
-  s.consistency.look_at_contacts(attempt);  // what the others say of it, where their maps come to lie on each other
+  s.consistency.look_at_contacts(attempt);  // compares sessions that would come to lie on each other
   s.close_loops(id, attempt);
   s.update_atlas(report);                      // 9: maps merge one after another, and bend where they meet again
-  for (const Alignment& k : report.changed) {  // it is told first; then its loops are closed, and it is settled
+  for (const Alignment& k : report.changed) {  // it is published first; then its loops are closed, and it is settled
     if (k.state != AlignmentState::published) continue;
     s.to_settle.insert({k.a, k.b});
     report.unfinished = true;
@@ -36,16 +36,16 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
 }
 
 void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& attempt) {
-  if (!sessions.worth_a_look(pair)) return;  // nothing that were found would be told; it is tried when there is more
+  if (!sessions.worth_a_look(pair)) return;  // no result would be published yet; it is tried when there is more path
   attempt.clouds.working_on(pair.a, pair.b);
   Alignment* known = book.find(pair.a, pair.b);
   const bool in_force = known && (known->state == AlignmentState::published || known->ruling == Ruling::confirmed);
   if (in_force && !ended_since_judged(*known) && still_holds(pair, *known, attempt)) return;
 
-  // 5, 6: where could b lie on a? Not one nearest pair, but all that the descriptors and the wall maps propose.
+  // 5, 6: where could b lie on a? Not one nearest pair, but everything that the descriptors and the wall maps propose.
   const Found* found = propose(pair, attempt.report);
   if (!found) return;
-  // 7: the clouds around each; what is not here is asked for, the likeliest first.
+  // 7: the clouds around each hypothesis; missing ones are requested, for the likeliest first.
   Candidates candidates;
   {
     const Stopwatch watch(attempt.report.times.sampling_ms);
@@ -61,7 +61,7 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   for (const Verdict& v : verdicts) trace.judged.push_back(by_ids(pair, v.judgement));
   if (verdicts.empty()) verdicts.emplace_back();
   if (known) drop_ruled_out(pair, *known, verdicts);
-  if (verdicts.empty()) return;  // the operator has ruled on all there is
+  if (verdicts.empty()) return;  // the operator has ruled on all placements
   Judgement& best = verdicts.front().judgement;
   std::optional<Pose> T_a_b_runner_up;
   const auto rival = std::find_if(verdicts.begin() + 1, verdicts.end(), [&](const Verdict& v) {  // the most probable
@@ -72,14 +72,14 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
     T_a_b_runner_up = rival->judgement.T_a_b;
   }
   const bool waits = verifier.ask_for_more(pair, verdicts, candidates.awaited, attempt);
-  if (waits) judged.forget(pair.a, pair.b);  // it is judged anew even if the clouds do not come
+  if (waits) judged.forget(pair.a, pair.b);  // it is judged again even if the clouds do not come
   if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))
-    return;  // rivals of what would be accepted are looked at first
+    return;  // rivals of an acceptable placement are judged first
   book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
 }
 
-/// With those whose places look most like its own, until enough of them came to nothing; and with those that something
-/// is known of already.
+/// Tries the sessions whose places look most like this one's until enough attempts found nothing, and all sessions for
+/// which an alignment is known.
 void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& attempt) {
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::set<SessionId> left = aligned;
@@ -97,8 +97,8 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
 }
 
-/// What was published lately, of other sessions, is looked at once more, until nothing is asked for it: it may have
-/// been released by this one, and nobody tries them any more.
+/// Looks once more at recently published alignments of other sessions, until no clouds are requested for them: this
+/// session may have released them, and no trigger will try them again.
 void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
   std::erase_if(to_settle, [&](const std::pair<SessionId, SessionId>& both) {
     const auto [a, b] = both;
@@ -117,11 +117,12 @@ const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptRepor
   const Found* found = finder.find({pair.a, a.keyframes, a.complete, a.family, a.asks_where},
                                    {pair.b, b.keyframes, b.complete, b.family, b.asks_where},
                                    [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
-  report.unfinished |= !found;  // enough searched for one attempt
+  report.unfinished |= !found;  // the searches of one attempt are used up
   return found;
 }
 
-/// When more sessions show copies, or fewer, the pair is judged again.
+/// What the verdict depends on. It includes how many copies all sessions show: when that changes, the pair is judged
+/// again.
 JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Found& found,
                                              const std::vector<Case>& cases) const {
   Evidence of_all;
@@ -136,27 +137,27 @@ JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Foun
   return out;
 }
 
-/// Both are complete, and at least one was not when the pair was judged as a whole.
+/// Whether both sessions are complete, and at least one was not when the pair was last judged as a whole.
 bool MergePipeline::State::ended_since_judged(const Alignment& known) const {
   const Session &a = sessions.at(known.a), &b = sessions.at(known.b);
   return a.complete && b.complete && a.path_m() + b.path_m() > known.evidence.path_m + 1e-3;
 }
 
-/// A published alignment is looked at again with the keyframes that came since. False: it does not stand up any more;
-/// one that the operator confirmed always does. When both sessions have ended the clouds that settle it are asked for;
-/// it stands meanwhile.
+/// Judges a published alignment again with the keyframes that came since. Returns false if it no longer holds; one that
+/// the operator confirmed always holds. When both sessions have ended, the clouds that settle it are requested; it
+/// stays published meanwhile.
 bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt) {
   const Pose T_0 = by_ids(pair, published.T_a_b);
   const Case now = requests.make_case(pair.a, pair.b, {.T_a_b = T_0}, attempt.clouds);
   if (now.a.stored.empty() || now.b.stored.empty()) return true;
-  if (now.a.any_let_go || now.b.any_let_go) return true;  // what spoke for it is not here any more
+  if (now.a.any_let_go || now.b.any_let_go) return true;  // clouds that supported it have been deleted
   const bool ended = sessions.at(pair.a).complete && sessions.at(pair.b).complete;
   if (ended) attempt.want(requests.clouds_to_settle(pair, now));
   if (judged.judged_on(pair, {.clouds = {now.a.stored.size(), now.b.stored.size()}})) return true;
   const Stopwatch watch(attempt.report.times.verification_ms);
   Judgement again = verifier.judge_again(pair, now, attempt.clouds);
   Evidence& e = again.evidence;
-  e.aliases = published.evidence.aliases;  // what only the search of the whole pair tells
+  e.aliases = published.evidence.aliases;  // known only from the search of the whole pair
   e.look_alikes = published.evidence.look_alikes;
   e.farther_violation = published.evidence.farther_violation;
   e.farther_explained = published.evidence.farther_explained;

@@ -1,6 +1,6 @@
 #pragma once
-// The server's data flow on one page: keyframes in, alignments and atlas revisions out. It reads as the paper does
-// (FRAME, Algorithm 1), with the verdict that the paper lacks.
+// The server's data flow on one page: keyframes in, alignments and atlas revisions out. It follows Algorithm 1 of the
+// FRAME paper and adds a verdict.
 
 #include <memory>
 #include <vector>
@@ -22,96 +22,98 @@ class MergePipeline {
   explicit MergePipeline(const MergeConfig& config);
   ~MergePipeline();
 
-  /// Sessions and keyframes come in any order of sessions; keyframes of one session in the order of their sequence.
-  /// Sessions of two sites never meet, but where the operator lays one on the other. A session that is there already
-  /// stays as it is.
+  /// Sessions may be added in any order and their keyframes interleaved; the keyframes of one session come in the order
+  /// of their sequence. Sessions of two sites are never tried with each other; only the operator can place one on the
+  /// other. Adding a session that exists changes nothing.
   void add_session(SessionId id, const FamilyId& family, const std::string& site = {});
   void add_keyframe(SessionId id, Keyframe keyframe);
 
-  /// Its cloud came: makes it ready for registration ahead of the attempt that needs it. Optional.
+  /// Prepares a cloud that has arrived for registration, ahead of the attempt that needs it. Optional.
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds);
 
-  /// Makes one part of what attempts will need: whether a session's mine repeats itself, or the surroundings of a
-  /// keyframe. Some tens of milliseconds; false when nothing is left. Optional: attempts make what they miss.
+  /// Computes one piece of what attempts will need: whether a session repeats itself, or the submap of a keyframe.
+  /// Takes some tens of milliseconds; returns false when nothing is left. Optional: attempts compute what is missing.
   bool prepare_ahead(CloudSource& clouds);
 
-  /// No keyframe follows, or none has for a while: however short it is, it may merge now. Harmless when repeated; a
-  /// keyframe that comes after all ends it.
+  /// The session has ended, or no keyframe has come for a while: however short it is, it may merge now. May be
+  /// repeated; a further keyframe makes the session grow again.
   void complete_session(SessionId id);
 
-  /// Merges of others wait no more for what the session, which still grows, comes to say.
+  /// Merges of other sessions no longer wait for this session, which still grows.
   void await_no_more(SessionId id);
 
-  /// Forgets the session; what is known of its alignments rests until it is added again, with all its keyframes, and
-  /// come_back() says so.
+  /// Forgets the session. Its alignments have no effect until it is added again with all its keyframes and come_back()
+  /// is called.
   AttemptReport set_aside(SessionId id);
   AttemptReport come_back(SessionId id);
 
-  /// The robot's SLAM has moved keyframes of the session: these are all of it, as they came but for where they lie in
-  /// the session's local frame now. What was made of them is made anew. Alignments are moved along, so that where the
-  /// two sessions meet the keyframes stay where they lay on the other; what is merged stays so for now, nothing else is
-  /// merged until the next attempt, and that judges all of it anew. Loop closures stay, for they are between keyframes.
-  /// Nothing changes where no keyframe moved; a frozen session and one that is not here stay as they are.
+  /// The robot's SLAM moved keyframes of the session. `keyframes`: all of the session's keyframes, unchanged except for
+  /// their poses in its local frame. Everything derived from the old poses is rebuilt. Alignments move along, so that
+  /// where the two sessions meet the keyframes keep their place on the other. Merged sessions stay merged for now;
+  /// nothing new is merged until the next attempt, which judges everything anew. Loop closures stay valid, since they
+  /// connect keyframes. If no keyframe moved, or the session is frozen or absent, nothing changes.
   AttemptReport move_session(SessionId id, const std::vector<Keyframe>& keyframes);
 
-  /// It was driven in another mine than was thought: what merged it with sessions there counts no more, unless the
-  /// operator confirmed it, and what is known of those at `site` counts again. Nothing is looked for yet.
+  /// Assigns the session to another site. Alignments with sessions of other sites no longer count, unless the operator
+  /// confirmed them, and earlier alignments with sessions at `site` count again. This does not search.
   AttemptReport set_site(SessionId id, const std::string& site);
 
-  /// Nothing moves the session any more, from where it lies now: others align to it, and its component is anchored to
-  /// it, or to one that was frozen before. Until it is thawed, also when it was set aside meanwhile. not_found: no such
-  /// session; refused: it is frozen already, or it is not, or there is no keyframe to freeze.
+  /// freeze: from now on nothing moves the session; others are aligned to it, and its component is anchored to it, or
+  /// to one that was frozen before. This lasts until thaw(), even if the session is set aside meanwhile. not_found: no
+  /// such session; refused: it is frozen already (freeze) or not frozen (thaw), or there is no keyframe to freeze.
   Result<AttemptReport> freeze(SessionId id);
   Result<AttemptReport> thaw(SessionId id);
   /// As they were stored; before restore().
   void restore_frozen(std::vector<FrozenSession> frozen);
 
-  /// After a restart, once all sessions and keyframes were added: alignments and decisions as they were stored, ordered
-  /// by id, the last revision, and the anchors in the order they were chosen.
+  /// After a restart, once all sessions and keyframes were added: stored alignments and decisions, ordered by id; the
+  /// last revision; and the anchors in the order they were chosen.
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
                std::vector<SessionId> anchors = {});
 
-  /// Before restore(): how often sessions look like themselves, as attempts reported it. What is not known is looked at
-  /// by prepare_ahead(), or when an attempt asks for it.
+  /// Call before restore(): how often sessions look like themselves, as attempts reported it. What is missing is
+  /// computed by prepare_ahead(), or when an attempt needs it.
   void restore_self_likeness(std::map<SessionId, SelfLikeness> known);
   /// As they were stored; before restore().
   void restore_closures(const PairClosures& known);
 
-  /// The operator's word on an alignment, put into the atlas at once. not_found: no such alignment; refused: the
-  /// decision does not fit it. Nothing changes when it stands already. After an undo, attempts for both sessions find
-  /// what had been suppressed.
+  /// Applies an operator's decision to an alignment, and updates the atlas at once. not_found: no such alignment;
+  /// refused: the decision does not apply to it. Nothing changes if the decision stands already. After an undo, new
+  /// attempts for both sessions find what had been suppressed.
   Result<AttemptReport> decide(AlignmentId id, Decision decision);
 
-  /// The operator laid b on a roughly: registered, and judged beside what is proposed without him. Recorded as the
-  /// pair's alignment, a candidate at most until it is confirmed, unless it is improbable, or registration takes it
-  /// elsewhere. Fills the report, which is to be stored; on a failure too it may ask for clouds. not_found: no such
-  /// session; refused: the two are merged, or nobody has clouds where they would meet; unavailable: the clouds there
-  /// are still to come.
+  /// The operator placed b on a roughly: registers the placement and compares it with those that the search proposes.
+  /// It becomes the pair's alignment, at most a candidate until it is confirmed, unless it is improbable or
+  /// registration moves it too far. Fills the report, which the caller stores; the report may request clouds even if
+  /// this fails. not_found: no such session; refused: the two are merged, or there are no clouds where they would meet;
+  /// unavailable: the clouds there are still to come.
   Result<HandPlacement> place(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds, AttemptReport& report);
 
-  /// The session's frame becomes its component's, now and after later merges, until another of the component is chosen.
-  /// not_found: no such session; refused: a frozen one keeps the frame. Nothing changes when it was chosen last
-  /// already.
+  /// The session's frame becomes the frame of its component, now and after later merges, until another session of the
+  /// component is chosen. not_found: no such session; refused: a frozen session keeps the frame. Returns an unchanged
+  /// atlas if it was chosen last already.
   Result<AttemptReport> anchor(SessionId id);
 
-  /// Whether the session's robot asks where it is: then its pairs are looked at however short it is, and again after
-  /// each two metres. What is found is merged by the same rules as ever. False for a session that was not added.
+  /// Sets whether the session's robot asks where it is. While it does, its pairs are considered however short it is,
+  /// and again every two metres. What is found is merged by the usual rules. Returns false for a session that was not
+  /// added.
   bool ask_where(SessionId id, bool asks);
 
-  /// What can be told its robot as of the last attempt. Pure.
+  /// What the robot can be told about its place as of the last attempt. Pure.
   SessionLocalization localization(SessionId id) const;
 
-  /// Tries to merge this session with every other session of its family.
+  /// Tries to merge this session with those that look most like it, and with those for which an alignment is known.
+  /// Sessions of other descriptor families count too; they are ranked by their wall profiles.
   AttemptReport attempt(SessionId id, CloudSource& clouds);
 
-  /// The verdict on a placement that is handed in, wherever it comes from; nothing is recorded. a < b.
+  /// Judges a given placement, wherever it comes from; nothing is recorded. a < b.
   Judgement judge_placement(SessionId a, SessionId b, const Pose& T_a_b, CloudSource& clouds);
 
-  /// Keyframes of the session that are left out of merging, from a jump of its odometry on.
+  /// The keyframes of the session that are left out of merging because its odometry jumped.
   SessionCut cut(SessionId id) const;
 
   const Atlas& atlas() const;
-  /// Of the sessions that the pose graph bends, between the frames of the robots.
+  /// The sessions that the pose graph corrects, in the robots' frames.
   const Corrections& corrections() const;
   const std::vector<Alignment>& alignments() const;
 

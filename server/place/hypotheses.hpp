@@ -1,6 +1,6 @@
 #pragma once
-// Where could two sessions lie on each other? One list from several sources, for the registration to judge: best first
-// by the walls' score times the descriptors' agreement.
+// Where could two sessions overlap? One list of hypotheses from several sources, for registration to judge. Best first,
+// by the walls' score times the similarity of the descriptors.
 
 #include <functional>
 #include <limits>
@@ -21,51 +21,53 @@ namespace headframe {
 
 struct Hypothesis {
   Pose T_a_b = Pose::Identity();  // 4 degrees of freedom: both frames have z along gravity
-  double score = 0;               // of a piece of b's walls laid on a's: comparable whatever the source
-  Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of b's walls that met a's, in b's frame
+  double score = 0;               // of a piece of b's walls on a's walls; comparable between sources
+  Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of b's walls that match a's, in b's frame
   Agreement descriptors = {};                         // along both paths
-  double promise = 0;                                 // score, weighed by the descriptors' agreement
+  double promise = 0;                                 // score, weighted by the descriptors' similarity
   ProposalSource source = ProposalSource::walls;
 };
 
-/// A session as the finder sees it.
+/// What the finder knows of a session.
 struct SessionView {
   SessionId id = 0;
   std::span<const Keyframe> keyframes;
   bool complete = false;
-  FamilyId family = {};     // of its descriptors: those of different families are not compared
-  bool asks_where = false;  // its robot waits for what is found
+  FamilyId family = {};     // of its descriptors; different families are not compared
+  bool asks_where = false;  // its robot asks where it is
 };
 
-/// What was found for a pair of sessions, best first. The version changes with every new search.
+/// Hypotheses for a pair of sessions, best first. The version changes with every new search.
 struct Found {
   std::size_t version = 0;
   std::vector<Hypothesis> hypotheses;
   double path_a_m = 0, path_b_m = 0;  // of the sessions when it was searched
 };
 
-/// Finds hypotheses for pairs of sessions, and remembers what it drew and found: a pair is searched again when one of
-/// both has grown by news_m (asked_news_m), or at all when it is complete now. Not thread safe.
+/// Finds hypotheses for pairs of sessions, and remembers wall maps and results. A pair is searched again when one of
+/// the two has grown by news_m (asked_news_m while a robot asks where it is), or by any amount if it is complete now.
+/// Not thread safe.
 class HypothesisFinder {
  public:
   struct Config {
     LeadSeats seats = {};
-    double news_m = 15, asked_news_m = 2;  // the second where a robot asks where it is
-    std::size_t walls_bytes = 64000000;    // drawn walls that are kept: the least recently used go first
+    double news_m = 15, asked_news_m = 2;  // growth that causes a new search; the second if a robot asks where it is
+    std::size_t walls_bytes = 64000000;    // memory for wall maps; the least recently used are discarded first
     int threads = 1;
   };
   explicit HypothesisFinder(const Config& config) : config_(config) {}
 
-  /// New searches until the next call of allow().
+  /// Allows this many new searches until the next call.
   void allow(std::size_t searches) { allowed_ = searches; }
 
-  /// Null when it would take a search and none is allowed any more. The pointer holds until the next call. `matches` is
-  /// called for a new search only.
+  /// Returns null if a new search would be needed and none is allowed any more. The pointer is valid until the next
+  /// call. `matches` is called only for a new search.
   const Found* find(const SessionView& a, const SessionView& b,
                     const std::function<std::vector<MatchedPair>()>& matches);
-  /// Where a session lies on itself, where it is and elsewhere. Searched anew at each call; not counted by allow().
+  /// Placements of a session on itself, including the true one. Searched again at each call; does not count against
+  /// allow().
   const Found* find_within(const SessionView& session);
-  /// Its keyframes will lie elsewhere: whatever was drawn and found of it is so no more.
+  /// The session's keyframes are about to move: discards its wall maps and results.
   void forget(SessionId session);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-// From evidence to a probability: terms with weights fitted on labelled placements (tests/bench/fit_verdict.py), and
-// what is set by hand because no fit can know it: how much overlap a mine that repeats itself is asked for.
+// From evidence to a probability: terms whose weights were fitted on labelled placements (tests/bench/fit_verdict.py),
+// and terms set by hand where a fit lacks data, such as the overlap demanded of a mine that repeats itself.
 
 #include <array>
 #include <string_view>
@@ -10,8 +10,8 @@
 
 namespace headframe {
 
-/// One thing that speaks for a placement or against it, in units of its own. More is better for the placement, and its
-/// weight is never negative.
+/// One argument for or against a placement, in a unit of its own. Larger is better for the placement, and its weight is
+/// never negative.
 struct VerdictTerm {
   std::string_view name;
   double value = 0;
@@ -20,14 +20,14 @@ inline constexpr std::size_t verdict_term_count = 8;
 inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 9;
 std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& evidence);
 
-/// What each term adds to the log-odds, as named by verdict_terms(), and what was set by hand: that places look alike,
-/// the overlap that is missing where the mine repeats itself, how much path is shared, a long overlap whose places all
-/// agree, what lies farther off, how few points meet, how far it leans, and whether descriptors tell it from what looks
-/// alike.
+/// What each term adds to the log-odds. First the fitted ones, named by verdict_terms(); then those set by hand:
+/// missing overlap where the mine repeats itself, shared path, a long overlap whose places all agree, free space
+/// farther off, few matching points, places that look alike, tilt, hardly any shared path, and descriptors that hardly
+/// distinguish it from another place.
 struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_contribution_count> contributions;
-  double taken_as_given() const;  // by the fit, of the sum: set by hand
+  double taken_as_given() const;  // the part set by hand that the fit takes as an offset
   double sum() const;
 };
 LogOdds log_odds(const Evidence& evidence);
