@@ -26,7 +26,7 @@ void AlignmentBook::release_awaited(AttemptReport& report) {
   }
 }
 
-/// For path and for nothing else: neither for clouds nor, after it was refused once, for the operator.
+/// Waits only for path: not for clouds, nor for the operator after a refusal.
 bool AlignmentBook::waits(const Alignment& k) const {
   if (k.state == AlignmentState::provisional) return true;
   return k.state == AlignmentState::candidate && k.evidence.awaited_m > 0 && convinces(k.evidence, config_) &&
@@ -44,7 +44,8 @@ bool AlignmentBook::anything_may_come() const {
   return std::any_of(alignments_.begin(), alignments_.end(), [&](const Alignment& k) { return may_come(k); });
 }
 
-/// Those of components that what waits would join to others, if nobody had yet to look where they would meet.
+/// The sessions of components that a waiting alignment might still join to others, because not all contacts are
+/// checked.
 std::set<SessionId> AlignmentBook::unsettled_sessions(const MergeResult& then) const {
   std::set<SessionId> ends, out;
   for (std::size_t i = 0; i < alignments_.size(); ++i) {
@@ -58,8 +59,8 @@ std::set<SessionId> AlignmentBook::unsettled_sessions(const MergeResult& then) c
   return out;
 }
 
-/// What still waits may turn out to be right. So where places look alike nothing new is told that would not stand
-/// beside it: it is held back, as by what others saw.
+/// Waiting alignments may turn out to be right. So where places look alike, nothing new is published that would be
+/// contradicted if they did: it is held back, like an alignment that other sessions contradict.
 MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
   if (!anything_may_come()) return merge(contacts);
   const MergeResult then = merge(contacts, Waiting::all);
