@@ -237,8 +237,7 @@ void AlignmentBook::note_moved_sessions(const std::vector<Component>& now, Attem
   for (const Component& component : now)
     for (const Placement& p : component.placements) {
       const auto was = before.find(p.session);
-      const bool alone =
-          was == before.end() && component.placements.size() == 1;  // a new session on its own changes no transform
+      const bool alone = was == before.end() && component.placements.size() == 1;  // a new session moves no transform
       if (alone) continue;
       report.atlas_changed |=
           was == before.end() || was->second.first != component.id ||

@@ -26,7 +26,7 @@ class Canvas {
     if (range_m < wall_reach_m) ++at(origin + range_m * direction).wall;
   }
 
-  /// Free cells beside a wall are left out: turned onto another map by half a cell they would stand on its walls.
+  /// Free cells beside a wall are left out, because half a cell of misalignment would put them on another map's walls.
   WallMap map() const {
     WallMap map;
     map.cell_m = cell_m_;
