@@ -26,10 +26,12 @@ struct CorrectionRules {
   double least_moved_m = 0.05;     // a keyframe that moves less than this ...
   double least_turned_rad = 0.01;  // ... and turns less than this is left unchanged
   double same_stamp_s = 0.001;     // stamps that differ by at most this are equal
-  double most_gap_s = 1;    // poses of the trajectory between which a keyframe is interpolated differ by at most this,
-  double most_gap_m = 1.5;  // or by at most this
-  double most_gap_rad = 0.5;  // and this
-  bool later_ones = true;     // keyframes newer than the trajectory move with its end
+  // A keyframe is interpolated between two poses of the trajectory that are at most most_gap_s apart, or at most
+  // most_gap_m and most_gap_rad.
+  double most_gap_s = 1;
+  double most_gap_m = 1.5;
+  double most_gap_rad = 0.5;
+  bool later_ones = true;  // keyframes newer than the trajectory move with its end
 };
 
 struct CorrectedKeyframes {
