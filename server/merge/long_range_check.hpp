@@ -15,7 +15,7 @@ struct LongRange {
   std::set<KeyframeRef> wanted;  // clouds that could add evidence
 };
 
-/// Looks for contradictions along the shared path, at spots for which all clouds within 25 m are stored; with
+/// Looks for contradictions along the shared path, at spots for which all clouds within 25 m of path are stored; with
 /// incomplete surroundings distant walls prove nothing. Checks all such spots if the mine is known to repeat itself,
 /// else four. Takes some 20 ms for each spot, so it comes last.
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged, const SessionMap& sessions,
