@@ -14,7 +14,8 @@ namespace headframe {
 /// must not call the gate.
 class RobotGate {
  public:
-  struct Seams {                    // clocks for tests, and callbacks
+  /// Clocks for tests, and callbacks. `ended` has to cut the connections of a robot whose credential has ended.
+  struct Seams {
     std::function<double()> now_s;  // seconds since the epoch; empty: the system's
     std::function<void(const std::string& robot, const std::string& why)> ended;
     std::function<void(const std::string& robot, std::uint64_t kib_s)> rated;  // what it may send; 0: no limit

@@ -91,8 +91,8 @@ double descriptors_leave_doubt(const Evidence& e) {
 }
 
 double asked_overlap_m(const Evidence& e) {
-  // In drawn mines of copies this rate was .58 to 1.6 per 100 m, in the recordings .05 to .24. There, the longest wrong
-  // placement that passed all other tests shared 57 m.
+  // In drawn mines of copies this rate was .58 to 1.6 per 100 m, in the recordings .05 to .24. The
+  // longest wrong placement that passed all other tests in those mines shared 57 m.
   constexpr double few = 0.3, metres_each = 200, most_m = 70, told_m = 100;
   const double of_all_m = std::clamp(metres_each * (e.repetition - few), 0.0, most_m);
   const double aliases = counted_aliases(e);
