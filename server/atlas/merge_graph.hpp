@@ -40,8 +40,8 @@ using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a
 /// components merges them, unless a session of one contradicts a session of the other there. One that closes a loop is
 /// published if it agrees with the loop. All others are held back: verified, or retracted if they had been published.
 /// If two sessions contradict each other, one of the alignments that connect them is wrong: a copy as long as its
-/// overlap. So those of them whose overlap is not at least 1.5 times as long wait as verified. While a contact is
-/// unknown, published alignments stay and others wait as verified.
+/// overlap. So all of these alignments wait as verified, except those with an overlap at least 1.5 times as long as the
+/// others'. While a contact is unknown, published alignments stay and others wait as verified.
 /// Strongest are those that the operator confirmed; then those that close more triangles with others than they fail to
 /// close; then the more probable ones (not counting aliases) with the less probable runner-up. The published alignments
 /// are finally made consistent by least squares over the session frames (relax.hpp).

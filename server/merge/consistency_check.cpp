@@ -125,8 +125,7 @@ bool ConsistencyCheck::record_agreeing(const MergeResult& merged, AttemptReport&
 
 void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
   const Stopwatch watch(attempt.report.times.verification_ms);
-  for (auto& [pair, kept] :
-       contacts_) {  // only between rounds, so that no result is discarded and computed again without end
+  for (auto& [pair, kept] : contacts_) {  // only between rounds, or results would be computed again without end
     if (kept.size() > placements_kept)
       kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(placements_kept));
     // The pair may have been judged by itself since. Agreement with third sessions counts again if only look-alikes
