@@ -71,7 +71,7 @@ void MergeWorker::note_moved(SessionId session, const std::vector<Eigen::Vector3
   update_view();
 }
 
-/// Of a session that the pipeline has just got as it was before.
+/// Takes over new poses of a session that the pipeline has just read with its old ones.
 void MergeWorker::catch_up(SessionId session, bool complete) {
   if (!known_[session].feeds_up_to || is_aside(session)) return;
   take_in_poses(session);

@@ -67,7 +67,7 @@ void WallField::mark_reach() {
     }
 }
 
-/// The cells of b that the guess brings near to something that the field knows.
+/// The cells of b that the guess brings near to non-empty cells of the field.
 WallMap WallField::near_part(const WallMap& b, const WallMatch& guess,
                              const std::optional<Surroundings>& within) const {
   const Eigen::Matrix2f R = Eigen::Rotation2Df(static_cast<float>(guess.yaw_rad)).toRotationMatrix() / cell_m_;
@@ -163,7 +163,7 @@ WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step,
     Window window;
     int turns;
     double turn_deg;
-    bool between;  // half a cell off as well
+    bool between;  // whether to try half cells too
   };
   static constexpr std::array coarse{Round{{6, 2}, 2, 2, false}};
   static constexpr std::array fine{Round{{2, 1}, 1, 1, false}, Round{{0, 1}, 1, 1, true}};

@@ -86,7 +86,7 @@ class SeenCubes {
   std::size_t used_ = 0;
 };
 
-/// Of a point within 16 km of the origin of what it is relative to.
+/// The key of the cube of a point that lies within 16 km of the origin.
 std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
   constexpr int half = 1 << 20;
   const Eigen::Vector3i c = (p / leaf_m).array().floor().cast<int>() + half;
