@@ -42,11 +42,11 @@ struct RobotClient::State {
   std::atomic<bool> finished{false};
   SweepCollector sweeps;
   SpooledLink link;
-  std::optional<CredentialFile> credential;  // of the uplink's thread; none: in the clear
+  std::optional<CredentialFile> credential;  // used on the uplink's thread; none: unencrypted
   std::uint64_t sequence = 0;                // of the last keyframe
-  std::vector<KnownKeyframe> keyframes;      // all of them, where they lie now
+  std::vector<KnownKeyframe> keyframes;      // all of them, with their present poses
   std::mutex unfamiliar_mutex;
-  std::string unfamiliar;          // what the family said of the first scan that was so
+  std::string unfamiliar;          // the family's remark on the first scan that it was not made for
   std::unique_ptr<Uplink> uplink;  // last: its thread uses `link`
 };
 
@@ -79,12 +79,12 @@ Result<std::unique_ptr<RobotClient>> RobotClient::open(const RobotConfig& config
 }
 
 void RobotClient::State::on_event(const UplinkEvent& event) {
-  // A code that could not be struck out is shown once more next time, which is harmless.
+  // If the code could not be erased, it is sent once more next time, which is harmless.
   if (credential && std::holds_alternative<Welcomed>(event)) (void)credential->confirmed();
   link.on_event(event);
 }
 
-/// From the spool; by the keyframes as they lie now.
+/// Reads the keyframes from the spool, with their present poses.
 Result<void> RobotClient::State::restore_keyframes() {
   keyframes.reserve(sequence);
   for (std::uint64_t s = 1; s <= sequence; ++s) {
@@ -98,21 +98,21 @@ Result<void> RobotClient::State::restore_keyframes() {
   return {};
 }
 
-/// Selection goes on by the keyframes as they lie now. The sweeps since the last one are lost: at most one keyframe's
-/// way.
+/// Continues the selection with the keyframes' present poses. The sweeps since the last keyframe are lost; they cover
+/// at most the distance between two keyframes.
 void RobotClient::State::note_moved(std::span<const KeyframePose> poses) {
   for (const KeyframePose& pose : poses) keyframes.at(pose.sequence - 1).T_local_sensor = pose.T_local_sensor;
-  if (keyframes.empty() || !family) return;  // who chooses keyframes himself has no use for the rest
+  if (keyframes.empty() || !family) return;  // a robot that chooses its own keyframes needs neither selector nor sweeps
   if (selector.size() == keyframes.size()) {
     selector.move(poses, keyframes.back().spaciousness_m);
-  } else {  // after a start, or it chose what the disk did not take
+  } else {  // after a start, or if the selector chose one that could not be written
     selector = KeyframeSelector(config.keyframes);
     for (const KnownKeyframe& k : keyframes) selector.restore(k.T_local_sensor, k.spaciousness_m);
   }
   (void)sweeps.take(keyframes.back().T_local_sensor, {});
 }
 
-/// False: it is of the past.
+/// Returns false if the stamp is not after that of the last keyframe.
 Result<bool> RobotClient::State::judge(double stamp_s, const Pose& T_local_sensor) const {
   if (!std::isfinite(stamp_s) || !T_local_sensor.matrix().allFinite())
     return failure(ErrorCode::invalid_argument, "a stamp or pose that is not finite");
@@ -120,7 +120,7 @@ Result<bool> RobotClient::State::judge(double stamp_s, const Pose& T_local_senso
   return keyframes.empty() || stamp_s > keyframes.back().stamp_s;
 }
 
-/// The points that are returns.
+/// The points that are real returns, with their scaled intensities.
 Result<Returns> RobotClient::State::usable(const Points& points_sensor, const std::vector<float>& intensity) {
   if (!intensity.empty() && intensity.size() != points_sensor.size())
     return failure(ErrorCode::invalid_argument, std::to_string(intensity.size()) + " intensities of " +
@@ -158,7 +158,7 @@ Result<bool> RobotClient::add_scan(double stamp_s, const Pose& T_local_sensor, c
   return s.spool_keyframe(std::move(keyframe), *scan, points_level);
 }
 
-/// Once: one scan says it all.
+/// Only until the first remark, since one is enough.
 void RobotClient::State::warn_of(const Points& points_level) {
   {
     const std::lock_guard lock(unfamiliar_mutex);

@@ -102,8 +102,8 @@ class RobotClient {
   /// The number of the last keyframe, for update_poses: keyframes are numbered from 1. 0: there is none yet.
   std::uint64_t last_keyframe() const;
 
-  /// Sets the function that is called on the link's thread when transforms change, and at once if some are known. It
-  /// must not throw, block or call close(). It replaces the one set before.
+  /// Sets the function that is called on the link's thread when transforms change, and at once, on the calling thread,
+  /// if some are known. It must not throw, block or call close(). It replaces the one set before.
   void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
 

@@ -1,5 +1,5 @@
 #pragma once
-// Who a robot is to the base station, and how it gets there, by its configuration.
+// The robot's identity and connection settings, from its configuration.
 
 #include <optional>
 
@@ -10,11 +10,11 @@
 
 namespace headframe {
 
-/// What it says first, but for its token. family: of add_scan; null with own descriptors.
+/// The hello message, without the token. family: that of add_scan; null with own descriptors.
 Hello hello_of(const RobotConfig& config, const DescriptorFamily* family);
 
-/// Where it connects to, and whom it trusts there. credential: opened, unless the configuration says insecure. Fails as
-/// CredentialFile::open() does, and with invalid_argument where the fingerprint is none.
+/// The server's address and how to authenticate it. credential: is opened here, unless the configuration says insecure.
+/// Fails like CredentialFile::open(), and with invalid_argument if the fingerprint is malformed.
 Result<UplinkConfig> link_of(const RobotConfig& config, std::optional<CredentialFile>& credential);
 
 }  // namespace headframe

@@ -120,7 +120,7 @@ void SpooledLink::on_event(const UplinkEvent& event) {
     link_error_ = e->error.message;
     refused_ = e->permanent;
   }
-  if (!written) link_error_ = written.error().message;  // asked for again after a restart: harmless
+  if (!written) link_error_ = written.error().message;  // harmless: it is requested again after a restart
   changed_.notify_all();
 }
 
@@ -137,7 +137,7 @@ void SpooledLink::take(const Transforms& transforms) {
   if (callback) callback(transforms);
 }
 
-/// To the callback that was set last; not under the lock.
+/// Calls the callback that was set last, without holding the lock.
 template <class Told>
 void SpooledLink::hand_on(const Told& told, std::function<void(const Told&)> SpooledLink::*set) {
   std::function<void(const Told&)> callback;
@@ -205,7 +205,7 @@ Progress SpooledLink::progress() const {
   return p;
 }
 
-/// The server that we are, or were last, connected to. Under the lock.
+/// Whether the server of the present or last connection supports them. Call under the lock.
 bool SpooledLink::takes_poses() const {
   return std::find(server_capabilities_.begin(), server_capabilities_.end(), poses_capability) !=
          server_capabilities_.end();

@@ -1,5 +1,5 @@
 #pragma once
-// The spool as both threads see it: the robot adds, the uplink sends and acknowledges.
+// The spool, shared by two threads: the robot's adds to it, the uplink's sends from it and acknowledges.
 
 #include <condition_variable>
 #include <functional>
@@ -17,7 +17,7 @@ class SpooledLink final : public UplinkSource {
  public:
   explicit SpooledLink(Spool spool) : spool_(std::move(spool)) {}
 
-  // What the uplink takes.
+  // Read by the uplink.
   std::uint64_t last_sequence() const override;
   Result<Keyframe> keyframe(std::uint64_t sequence) const override;
   std::uint64_t last_pose_update() const override;
@@ -28,11 +28,11 @@ class SpooledLink final : public UplinkSource {
   Result<std::string> cloud(std::uint64_t sequence) const override;
   std::optional<LiveState> live() const override;
 
-  /// What the uplink tells.
+  /// Applies an event of the uplink.
   void on_event(const UplinkEvent& event);
 
-  /// What the uplink says of the robot from now on; a state without a pose leaves the pose as it is. None: nothing
-  /// more.
+  /// Sets what the uplink reports of the robot from now on; a state without a pose leaves the pose unchanged. Nullopt:
+  /// report nothing more.
   void say(const std::optional<LiveState>& state);
   void say_pose(double stamp_s, const Pose& T_local_sensor);
 
@@ -44,21 +44,21 @@ class SpooledLink final : public UplinkSource {
   void on_transform(const std::function<void(const Transforms&)>& callback);
   std::optional<Transforms> transforms() const;
 
-  /// Called on the uplink's thread with every answer to where the robot is.
+  /// Sets the function that is called on the uplink's thread with every answer to where the robot is.
   void on_localization(const std::function<void(const Localization&)>& callback);
 
-  // The same with every answer to what others know. A map's is called once.
+  // The same for every answer to what others know. That for a map is called once.
   void on_trajectories(const std::function<void(const Trajectories&)>& callback);
   void on_coverage(const std::function<void(const Coverage&)>& callback);
   void on_map(const std::function<void(const MapAround&)>& callback);
 
   Progress progress() const;  // without bytes_sent and connected
 
-  /// All that the policy sends, and the server takes, is acknowledged by the one that we are, or were last, connected
-  /// to.
+  /// Whether everything that the policy sends, and that the server supports, is acknowledged by the server of the
+  /// present or last connection.
   bool all_acknowledged() const;
 
-  /// Returns when something was acknowledged or ended, or after the time.
+  /// Returns when something was acknowledged or a connection ended, or after the time.
   void wait(std::chrono::milliseconds most) const;
 
  private:
@@ -72,8 +72,8 @@ class SpooledLink final : public UplinkSource {
   Spool spool_;
   std::optional<LiveState> live_;
   bool welcomed_ = false;
-  std::uint64_t durable_keyframes_ = 0;  // as the last server said; it may hold fewer than were once acknowledged
-  std::uint64_t durable_update_ = 0;     // the same of poses
+  std::uint64_t durable_keyframes_ = 0;  // as last reported; a server may hold fewer than were acknowledged before
+  std::uint64_t durable_update_ = 0;     // the same for updates of poses
   bool refused_ = false;
   std::uint64_t refused_clouds_ = 0;
   double server_bytes_per_s_ = 0;

@@ -10,42 +10,42 @@
 
 namespace headframe {
 
-/// Where every session of one component lies, as the base station told it.
+/// The frame of every session of one component, as the base station reported it.
 struct Transforms {
   std::uint64_t revision = 0;
   std::uint64_t component = 0;
-  SessionKey anchor;  // its axes are the component's
+  SessionKey anchor;  // its local frame is the component's frame
 
-  /// How sure a placement is: by the surest way of merges from the anchor to the session, the one whose least sure
-  /// merge is the most probable.
+  /// How reliable a placement is: along the most reliable chain of merges from the anchor to the session, which is the
+  /// chain whose least probable merge is the most probable.
   struct Support {
-    double probability = 0;                                // of the least sure merge on that way
-    std::optional<SessionKey> merged_with = std::nullopt;  // the session before it on the way; none: it is the anchor
-    std::uint32_t merges = 0;                              // that hold the session, in all
+    double probability = 0;                                // of the least probable merge on the chain
+    std::optional<SessionKey> merged_with = std::nullopt;  // the one before it on the chain; nullopt: it is the anchor
+    std::uint32_t merges = 0;                              // number of merges of the session
     double shared_m = 0;                                   // path shared with merged_with
     bool confirmed = false;                                // the operator confirmed the merge with merged_with
-    double deviation_m = 0;    // standard deviation along each axis, of rock on that shared path, against the anchor
-    double deviation_rad = 0;  // and about each axis
+    double deviation_m = 0;  // standard deviation on each axis, for rock along that shared path, relative to the anchor
+    double deviation_rad = 0;  // the same about each axis
 
-    /// Of a place of the session that lies `away_m` (in the component's axes) from the shared path: x, y, z in metres,
-    /// then rotations about the component's axes x, y, z in radians. The drift inside sessions is not in it.
+    /// For a place of the session that lies `away_m` (in the component's axes) from the shared path: x, y, z in metres,
+    /// then rotations about the component's axes x, y, z in radians. Does not include drift within sessions.
     Eigen::Matrix<double, 6, 6> covariance(const Eigen::Vector3d& away_m = Eigen::Vector3d::Zero()) const;
   };
 
   struct Placement {
     SessionKey session;
     Pose T_component_session = Pose::Identity();
-    std::optional<Support> support = std::nullopt;  // none: the base station is older, or no merge holds it
+    std::optional<Support> support = std::nullopt;  // nullopt: the base station is older, or no merge connects it
   };
   std::vector<Placement> sessions;  // all of the component
 
-  /// Where a session of another component would lie, if merges that still wait for path were made. It may be wrong, and
-  /// go again: nothing to drive by. Only with RobotConfig::provisional.
+  /// Where a session of another component would lie if merges that still wait for path were made. It may be wrong and
+  /// may disappear again, so do not drive by it. Only with RobotConfig::provisional.
   struct Provisional {
     SessionKey session;
     Pose T_component_session = Pose::Identity();
     double probability = 0;
-    double awaited_m = 0;  // path that the robots still have to come, at most
+    double awaited_m = 0;  // longest path that robots still have to drive
     bool operator==(const Provisional& other) const {
       return session == other.session && T_component_session.matrix() == other.T_component_session.matrix() &&
              probability == other.probability && awaited_m == other.awaited_m;
@@ -53,13 +53,13 @@ struct Transforms {
   };
   std::vector<Provisional> provisional = {};
 
-  /// A transform between two sessions that had been told and does not hold: whoever drives by it stops.
+  /// A transform between two sessions that was reported and no longer holds: stop relying on it.
   struct Withdrawn {
-    std::uint64_t revision = 0;  // the first without it
+    std::uint64_t revision = 0;  // the first revision without it
     SessionKey a, b;
     std::string reason;
   };
-  std::vector<Withdrawn> withdrawn = {};  // the latest that concern this component, oldest first; also old news
+  std::vector<Withdrawn> withdrawn = {};  // the latest ones in this component, oldest first; may repeat known ones
 
   std::optional<Pose> T_component(const SessionKey& session) const {
     for (const auto& s : sessions)
@@ -67,14 +67,15 @@ struct Transforms {
     return std::nullopt;
   }
 
-  /// Null: nothing is known of it.
+  /// Null if nothing is known of it.
   const Support* support(const SessionKey& session) const {
     for (const auto& s : sessions)
       if (s.session == session && s.support) return &*s.support;
     return nullptr;
   }
 
-  /// The other session's frame in mine: p_mine = T_mine_other * p_other. nullopt: one of them is not in the component.
+  /// The other session's frame in mine: p_mine = T_mine_other * p_other. Nullopt if one of them is not in the
+  /// component.
   std::optional<Pose> T_mine_other(const SessionKey& mine, const SessionKey& other) const {
     const auto T_component_mine = T_component(mine), T_component_other = T_component(other);
     if (!T_component_mine || !T_component_other) return std::nullopt;

@@ -1,5 +1,5 @@
 #pragma once
-// Expected faults are values: every call that can fail for a reason outside the program returns a Result.
+// Expected faults are values: every call that can fail for an external reason returns a Result.
 
 #include <string>
 #include <string_view>
@@ -9,19 +9,19 @@
 namespace headframe {
 
 enum class ErrorCode {
-  invalid_argument,  // the caller's own mistake: a bad option, a value out of range
+  invalid_argument,  // a mistake of the caller: a bad option, a value out of range
   bad_input,         // a file or message whose content is wrong
-  not_found,         // a file, session or component that is not there
-  unavailable,       // a peer or device that does not answer, a port in use, a full disk; may pass
-  refused,           // a peer or policy said no
+  not_found,         // a file, session or component that does not exist
+  unavailable,       // a peer or device that does not respond, a port in use, a full disk; may be temporary
+  refused,           // a peer or a rule refused it
   incompatible,      // another protocol or schema version
-  internal,          // a broken invariant of our own
+  internal,          // a broken invariant of this program
 };
 
 /// The stable lower-case name of a code, for logs and JSON.
 std::string_view to_string(ErrorCode code);
 
-/// What went wrong: one line that says what, where and what to do.
+/// One line that says what went wrong, where, and what to do.
 struct Error {
   ErrorCode code = ErrorCode::internal;
   std::string message;

@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-/// At this share of the way from one to the other: straight on, and about one axis.
+/// The pose at this share of the way from one to the other: translation and rotation interpolated separately.
 Pose between(const Pose& T_a, const Pose& T_b, double share) {
   Pose T = Pose::Identity();
   T.linear() = Eigen::Quaterniond(T_a.rotation()).slerp(share, Eigen::Quaterniond(T_b.rotation())).toRotationMatrix();
@@ -36,7 +36,7 @@ Result<void> check(std::span<const TrajectoryPose> trajectory) {
   return {};
 }
 
-/// What the trajectory says of the time; none: it has no pose near enough.
+/// The trajectory's pose at this time; nullopt if it has none near enough.
 std::optional<Pose> pose_at(std::span<const TrajectoryPose> trajectory, double stamp_s, const CorrectionRules& rules) {
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp_s,
                                       [](const TrajectoryPose& pose, double s) { return pose.stamp_s < s; });
@@ -53,7 +53,7 @@ std::optional<Pose> pose_at(std::span<const TrajectoryPose> trajectory, double s
   return between(T_before, T_after, to_before_s / (to_before_s + to_after_s));
 }
 
-/// A keyframe whose pose the trajectory says.
+/// A keyframe whose pose is in the trajectory.
 struct Match {
   std::size_t keyframe = 0;
   Pose T_now_was = Pose::Identity();  // in the local frame

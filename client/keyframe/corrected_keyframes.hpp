@@ -1,5 +1,5 @@
 #pragma once
-// Where keyframes lie by a whole trajectory, as SLAM gives it after a loop closure. Pure: no clock, no I/O.
+// New poses of keyframes from a whole trajectory, as SLAM gives it after a loop closure. Pure: no clock, no I/O.
 
 #include <span>
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace headframe {
 
-/// The sensor's pose at a time, by SLAM.
+/// The sensor's pose at a time, from SLAM.
 struct TrajectoryPose {
   double stamp_s = 0;
   Pose T_local_sensor = Pose::Identity();
 };
 
-/// A keyframe as the robot knows it.
+/// A keyframe that was added.
 struct KnownKeyframe {
   double stamp_s = 0;
   Pose T_local_sensor = Pose::Identity();
@@ -23,24 +23,26 @@ struct KnownKeyframe {
 };
 
 struct CorrectionRules {
-  double least_moved_m = 0.05;     // a keyframe that moved by less than this ...
-  double least_turned_rad = 0.01;  // ... and turned by less than this stays
-  double same_stamp_s = 0.001;     // stamps that differ by no more are the same
-  double most_gap_s = 1;           // a keyframe lies between two poses of the trajectory that are no farther apart,
-  double most_gap_m = 1.5;         // or no farther than this,
-  double most_gap_rad = 0.5;       // turned by no more than this
-  bool later_ones = true;          // those that are newer than the trajectory are carried along with its end
+  double least_moved_m = 0.05;     // a keyframe that moves less than this ...
+  double least_turned_rad = 0.01;  // ... and turns less than this is left unchanged
+  double same_stamp_s = 0.001;     // stamps that differ by at most this are equal
+  // A keyframe is interpolated between two poses of the trajectory that are at most most_gap_s apart, or at most
+  // most_gap_m and most_gap_rad.
+  double most_gap_s = 1;
+  double most_gap_m = 1.5;
+  double most_gap_rad = 0.5;
+  bool later_ones = true;  // keyframes newer than the trajectory move with its end
 };
 
 struct CorrectedKeyframes {
   std::vector<KeyframePose> moved;  // by rising sequence, the first keyframe being 1
-  std::size_t matched = 0;          // keyframes whose pose the trajectory says
+  std::size_t matched = 0;          // keyframes whose pose is in the trajectory, or interpolated
 };
 
-/// Keyframes whose stamps the trajectory has, or has poses close before and after, lie where it says. Those between two
-/// of them move as both do, the nearer one in time counting more; those before the first of them, and after the last if
-/// later_ones, move with it. Stamps of keyframes rise. invalid_argument: a stamp of the trajectory that is not after
-/// the one before, or a number that is not finite.
+/// Keyframes whose stamps are in the trajectory, or that have poses close before and after, get their pose from it.
+/// Those between two such keyframes move with both, weighted by time; those before the first, and after the last if
+/// later_ones, move with it. Stamps of keyframes have to rise. invalid_argument: stamps of the trajectory that do not
+/// rise, or a number that is not finite.
 Result<CorrectedKeyframes> corrected_keyframes(std::span<const KnownKeyframe> keyframes,
                                                std::span<const TrajectoryPose> trajectory,
                                                const CorrectionRules& rules = {});

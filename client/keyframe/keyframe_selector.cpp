@@ -10,7 +10,7 @@ constexpr double cell_m = 10.0;  // the largest threshold: all that is nearer li
 constexpr double reach_m = 1e9;  // keeps the cube numbers within an integer
 constexpr double path_step_m = 1.0;
 
-// 21 bits a coordinate. Cubes that are 2^21 apart share a key: harmless, distances are checked.
+// 21 bits for each coordinate. Cubes that are 2^21 apart share a key, which is harmless, as distances are checked.
 std::uint64_t cell_key(const Eigen::Vector3d& p, int dx, int dy, int dz) {
   const int step[3] = {dx, dy, dz};
   std::uint64_t key = 0;

@@ -33,7 +33,7 @@ std::uint32_t get_u32(const char* p) {
   return std::uint32_t{b[0]} | std::uint32_t{b[1]} << 8 | std::uint32_t{b[2]} << 16 | std::uint32_t{b[3]} << 24;
 }
 
-/// Bytes of the whole, intact record that `bytes` begins with; 0: there is none.
+/// Size of the whole, intact record at the start of `bytes`; 0: there is none.
 std::size_t whole_record(std::string_view bytes) {
   if (bytes.size() <= header_bytes) return 0;
   const std::size_t length = get_u32(bytes.data());
@@ -42,8 +42,8 @@ std::size_t whole_record(std::string_view bytes) {
   return header_bytes + length;
 }
 
-/// Whether the bytes may be a record whose writing was cut off: it begins like one, or with what a file system leaves
-/// of a write that it had only made room for.
+/// Whether the bytes may be a record whose writing was interrupted: they start like one, or are the zeros that a file
+/// system leaves where it had only allocated space.
 bool may_be_torn(std::string_view bytes) {
   if (bytes.size() < header_bytes) return true;
   const std::size_t length = get_u32(bytes.data());

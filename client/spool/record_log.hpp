@@ -2,8 +2,8 @@
 // An append-only file of checksummed records, the base of the spool.
 //
 // A record is: payload length (4 bytes, little endian, 1 to most_record_bytes), CRC-32C of type and payload (4 bytes,
-// little endian), type (1 byte), payload. A write that was interrupted leaves a torn record at the end of the file: it
-// is cut off when the file is opened. A fault with whole records after it is damage of another kind and never cut.
+// little endian), type (1 byte), payload. An interrupted write leaves a torn record at the end of the file, which is
+// cut off when the file is opened. A fault followed by whole records is damage of another kind and is never cut.
 
 #include <cstdint>
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace headframe {
 
 inline constexpr std::size_t most_record_bytes = 32 << 20;
 
-/// Owns a file descriptor; closes it at the end.
+/// Owns a file descriptor and closes it.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int fd = -1) : fd_(fd) {}
@@ -36,7 +36,7 @@ class FileDescriptor {
 
 std::uint32_t crc32c(std::string_view bytes, std::uint32_t seed = 0);
 
-/// The names in a directory are on the disk when it returns; false: the disk said no.
+/// Returns when the names in a directory are on the disk; false if the disk failed.
 bool sync_directory(const std::filesystem::path& directory);
 
 struct Record {
@@ -45,18 +45,18 @@ struct Record {
   std::string_view payload;  // valid during the call only
 };
 
-/// One process and one thread at a time.
+/// For one process and one thread at a time.
 class RecordLog {
  public:
-  /// Opens or makes the file, gives every whole record to `each` in order, cuts a torn tail off (cut_bytes() says how
-  /// much). bad_input: damaged in the middle, nothing was changed. unavailable: the disk said no.
+  /// Opens or creates the file, passes every whole record to `each` in order, and cuts off a torn tail (cut_bytes() is
+  /// its size). bad_input: damaged in the middle; nothing was changed. unavailable: the disk failed.
   static Result<RecordLog> open(const std::filesystem::path& path, const std::function<void(const Record&)>& each);
 
-  /// Appends one record and gives its place. sync: on the disk when it returns (fdatasync), else in the kernel's care:
-  /// safe from a killed process, not from a power cut. After a failed write the file is cut back to its last record.
+  /// Appends one record and returns its position. sync: it is on the disk on return (fdatasync); otherwise it survives
+  /// a killed process but not a power cut. After a failed write the file is cut back to its last record.
   Result<std::uint64_t> append(char type, std::string_view payload, bool sync);
 
-  /// The payload of the record at that place, checked again. Thread safe.
+  /// The payload of the record at this position, checked again. Thread safe.
   Result<std::string> read(std::uint64_t at_byte) const;
 
   std::uint64_t bytes() const { return end_; }

@@ -145,7 +145,7 @@ Result<void> Spool::settle_identity(Hello robot) {
   return {};
 }
 
-/// The server knows one of these: the last that it let in, or a later one whose welcome got lost.
+/// The server knows one of these runs: the last one that it accepted, or a later one whose welcome was lost.
 Result<void> Spool::begin_run(const std::vector<std::uint64_t>& runs, std::uint64_t welcomed) {
   constexpr std::size_t others = limits::spool_runs - 1;
   auto& mine = identity_.spool_runs;
@@ -155,7 +155,7 @@ Result<void> Spool::begin_run(const std::vector<std::uint64_t>& runs, std::uint6
     mine.insert(mine.begin(), welcomed);
   }
   mine.push_back(random_u64());
-  // On the disk before any server hears of it: a power cut must not make a copy of us.
+  // On the disk before any server hears of it: otherwise a power cut would make this spool look like a copy.
   if (auto at = log_.append(run_record, std::to_string(mine.back()), config_.sync); !at)
     return tl::unexpected(at.error());
   return {};
@@ -197,14 +197,14 @@ Result<void> Spool::update_poses(std::vector<KeyframePose> poses) {
   return {};
 }
 
-/// Where the disk has no room for it, even without older ones, its keyframe goes on without.
+/// If the disk has no room for the cloud even without older ones, the keyframe is kept without it.
 void Spool::keep_cloud(std::uint64_t sequence, std::string_view bytes) {
   auto written = clouds_.write(sequence, bytes);
   if (!written && make_room(bytes.size())) written = clouds_.write(sequence, bytes);
   if (!written) note_dropped(sequence);
 }
 
-/// Drops the oldest clouds, twice as many bytes as asked for; false: there was none.
+/// Drops the oldest clouds, twice as many bytes as requested; false if there was none.
 bool Spool::make_room(std::uint64_t bytes) {
   const auto before = clouds_.bytes();
   if (clouds_.count() == 0) return false;
@@ -252,7 +252,7 @@ void Spool::drop_cloud(std::uint64_t sequence) {
   clouds_.remove(sequence);
 }
 
-/// Only counted: when this record is lost, one drop is missing from the statistics.
+/// For statistics only: if this record is lost, one drop is missing from them.
 void Spool::note_dropped(std::uint64_t sequence) {
   [[maybe_unused]] const auto at = log_.append(cloud_drop, std::to_string(sequence), false);
   ++dropped_clouds_;

@@ -1,14 +1,15 @@
 #pragma once
-// What a robot must not lose: its session's identity, keyframes and encoded clouds, and what the server acknowledged.
+// What a robot must not lose: its session's identity, keyframes, encoded clouds and received acknowledgements.
 //
 // A directory is one session:
 //   lock                 held by the one process that uses the directory
 //   session.log          records (record_log.hpp): the identity, then runs, keyframes, updates of their poses and
 //                        acknowledgements as they came
 //   clouds/0000000001    one record each; removed when acknowledged, or when the quota needs the room
-// A cloud and then its keyframe are on the disk (fdatasync) when append() returns. Acknowledgements are not synced: one
-// that is lost to a power cut is asked for again. Poses and descriptors are never dropped. A run is a random number for
-// each time the directory was opened: of two copies of a spool both may go on, and the server tells them by their runs.
+// A cloud and then its keyframe are on the disk (fdatasync) when append() returns. Acknowledgements are not synced; one
+// lost in a power cut is requested again. Poses and descriptors are never dropped. A run is a random number for each
+// time the directory was opened: if a spool was copied, both copies may go on, and the server tells them apart by their
+// runs.
 
 #include <cstdint>
 #include <filesystem>
@@ -26,51 +27,51 @@
 namespace headframe {
 
 struct SpoolConfig {
-  std::filesystem::path directory;                // made when it is not there
+  std::filesystem::path directory;                // created if missing
   std::uint64_t cloud_quota_bytes = 8ULL << 30U;  // oldest clouds go first
-  bool sync = true;                               // false: safe from a killed process, not from a power cut
+  bool sync = true;                               // false: survives a killed process, but not a power cut
 };
 
-/// Not thread safe. Memory: about 16 bytes a keyframe and 50 a held cloud.
+/// Not thread safe. Uses about 16 bytes of memory for each keyframe and 50 for each held cloud.
 class Spool {
  public:
-  /// Opens the session in the directory, or begins one for `robot` (an empty session name becomes a random one, a
-  /// spool_id of 0 a random one). Fails with refused when another process has it or it belongs to another robot,
-  /// session or family; unavailable when the disk says no; bad_input when it is damaged.
+  /// Opens the session in the directory, or starts one for `robot` (an empty session name and a spool_id of 0 are
+  /// replaced by random ones). refused: another process uses it, or it belongs to another robot, session or family;
+  /// unavailable: the disk failed; bad_input: it is damaged.
   static Result<Spool> open(const SpoolConfig& config, Hello robot);
 
-  const Hello& identity() const { return identity_; }  // with the runs, this one last
+  const Hello& identity() const { return identity_; }  // with the runs, the present one last
   bool resumed() const { return resumed_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }  // what open() found and cured
+  const std::vector<std::string>& warnings() const { return warnings_; }  // what open() found and repaired
 
-  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. A disk without room costs the oldest
-  /// clouds, then this one's (dropped_clouds()), and only then fails. On an error nothing was added.
+  /// keyframe.sequence must be last_sequence() + 1; encoded_cloud may be empty. If the disk is full, the oldest clouds
+  /// are dropped first, then this one (dropped_clouds()); only then it fails. On an error nothing was added.
   Result<void> append(const Keyframe& keyframe, std::string_view encoded_cloud);
   std::uint64_t last_sequence() const { return keyframe_at_.size(); }
   Result<Keyframe> keyframe(std::uint64_t sequence) const;
 
-  /// New poses of keyframes that were appended before: one record, so all of it is on the disk when it returns, or
-  /// none. keyframe() goes on to give what was appended. invalid_argument: as PoseLog::record_of(). A disk without room
-  /// costs the oldest clouds.
+  /// Sets new poses of earlier keyframes, as one record, so that all or none of it is on the disk on return. keyframe()
+  /// still returns what was appended. invalid_argument: like PoseLog::record_of(). If the disk is full, the oldest
+  /// clouds are dropped.
   Result<void> update_poses(std::vector<KeyframePose> poses);
   const PoseLog& pose_updates() const { return poses_; }
-  /// What updates say together; see PoseLog::read().
+  /// The combined poses of some updates; see PoseLog::read().
   Result<std::vector<KeyframePose>> poses(std::uint64_t first_update, std::uint64_t last_update) const {
     return poses_.read(log_, first_update, last_update);
   }
 
-  /// Clouds not yet acknowledged that are still here, by sequence.
+  /// Clouds that are held and not yet acknowledged, by sequence.
   bool holds_cloud(std::uint64_t sequence) const { return clouds_.holds(sequence); }
   std::uint64_t next_held_cloud(std::uint64_t from) const { return clouds_.next(from); }  // 0: none at or after `from`
   Result<std::string> cloud(std::uint64_t sequence) const { return clouds_.read(sequence); }
 
-  /// Cumulative; never goes back.
+  /// Cumulative; smaller numbers have no effect.
   Result<void> acknowledge_keyframes(std::uint64_t up_to);
   Result<void> acknowledge_cloud(std::uint64_t sequence);
   Result<void> acknowledge_poses(std::uint64_t up_to_update);
-  /// The server has let this run in.
+  /// Call when the server has accepted this run.
   Result<void> run_welcomed();
-  /// Forgets a cloud that can not be sent.
+  /// Drops a cloud that cannot be sent.
   void drop_cloud(std::uint64_t sequence);
 
   std::uint64_t acknowledged_keyframes() const { return acknowledged_keyframes_; }

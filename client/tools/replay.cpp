@@ -30,13 +30,13 @@ int failed(const std::string& message, int status = 1) {
 
 std::chrono::milliseconds milliseconds(double s) { return std::chrono::milliseconds(static_cast<long>(s * 1000)); }
 
-/// The robot's warnings from the one after `told` on.
+/// Prints the robot's warnings from number `told` on.
 void tell(const RobotClient& robot, std::size_t& told, ReplayReport& report) {
   const auto warnings = robot.warnings();
   for (; told < warnings.size(); ++told) report.warning(warnings[told]);
 }
 
-/// Every scan in its time. A fault of the disk or of a file ends it; a scan that is no use is passed over.
+/// Plays every scan at its time. A fault of the disk or of a file ends it; an unusable scan is skipped.
 Result<void> play(const SessionFolder& session, const Options& options, RobotClient& robot, ReplayReport& report) {
   const auto start = Clock::now();
   std::size_t dropped = 0, told = robot.warnings().size();
@@ -58,7 +58,7 @@ Result<void> play(const SessionFolder& session, const Options& options, RobotCli
   return {};
 }
 
-/// A TUM trajectory of the sensor; without a file none.
+/// A TUM trajectory of the sensor; empty without a file.
 Result<std::vector<TrajectoryPose>> read_trajectory(const std::string& file) {
   constexpr std::uintmax_t most_bytes = std::uintmax_t{256} << 20U;
   std::vector<TrajectoryPose> out;
@@ -72,7 +72,7 @@ Result<std::vector<TrajectoryPose>> read_trajectory(const std::string& file) {
   return out;
 }
 
-/// At the end of the drive SLAM has closed its loops.
+/// Applies the corrected trajectory, as SLAM would at the end of the drive after closing its loops.
 Result<void> correct(const std::vector<TrajectoryPose>& corrected, const Options& options, RobotClient& robot,
                      ReplayReport& report) {
   if (options.corrected.empty()) return {};
@@ -85,7 +85,7 @@ Result<void> correct(const std::vector<TrajectoryPose>& corrected, const Options
   return {};
 }
 
-/// Stays connected until nothing was asked for or acknowledged for so long, or the server has cut it off.
+/// Stays connected until nothing was requested or acknowledged for this long, or the server has ended the session.
 void linger(double linger_s, std::size_t scans, const RobotClient& robot, ReplayReport& report) {
   constexpr std::uint64_t more_than_pings = 4096;
   auto last = robot.progress();
@@ -102,7 +102,7 @@ void linger(double linger_s, std::size_t scans, const RobotClient& robot, Replay
   }
 }
 
-/// The map of all robots around the last scan, each time when the robot learns where others are.
+/// Requests the map of all robots around the last scan, each time the robot learns where others are.
 void ask_for_map(const Options& options, const SessionFolder& session, RobotClient& robot, ReplayReport& report) {
   if (options.map_radius_m <= 0 || session.size() == 0) return;
   const SphereRegion sphere{session.T_local_sensor(session.size() - 1).translation(), options.map_radius_m};

@@ -54,7 +54,7 @@ std::string describe(const Progress& p) {
 }
 
 ReplayReport::ReplayReport(std::size_t scans) : scans_(scans), terminal_(::isatty(STDOUT_FILENO) == 1) {
-  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 12);  // who reads from a pipe gets each line when it is written
+  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 12);  // so that a reader of a pipe gets each line when it is written
 }
 
 void ReplayReport::line(const std::string& text) {

@@ -1,5 +1,5 @@
 #pragma once
-// What headframe-replay prints: a bar that redraws itself on a terminal, plain lines now and then elsewhere.
+// The output of headframe-replay: a progress bar on a terminal, occasional plain lines elsewhere.
 
 #include <chrono>
 #include <mutex>
@@ -9,7 +9,7 @@
 
 namespace headframe {
 
-/// Thread safe: transforms come on the link's thread.
+/// Thread safe, because transforms arrive on the link's thread.
 class ReplayReport {
  public:
   explicit ReplayReport(std::size_t scans);
@@ -31,11 +31,11 @@ class ReplayReport {
   std::mutex mutex_;
   const std::size_t scans_;
   const bool terminal_;
-  std::string bar_;     // as it stands on the terminal
+  std::string bar_;     // as shown on the terminal
   std::string status_;  // the last plain line
-  std::string cut_;     // why keyframes are left out of merging, as step() said it last
+  std::string cut_;     // why keyframes are left out of merging, as last reported by step()
   std::chrono::steady_clock::time_point drawn_;
-  std::uint64_t withdrawn_known_ = 0;  // the newest revision of those that were told
+  std::uint64_t withdrawn_known_ = 0;  // newest revision of the withdrawals that were printed
 };
 
 /// "45 keyframes (40 acknowledged), 40 clouds (30 acknowledged), 1.2 MB sent"

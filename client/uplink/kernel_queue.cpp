@@ -12,7 +12,7 @@ namespace headframe {
 
 std::size_t kernel_room(int socket, std::size_t most) {
   constexpr double waits_s = 0.5, behind_chunk_s = 0.05, us = 1e-6;
-  constexpr double least_held = 1400;  // so that a link of which nothing is known yet can show what it delivers
+  constexpr double least_held = 1400;  // so that a link of unknown speed can show what it delivers
   constexpr std::size_t least_chunk = 512;
   tcp_info info{};
   socklen_t size = sizeof info;

@@ -6,7 +6,7 @@
 
 namespace headframe {
 
-/// The base station's answer; bad_input where a name, a pose or a number is none. Pure, thread safe.
+/// Converts the base station's answer; bad_input if a name, a pose or a number is invalid. Pure, thread safe.
 Result<Localization> localization_from(const v1::Localization& message);
 
 }  // namespace headframe

@@ -1,5 +1,5 @@
 #pragma once
-// When the uplink may send and when it may try again. Pure: the caller says what time it is.
+// When the uplink may send and when it may try again. Pure: the time is passed in.
 
 #include <chrono>
 #include <cstdint>
@@ -7,17 +7,17 @@
 
 namespace headframe {
 
-/// A budget in bytes per second; a quarter of a second of it may be saved up. 0: no limit. Not thread safe.
+/// A limit in bytes per second; up to a quarter of a second of it can be saved up. 0: no limit. Not thread safe.
 class TokenBucket {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   TokenBucket(double bytes_per_s, Time now) : bytes_per_s_(bytes_per_s), filled_(now) {}
 
-  /// Takes the bytes and says how long to wait before they are sent.
+  /// Takes the bytes and returns how long to wait before sending them.
   std::chrono::duration<double> take(std::size_t bytes, Time now);
 
-  /// From now on; what was saved up or is owed stays.
+  /// Sets the rate from now on; what was saved up or is owed stays.
   void set_rate(double bytes_per_s, Time now);
   double bytes_per_s() const { return bytes_per_s_; }
 
@@ -27,14 +27,15 @@ class TokenBucket {
   Time filled_;
 };
 
-/// The smaller of two budgets in bytes per second, where 0 is no limit.
+/// The lower of two limits in bytes per second, where 0 means no limit.
 double tighter(double a_bytes_per_s, double b_bytes_per_s);
 
-/// How much of a cloud goes into one chunk, so that a keyframe waits at most 50 ms behind it: 256 bytes (below, headers
-/// would outweigh the content) to limits::chunk_bytes.
+/// The size of one chunk of a cloud, so that a keyframe waits at most 50 ms behind it: from 256 bytes (with less,
+/// headers would outweigh the content) to limits::chunk_bytes.
 std::size_t chunk_bytes_at(double bytes_per_s);
 
-/// Jittered exponential backoff: half to all of a span that doubles from `first_s` to `most_s`. Not thread safe.
+/// Exponential backoff with jitter: a random half to all of a span that doubles from `first_s` to `most_s`. Not thread
+/// safe.
 class Backoff {
  public:
   Backoff(double first_s, double most_s, std::uint32_t seed)

@@ -8,23 +8,23 @@
 
 namespace headframe {
 
-/// The servers of one base station, of which one serves at a time: whose turn it is, and after which pause. Pure. Not
-/// thread safe.
+/// The servers of one base station, of which one is active at a time: which one to try next, and after what pause.
+/// Pure. Not thread safe.
 class ServerList {
  public:
-  /// At least one, in the order in which they are tried.
+  /// At least one server, in the order in which they are tried.
   ServerList(std::vector<Endpoint> servers, const Backoff& backoff) : servers_(std::move(servers)), backoff_(backoff) {}
 
   const Endpoint& at(std::size_t server) const { return servers_.at(server); }
 
-  /// Whom the next connection is made to; the one after that goes to the next in the list.
+  /// The server for the next connection; the call after it gives the next one in the list.
   std::size_t take();
 
-  /// This one has let the robot in: should its link fall silent, it is asked first.
+  /// This server has accepted the robot: if its connection goes silent, it is tried first.
   void found(std::size_t server);
 
-  /// The link to this one was lost, or an attempt came to nothing. How long to wait before the next attempt, in
-  /// seconds: not at all until each has failed, then the backoff's pause, and so on.
+  /// The connection to this server was lost, or an attempt failed. Returns the seconds to wait before the next attempt:
+  /// 0 until each server has failed once, then the backoff's pause, and so on.
   double failed(std::size_t server);
 
  private:
@@ -33,7 +33,7 @@ class ServerList {
   std::vector<Endpoint> servers_;
   Backoff backoff_;
   std::size_t next_ = 0;
-  std::size_t failures_ = 0;  // since one was found, or since the last pause
+  std::size_t failures_ = 0;  // since a server was found, or since the last pause
 };
 
 }  // namespace headframe

@@ -68,7 +68,7 @@ std::vector<v1::RobotMessage> SurroundingsBook::questions() {
   if (wants_trajectories_) all.push_back(trajectories_question());
   if (wants_coverage_) all.push_back(coverage_question());
   if (map_) {
-    map_->head.reset();  // what was half told begins anew
+    map_->head.reset();  // a partial answer starts again
     map_->bytes.clear();
     all.push_back(map_question());
   }
@@ -80,7 +80,7 @@ Result<SurroundingsBook::Taken> SurroundingsBook::take(const v1::ServerMessage& 
                : message.has_coverage()   ? take(message.coverage())
                : message.has_map_part()   ? take(message.map_part())
                                           : Result<Taken>(Taken{});
-  if (!taken) trajectories_held_ = coverage_held_ = {};  // what is half taken in is told anew
+  if (!taken) trajectories_held_ = coverage_held_ = {};  // a partial answer is sent again as a whole
   return taken;
 }
 
@@ -112,7 +112,7 @@ Result<SurroundingsBook::Taken> SurroundingsBook::take(const v1::Trajectories& m
   return taken;
 }
 
-/// False: it does not follow what is held.
+/// Returns false if it does not continue the copy.
 Result<bool> SurroundingsBook::add_path(const v1::PathPart& part) {
   const auto known = paths_.find(part.session());
   if (known == paths_.end()) return false;

@@ -1,5 +1,5 @@
 #pragma once
-// What a robot asks about others, and what it holds of the answers, over all connections.
+// The robot's questions about what others know, and its copy of the answers, across connections.
 
 #include <array>
 #include <map>
@@ -13,20 +13,21 @@
 
 namespace headframe {
 
-/// Pages in, questions and whole answers out. No I/O; not thread safe. Memory is bounded whatever the server sends.
+/// Takes pages, returns questions and complete answers. No I/O; not thread safe. Memory is bounded whatever the server
+/// sends.
 class SurroundingsBook {
  public:
   explicit SurroundingsBook(std::size_t most_points = 4'000'000) : most_points_(most_points) {}
 
   void want_trajectories(bool wanted) { wants_trajectories_ = wanted; }
   void want_coverage(bool wanted) { wants_coverage_ = wanted; }
-  /// In place of the map that was asked for before.
+  /// Replaces the map that was requested before.
   void want_map(const MapQuestion& question);
 
   v1::RobotMessage trajectories_question() const;
   v1::RobotMessage coverage_question() const;
-  v1::RobotMessage map_question() const;  // while a map is wanted
-  /// What is to be asked on a new connection: all that stands.
+  v1::RobotMessage map_question() const;  // only while a map is wanted
+  /// The questions to ask on a new connection: all that are open.
   std::vector<v1::RobotMessage> questions();
   bool wants_any() const { return wants_trajectories_ || wants_coverage_ || map_.has_value(); }
   bool wants_trajectories() const { return wants_trajectories_; }
@@ -36,11 +37,11 @@ class SurroundingsBook {
 
   using Told = std::variant<std::monostate, Trajectories, Coverage, MapAround>;
   struct Taken {
-    Told told;                             // once an answer is whole
-    std::optional<v1::RobotMessage> next;  // to be asked now
+    Told told;                             // set when an answer is complete
+    std::optional<v1::RobotMessage> next;  // to be sent now
   };
-  /// A message of the server's that holds a Trajectories, a Coverage or a MapPart. A page that does not follow what is
-  /// held is passed over and all asked for anew; bad_input: what no server may send.
+  /// Takes a server message that holds a Trajectories, a Coverage or a MapPart. A page that does not continue the copy
+  /// is dropped, and everything is requested again. bad_input: a message that no server may send.
   Result<Taken> take(const v1::ServerMessage& message);
 
   static constexpr std::size_t most_sessions = 200000, most_tiles = 16384;
@@ -51,7 +52,7 @@ class SurroundingsBook {
     double last_stamp_s = 0;
     std::optional<double> age_s;
     std::vector<std::array<std::int32_t, 3>> points;  // the component's frame, 0.1 m
-    bool in = false;                                  // of the component
+    bool in = false;                                  // whether it is in the component
   };
   struct Asked {
     MapQuestion question;

@@ -66,7 +66,7 @@ v1::RobotMessage SurroundingsBook::map_question() const {
   return message;
 }
 
-/// A part of another map, or one that does not follow, is passed over: it was asked for before a connection broke.
+/// A part of another map, or one that does not follow, is dropped: it was requested before a connection broke.
 Result<SurroundingsBook::Taken> SurroundingsBook::take(const v1::MapPart& message) {
   Taken taken;
   if (!map_ || message.id() != map_->id || message.offset() != map_->bytes.size()) return taken;

@@ -45,7 +45,7 @@ Transforms::Support support_from(const v1::TransformSupport& from, Reader& reade
 
 }  // namespace
 
-/// What is d away from where both were seen moves by the turn about there, too: p = p + turn x d.
+/// A place at distance d from the shared path also moves with the rotation error there: p = p + turn x d.
 Eigen::Matrix<double, 6, 6> Transforms::Support::covariance(const Eigen::Vector3d& away_m) const {
   Eigen::Matrix3d cross;
   cross << 0, away_m.z(), -away_m.y(), -away_m.z(), 0, away_m.x(), away_m.y(), -away_m.x(), 0;

@@ -6,7 +6,8 @@
 
 namespace headframe {
 
-/// What the base station told of a component; bad_input where a name, a pose or a number is none. Pure, thread safe.
+/// Converts what the base station sent of a component; bad_input if a name, a pose or a number is invalid. Pure, thread
+/// safe.
 Result<Transforms> transforms_from(const v1::TransformUpdate& message);
 
 }  // namespace headframe

@@ -40,7 +40,7 @@ void Uplink::Thread::pump(const Link& l) {
   if (!frame) {
     if (chunk_bytes == 0) pump_later(l);
     if (!closing || l->shut) return;
-    l->shut = true;  // all is said: the server reads to the end and hangs up
+    l->shut = true;  // everything is sent: the server reads to the end and closes
     Code ignored;
     l->stream.socket().shutdown(tcp::socket::shutdown_send, ignored);
     return;
@@ -55,7 +55,7 @@ void Uplink::Thread::pump(const Link& l) {
   });
 }
 
-/// What a chunk may hold now: see chunk_bytes_at() and kernel_room().
+/// How many bytes a chunk may hold now: see chunk_bytes_at() and kernel_room().
 std::size_t Uplink::Thread::room(const Link& l) const {
   const std::size_t paced = chunk_bytes_at(bucket.bytes_per_s());
   return std::min(paced, kernel_room(l->stream.socket().native_handle(), paced));
@@ -82,7 +82,7 @@ void Uplink::Thread::tick(const Link& l) {
   l->deadline.expires_after(tick_every);
   l->deadline.async_wait([this, l](const Code& code) {
     if (code || l->over) return;
-    // In the dark a spare is not asked: what it answers would come before the answer to a probe.
+    // A spare is not pinged while the link is silent, because its answer would come before the answer to a probe.
     if (!spare(l) || !doubtful()) take(l, l->protocol.tick(Clock::now()));
     if (l->over) return;
     doubt();
@@ -93,7 +93,7 @@ void Uplink::Thread::tick(const Link& l) {
 
 void Uplink::Thread::take(const Link& l, const std::vector<UplinkEvent>& events) {
   for (const auto& event : events) {
-    if (l != link && std::holds_alternative<Welcomed>(event)) continue;  // a spare stands
+    if (l != link && std::holds_alternative<Welcomed>(event)) continue;  // a spare was welcomed
     if (l != link && std::holds_alternative<LinkEnded>(event)) return end(l, Again::never);
     if (const auto* policy = std::get_if<PolicyTold>(&event))
       bucket.set_rate(tighter(config.bytes_per_s, policy->bytes_per_s), Clock::now());
@@ -128,7 +128,7 @@ void Uplink::Thread::ask_where(const Link& l) {
 void Uplink::Thread::begin_close(bool complete) {
   closing = true;
   if (!carried() || !link->protocol.welcomed()) return io.stop();
-  give_up_attempts();  // another connection would not know of the goodbye
+  give_up_attempts();  // another connection would not know about the goodbye
   give_up_spares();
   link->protocol.goodbye(complete);
   retry.expires_after(seconds(config.close_s));

@@ -132,7 +132,7 @@ void UplinkProtocol::handle(const v1::ServerMessage& message, Events& events) {
       for (const auto sequence : message.cloud_ack().sequences()) on_cloud_ack(sequence, events);
       return;
     case Body::kCloudRefusal: return on_cloud_refusal(message.cloud_refusal(), events);
-    // A spare is told neither, but for what was on its way: who takes over is told again.
+    // The server sends these on a spare only if they were already on their way, and sends them again after a takeover.
     case Body::kSubmapRequest: return carries_ ? on_submap_request(message.submap_request()) : void();
     case Body::kTransformUpdate: return carries_ ? on_transforms(message.transform_update(), events) : void();
     case Body::kLocalization: return carries_ ? on_localization(message.localization(), events) : void();
@@ -208,8 +208,8 @@ void UplinkProtocol::on_transforms(const v1::TransformUpdate& message, Events& e
   if (joins_pages(message, *transforms)) events.emplace_back(std::move(*transforms));
 }
 
-/// True: the update is whole, with all pages. A page that does not follow the one before is passed over, and so is all
-/// until the next update begins: the server sends another one then.
+/// Returns true when the update is complete with all its pages. A page that does not follow the one before is dropped,
+/// and so is everything until the next update begins; the server then sends another one.
 bool UplinkProtocol::joins_pages(const v1::TransformUpdate& message, Transforms& transforms) {
   constexpr std::size_t most_sessions = 200000;
   if (message.page() == 0) {
@@ -264,7 +264,7 @@ std::optional<std::string> UplinkProtocol::next_frame(Time now, std::size_t chun
     expect_answer(now);
     return hello_frame();
   }
-  if (!welcomed()) return std::nullopt;  // the hello alone may go before; triggers wait in the queue behind it
+  if (!welcomed()) return std::nullopt;  // only the hello may go earlier; triggers wait in the queue behind it
   if (control_.empty() && carries_ && !said_goodbye_ && chunk_bytes > 0) queue_live(now);
   if (control_.empty() && carries_ && !said_goodbye_ && policy_.hold.empty())
     if (!queue_poses(chunk_bytes, events) && !queue_next_keyframe(events) && chunk_bytes > 0)
@@ -291,7 +291,7 @@ bool UplinkProtocol::queue_next_keyframe(Events& events) {
     return false;
   const auto body = next_keyframe();
   if (!body) {
-    end(events, body.error().code, body.error().message, true);  // no hole may be sent
+    end(events, body.error().code, body.error().message, true);  // because no keyframe may be skipped
     return false;
   }
   ++sent_keyframes_;

@@ -1,6 +1,6 @@
 #pragma once
-// The robot's side of protocol v1 for one connection, without sockets, threads or a clock of its own: bytes and times
-// in, events and frames out.
+// The robot's side of protocol v1 for one connection, without sockets, threads or a clock: takes bytes and times,
+// returns events and frames.
 
 #include <chrono>
 #include <cstdint>
@@ -23,7 +23,7 @@
 
 namespace headframe {
 
-/// Where the protocol takes what it sends. The spool, or a table in tests.
+/// The source of what the protocol sends: the spool, or a table in tests.
 class UplinkSource {
  public:
   virtual ~UplinkSource() = default;
@@ -32,21 +32,21 @@ class UplinkSource {
   virtual bool holds_cloud(std::uint64_t sequence) const = 0;
   virtual std::uint64_t next_held_cloud(std::uint64_t from) const = 0;  // 0: none at or after `from`
   virtual Result<std::string> cloud(std::uint64_t sequence) const = 0;
-  /// Updates of poses of keyframes: the newest, how many keyframes there were when one was made, and what some say
-  /// together, by rising sequence.
+  /// Updates of keyframe poses: the number of the newest, how many keyframes there were when one was made, and the
+  /// combined poses of several, by rising sequence.
   virtual std::uint64_t last_pose_update() const { return 0; }
   virtual std::uint64_t keyframes_at_update(std::uint64_t /*number*/) const { return 0; }
   virtual Result<std::vector<KeyframePose>> poses(std::uint64_t /*first*/, std::uint64_t /*last*/) const {
     return std::vector<KeyframePose>();
   }
-  /// Where the robot is and how it is, as far as is known; none: nothing is to be said of it.
+  /// The robot's position and condition, as far as known; nullopt: nothing is to be reported.
   virtual std::optional<LiveState> live() const { return std::nullopt; }
 };
 
 // Events.
 struct Welcomed {
-  std::uint64_t spares = 0;                 // how many connections may stand beside this one
-  std::vector<std::string> capabilities{};  // of the server; empty: it is older than those
+  std::uint64_t spares = 0;                 // how many further connections the server allows beside this one
+  std::vector<std::string> capabilities{};  // of the server; empty: its version predates the list
 };
 struct KeyframesDurable {
   std::uint64_t up_to = 0;
@@ -54,7 +54,7 @@ struct KeyframesDurable {
 struct PosesDurable {
   std::uint64_t up_to_update = 0;
 };
-struct CloudsDurable {  // both inclusive; a peer's numbers: clamp before walking from one to the other
+struct CloudsDurable {  // both inclusive; untrusted numbers: clamp before iterating over them
   std::uint64_t first = 0, last = 0;
 };
 struct CloudUnreadable {
@@ -67,10 +67,10 @@ struct CloudRefused {  // by the server, for good
 };
 struct PolicyTold {
   double bytes_per_s = 0;  // 0: no limit
-  std::string hold;        // not empty: why the server takes nothing for now
-  std::string cut = {};    // not empty: why the session's last keyframes are left out of merging
+  std::string hold;        // if not empty: why the server accepts nothing for now
+  std::string cut = {};    // if not empty: why the session's last keyframes are left out of merging
 };
-/// Of what others know around the robot; for the SurroundingsBook.
+/// What others know around the robot; for the SurroundingsBook.
 struct SurroundingsMessage {
   std::shared_ptr<const v1::ServerMessage> message;
 };
@@ -83,22 +83,22 @@ using UplinkEvent =
                  Localization, Trajectories, Coverage, MapAround, SurroundingsMessage, PolicyTold, LinkEnded>;
 
 struct UplinkLimits {
-  std::size_t keyframes_in_flight = 64;  // sent and not acknowledged
+  std::size_t keyframes_in_flight = 64;  // sent but not acknowledged
   std::size_t clouds_in_flight = 16;
-  double welcome_s = 10;     // a server that does not welcome within this is given up
-  double ping_s = 10;        // silence after which the server is asked
-  double silence_s = 75;     // silence after which it is given up: longer than a link may be dark
-  double doubt_s = 5;        // an answer that takes this long puts the link in doubt; asked for after half of it
-  double spare_ping_s = 45;  // silence after which the server is asked on a spare
+  double welcome_s = 10;  // a server that does not welcome the robot within this is given up
+  double ping_s = 10;     // silence after which the server is pinged
+  double silence_s = 75;  // silence after which it is given up: longer than usual gaps in radio coverage
+  double doubt_s = 5;  // a due answer that takes this long puts the link in doubt; it is asked for after half of this
+  double spare_ping_s = 45;  // silence after which the server is pinged on a spare connection
 };
 
-/// What a peer wrote, for people: cut, and without control characters.
+/// A peer's text made safe to show: cut to length and without control characters.
 std::string printable_text(const std::string& peer_text);
 
-/// Not thread safe. Frames come by priority: control, how the robot is (each second at most), keyframes and updates of
-/// poses as they were made, chunks of requested clouds, chunks of background clouds. An update goes after the keyframes
-/// that there were when it was made and before those that came later. A requested cloud overtakes one that is on its
-/// way in the background between two chunks; never are more than two clouds open.
+/// Not thread safe. Frames are sent by priority: control; the robot's condition (at most once a second); keyframes and
+/// pose updates in the order they were made; chunks of requested clouds; chunks of background clouds. An update goes
+/// after the keyframes that existed when it was made and before later ones. A requested cloud overtakes, between two
+/// chunks, one that is being sent in the background; at most two clouds are open at a time.
 class UplinkProtocol {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -108,34 +108,35 @@ class UplinkProtocol {
   std::vector<UplinkEvent> receive(std::string_view bytes, Time now);
   std::vector<UplinkEvent> tick(Time now);
 
-  /// The next frame to write; nullopt: nothing may be sent now. Ask again after an event or when the source grew. A
-  /// chunk takes at most chunk_bytes of its cloud; 0: no chunk now. `events` gets what went wrong with the source.
+  /// The next frame to write; nullopt: nothing may be sent now. Ask again after an event or when the source has new
+  /// data. A chunk takes at most chunk_bytes of its cloud; 0: no chunk now. `events` gets faults of the source.
   std::optional<std::string> next_frame(Time now, std::size_t chunk_bytes, std::vector<UplinkEvent>& events);
 
-  /// Something was sent that the server answers at once, and for doubt_s nothing has come: try another connection.
+  /// Whether something was sent that the server answers at once, and nothing was received for doubt_s: then another
+  /// connection should be tried.
   bool doubtful(Time now) const;
 
   void trigger(const std::string& reason);
 
-  /// After the welcome: asks where the robot is, or no more. False: the server does not know the question.
+  /// After the welcome: starts or stops asking where the robot is. False: the server does not know the question.
   bool localize(bool asks);
 
   /// After the welcome: asks what others know. False: the server does not know such questions.
   bool ask_around(const v1::RobotMessage& question);
 
-  /// Nothing follows this; the caller closes once it is written.
+  /// Ends the conversation; the caller closes the connection once this is written.
   void goodbye(bool complete);
 
-  /// A spare from now on: a connection beside the one that carries the session. Nothing but pings, pongs and probes go.
+  /// Makes this a spare connection beside the one that carries the session. Sends only pings, pongs and probes.
   void stand_by();
 
-  /// Asks on a spare that was welcomed whether its way is open, with the first keyframe behind `durable` if there is
+  /// On a welcomed spare: tests whether it gets through, sending along the first keyframe after `durable` if there is
   /// one.
   void probe(std::uint64_t durable);
-  /// The probe was answered: the way is open.
+  /// Whether the probe was answered, so that the spare gets through.
   bool answered() const { return probed_ == Probed::answered; }
 
-  /// The spare carries the session from now on; says what it was told before.
+  /// The spare carries the session from now on. Returns events with what the server told it before.
   std::vector<UplinkEvent> take_over();
 
   bool welcomed() const { return state_ == State::welcomed; }
@@ -184,20 +185,20 @@ class UplinkProtocol {
   const UplinkSource& source_;
   State state_ = State::welcome_awaited;
   Time born_, heard_;
-  bool asked_ = false;                // a ping since anything was heard
-  std::optional<Time> answer_since_;  // an answer has been due since then, and nothing was heard
+  bool asked_ = false;                // pinged since anything was received
+  std::optional<Time> answer_since_;  // an answer has been due since then, and nothing was received
   std::uint64_t pings_ = 0;
   FrameReader frames_;
   std::deque<std::string> control_;  // bounded: see queue()
-  PolicyTold policy_;                // as told last
-  bool carries_ = true;              // the session; false: a spare
-  bool carried_alone_ = true;        // never a spare: what is acknowledged was sent here
+  PolicyTold policy_;                // as last received
+  bool carries_ = true;              // carries the session; false: it is a spare
+  bool carried_alone_ = true;        // it was never a spare: all acknowledged data was sent on it
   Probed probed_ = Probed::no;
-  bool localizes_ = false;        // the server knows the question
-  bool knows_around_ = false;     // and those about others
-  bool takes_live_ = false;       // and how the robot is
-  bool takes_poses_ = false;      // and updates of poses
-  bool takes_intensity_ = false;  // and clouds that hold intensities
+  bool localizes_ = false;        // the server knows the question where the robot is
+  bool knows_around_ = false;     // ... and those about others
+  bool takes_live_ = false;       // ... and the robot's condition
+  bool takes_poses_ = false;      // ... and updates of poses
+  bool takes_intensity_ = false;  // ... and clouds with intensities
   bool said_hello_ = false, said_goodbye_ = false;
   std::uint64_t sent_keyframes_ = 0, durable_keyframes_ = 0;
   struct PoseTransfer {
@@ -208,8 +209,8 @@ class UplinkProtocol {
   std::optional<PoseTransfer> pose_transfer_;
   std::uint64_t sent_update_ = 0, durable_update_ = 0;
   std::deque<std::uint64_t> requested_;       // clouds the server wants, in its order; each at most once
-  std::set<std::uint64_t> clouds_in_flight_;  // wholly sent, not acknowledged
-  std::uint64_t background_from_ = 1;         // clouds before it were sent or are gone
+  std::set<std::uint64_t> clouds_in_flight_;  // sent completely, not acknowledged
+  std::uint64_t background_from_ = 1;         // clouds before it were sent or dropped
   std::optional<Time> live_said_at_;
   LiveState live_said_;
   std::optional<Transfer> requested_transfer_, background_transfer_;

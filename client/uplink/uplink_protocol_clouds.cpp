@@ -1,4 +1,4 @@
-// Which cloud goes when, and what the server says of them.
+// Which cloud is sent when, and the server's answers about them.
 #include <algorithm>
 
 #include "client/uplink/uplink_protocol.hpp"
@@ -13,7 +13,7 @@ void UplinkProtocol::on_cloud_ack(std::uint64_t sequence, Events& events) {
   events.emplace_back(CloudsDurable{sequence, sequence});
 }
 
-/// It may be half sent: the rest would be in vain.
+/// It may be partly sent; the rest is dropped.
 void UplinkProtocol::on_cloud_refusal(const v1::CloudRefusal& message, Events& events) {
   const auto sequence = message.sequence();
   bool sent = clouds_in_flight_.erase(sequence) > 0;
@@ -22,7 +22,7 @@ void UplinkProtocol::on_cloud_refusal(const v1::CloudRefusal& message, Events& e
       sent = true;
       transfer->reset();
     }
-  if (!sent) return;  // said twice, or before it was begun anew
+  if (!sent) return;  // acknowledged twice, or before it was started again
   events.emplace_back(CloudRefused{sequence, printable_text(message.reason())});
 }
 
@@ -71,7 +71,7 @@ std::uint64_t UplinkProtocol::next_background() {
 
 void UplinkProtocol::begin(std::optional<Transfer>& transfer, std::uint64_t sequence, Events& events) {
   auto bytes = source_.cloud(sequence);
-  if (bytes && !takes_intensity_)  // what is damaged goes as it is: the server says so
+  if (bytes && !takes_intensity_)  // a damaged cloud is sent as it is; the server will report it
     if (auto plain = without_intensity(*bytes); plain) bytes = std::move(*plain);
   if (bytes && !bytes->empty() && bytes->size() <= limits::cloud_bytes) {
     transfer = Transfer{sequence, std::move(*bytes), 0};

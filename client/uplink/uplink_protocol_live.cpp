@@ -1,4 +1,4 @@
-// How the robot is: said again when it changed, and now and then when it did not.
+// The robot's condition: sent when it changes, and from time to time if it does not.
 #include "client/uplink/uplink_protocol.hpp"
 
 namespace headframe {

@@ -1,5 +1,5 @@
-// Updates of poses: in the order in which they and keyframes were made, so that the server always sees the session as
-// the robot's SLAM saw it at some time.
+// Updates of poses, in the order in which they and the keyframes were made, so that the server always sees a state of
+// the session that the robot's SLAM had at some time.
 #include <algorithm>
 
 #include "client/uplink/uplink_protocol.hpp"
@@ -21,7 +21,7 @@ void UplinkProtocol::on_poses_ack(std::uint64_t up_to, Events& events) {
   events.emplace_back(PosesDurable{durable_update_});
 }
 
-/// The updates whose keyframes are all sent, as one. False: there is none.
+/// Combines the next updates whose keyframes are all sent. Returns false if there is none.
 bool UplinkProtocol::begin_poses(Events& events) {
   const std::uint64_t first = sent_update_ + 1;
   std::uint64_t last = sent_update_;
@@ -30,14 +30,14 @@ bool UplinkProtocol::begin_poses(Events& events) {
   auto poses = source_.poses(first, last);
   if (poses && poses->size() > limits::update_poses) poses = source_.poses(first, last = first);
   if (!poses) {
-    end(events, poses.error().code, poses.error().message, true);  // what follows would lie wrong without it
+    end(events, poses.error().code, poses.error().message, true);  // without it, what follows would be at a wrong place
     return true;
   }
   pose_transfer_ = PoseTransfer{last, std::move(*poses), 0};
   return true;
 }
 
-/// True: what comes behind has to wait.
+/// Returns true if whatever follows has to wait.
 bool UplinkProtocol::queue_poses(std::size_t chunk_bytes, Events& events) {
   if (!takes_poses_) return false;
   if (!pose_transfer_ && !begin_poses(events)) return false;

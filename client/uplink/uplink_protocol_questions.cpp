@@ -1,4 +1,4 @@
-// What the robot asks of the map that others made.
+// The robot's questions about the map that others made.
 #include "client/uplink/localization_message.hpp"
 #include "client/uplink/uplink_protocol.hpp"
 

@@ -1,4 +1,4 @@
-// A connection that stands beside the one that carries the session, until it takes over.
+// A spare connection beside the one that carries the session, until it takes over.
 #include "client/uplink/uplink_protocol.hpp"
 
 namespace headframe {
@@ -13,11 +13,11 @@ void UplinkProtocol::stand_by() {
   pose_transfer_.reset();
 }
 
-/// The two go as one: a packet that comes through brings both.
+/// Both messages are sent together, so that one packet that gets through brings both.
 void UplinkProtocol::probe(std::uint64_t durable) {
   sent_keyframes_ = durable_keyframes_ = durable;
   probed_ = Probed::asked;
-  std::string keyframe;  // none when it can not be read: that ends the connection that carries the session
+  std::string keyframe;  // empty if it cannot be read; then the connection that carries the session ends
   if (durable < source_.last_sequence() && policy_.hold.empty())
     if (const auto next = next_keyframe()) (void)append_frame(keyframe, next->SerializeAsString());
   v1::RobotMessage probe;
@@ -31,7 +31,7 @@ std::vector<UplinkEvent> UplinkProtocol::take_over() {
   carries_ = true;
   probed_ = Probed::no;
   sent_update_ = durable_update_;
-  background_from_ = 1;  // what the other sent may not have arrived
+  background_from_ = 1;  // what the other connection sent may not have arrived
   v1::RobotMessage message;
   (void)message.mutable_take_over();
   queue(message);

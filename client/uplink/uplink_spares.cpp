@@ -5,19 +5,19 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t most_spares_at_once = 2;  // that set out: they share a thin link with the keyframes
-constexpr double resend_s = 1;                  // TCP's, at most: see expect_losses()
+constexpr std::size_t most_spares_at_once = 2;  // connecting at once: they share a slow link with the keyframes
+constexpr double resend_s = 1;                  // TCP's longest retransmission time here: see expect_losses()
 
 }  // namespace
 
-/// While the link is in doubt the spares are asked, and then others are tried beside it: all may be dead.
+/// While the link is in doubt, the spares are probed; then other connections are tried beside it, as all may be dead.
 void Uplink::Thread::doubt() {
   if (closing) return;
   if (!doubtful()) return calm_down();
   if (!probe_next() && carried() && attempts.empty()) connect();
 }
 
-/// The link speaks.
+/// The link answers again.
 void Uplink::Thread::calm_down() {
   probing.cancel();
   for (const Link& l : spares)
@@ -37,7 +37,7 @@ void Uplink::Thread::keep_spares() {
     connect();
 }
 
-/// The oldest makes room.
+/// Drops the oldest spare if there are too many.
 void Uplink::Thread::stand_by(const Link& l) {
   if (!spares.empty() && spares.size() >= spares_wanted()) {
     discard(spares.front());
@@ -48,7 +48,7 @@ void Uplink::Thread::stand_by(const Link& l) {
   spares.push_back(l);
 }
 
-/// One after the other, so that what TCP sends again is spread over its second and not sent at once. false: all were.
+/// Probes one spare after the other, to spread TCP's retransmissions over their second. False: all have been probed.
 bool Uplink::Thread::probe_next() {
   if (probing_now) return true;
   const auto unasked = [](const Link& l) { return !l->probed && l->protocol.welcomed(); };
@@ -66,7 +66,7 @@ bool Uplink::Thread::probe_next() {
   return true;
 }
 
-/// A spare was answered: it carries the session unless the link has spoken meanwhile.
+/// A spare was answered: it carries the session from now on, unless the link has answered meanwhile.
 void Uplink::Thread::choose(const Link& l) {
   if (closing || !doubtful()) return;
   const Link before = std::exchange(link, l);

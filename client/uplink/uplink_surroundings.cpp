@@ -1,4 +1,4 @@
-// Questions about what others know: over whichever connection carries the session.
+// Questions about what others know, on whichever connection carries the session.
 #include <boost/asio/post.hpp>
 
 #include "client/uplink/uplink_thread.hpp"
@@ -18,7 +18,7 @@ Answer unsupported() {
 
 }  // namespace
 
-/// All that stands, on a connection that carries the session from now on.
+/// Sends all open questions on a connection that now carries the session.
 void Uplink::Thread::ask_around(const Link& l) {
   bool knows = true;
   for (const v1::RobotMessage& question : book.questions()) knows = l->protocol.ask_around(question);
@@ -44,7 +44,7 @@ void Uplink::Thread::take(const Link& l, const SurroundingsMessage& told) {
   if (auto* map = std::get_if<MapAround>(&taken->told)) on_event(std::move(*map));
 }
 
-/// `change` gives the question that is to be asked now, if any.
+/// `change` returns the question to send now, if any.
 template <class Change>
 void Uplink::Thread::change_questions(Change change) {
   const auto asked = change(book);

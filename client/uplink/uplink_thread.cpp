@@ -14,7 +14,7 @@ using tcp = asio::ip::tcp;
 }  // namespace
 
 void Uplink::Thread::connect() {
-  const bool is_spare = carried() && !doubtful();  // a spare is of no use at another server
+  const bool is_spare = carried() && !doubtful();  // a spare is useless at another server
   const auto l = std::make_shared<Connection>(*this, is_spare ? link->server : servers.take());
   attempts.push_back(l);
   l->deadline.expires_after(seconds(doubtful() ? config.connect_s : config.spare_connect_s));
@@ -47,13 +47,13 @@ void Uplink::Thread::shake_hands(const Link& l) {
   });
 }
 
-/// Beside one that is slow another sets out, to the next server if there are more: over a link that loses packets the
-/// last is often the first to arrive.
+/// Starts another attempt beside a slow one, at the next server if there are several: on a link that loses packets the
+/// last attempt is often the first to connect.
 void Uplink::Thread::next_attempt() {
   next.expires_after(seconds(config.connect_again_s));
   next.async_wait([this](const Code& code) {
     if (code || closing || attempts.empty()) return;
-    // A spare in the making is in no hurry.
+    // An attempt for a spare is not urgent.
     doubtful() && attempts.size() < most_attempts ? connect() : next_attempt();
   });
 }
@@ -64,7 +64,7 @@ void Uplink::Thread::connected_to(const Link& l) {
   if (carried() && link->protocol.welcomed() && spares_wanted() > 0) {
     stand_by(l);
   } else {
-    if (link) discard(link);  // in doubt: the server replaces it too
+    if (link) discard(link);  // the link was in doubt; the server replaces it too
     link = l;
     give_up_attempts();
   }
@@ -81,7 +81,7 @@ void Uplink::Thread::give_up_attempts() {
 void Uplink::Thread::fail(const Link& l, const std::string& what, const Code& code) {
   if (l->over) return;
   const bool beside = (std::erase(attempts, l) > 0 && carried()) || spare(l);
-  end(l, code == asio::error::timed_out ? Again::at_once : Again::later);  // what timed out took its time
+  end(l, code == asio::error::timed_out ? Again::at_once : Again::later);  // a timeout has taken long enough
   const std::string where = to_string(servers.at(l->server));
   if (!closing && !beside)
     on_event(LinkEnded{{ErrorCode::unavailable, where + ": " + what + ": " + tls_trouble(code)}, false});
@@ -96,7 +96,7 @@ void Uplink::Thread::discard(const Link& l) {
   l->deadline.cancel();
 }
 
-/// Later: after the pause that is due.
+/// later: after the pause that is due.
 void Uplink::Thread::end(const Link& l, Again again) {
   if (l->over) return;
   discard(l);
@@ -104,7 +104,7 @@ void Uplink::Thread::end(const Link& l, Again again) {
     no_spare_before = Clock::now() + seconds(spare_again_s);
     return;
   }
-  if (carried()) return;  // an attempt beside it: tick() tries again as long as there is doubt
+  if (carried()) return;  // an attempt beside the link; tick() tries again while there is doubt
   up = false;
   const bool never = again == Again::never;
   const double pause_s = servers.failed(l->server);

@@ -1,6 +1,6 @@
 #pragma once
-// The inside of the uplink: uplink_thread.cpp makes and ends connections, uplink_spares.cpp doubts the one that carries
-// the session and lets another take over, uplink.cpp sends over them.
+// The implementation of the uplink: uplink_thread.cpp makes and ends connections, uplink_spares.cpp decides which one
+// carries the session, uplink.cpp sends over them.
 
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ struct Uplink::Thread {
   using Clock = std::chrono::steady_clock;
   using Code = boost::system::error_code;
 
-  /// One connection or attempt. Handlers hold it; `over` tells late ones to do nothing.
+  /// One connection or attempt. Handlers share it; `over` tells late handlers to do nothing.
   struct Connection {
     Connection(Thread& thread, std::size_t to)
         : server(to),
@@ -85,7 +85,7 @@ struct Uplink::Thread {
   void begin_close(bool complete);
 
   static constexpr std::size_t most_attempts = 4;
-  static constexpr double spare_again_s = 10;  // after one was turned away
+  static constexpr double spare_again_s = 10;  // after a spare was closed by the server
 
   static std::vector<Endpoint> servers_of(const UplinkConfig& config) {
     std::vector<Endpoint> all{{config.host, config.port}};
@@ -106,14 +106,14 @@ struct Uplink::Thread {
   boost::asio::ip::tcp::resolver resolver{io};
   TokenBucket bucket;
   ServerList servers{servers_of(config), {config.retry_first_s, config.retry_most_s, std::random_device{}()}};
-  Link link;                              // the one that carries the session; null or over: none does
-  std::vector<Link> attempts;             // being made; beside a link in doubt, for a spare, or without one
-  std::vector<Link> spares;               // up, and beside the link
+  Link link;                              // the one that carries the session; null or over: there is none
+  std::vector<Link> attempts;             // being connected: beside a link in doubt, as a spare, or if there is no link
+  std::vector<Link> spares;               // connected, beside the link
   std::size_t spares_allowed = 0;         // by the server
   std::vector<std::string> capabilities;  // of the server
-  std::uint64_t durable = 0;              // keyframes, whichever connection said so
-  bool lossy = false;                     // the link has lost packets: spares are worth their pings
-  bool probing_now = false;               // one was asked, the next one's turn comes
+  std::uint64_t durable = 0;              // keyframes durable on the server, on any connection
+  bool lossy = false;                     // the link has lost packets, so spares are worth their pings
+  bool probing_now = false;               // a spare was probed; the next is probed later
   Clock::time_point no_spare_before{};
   std::string pending_trigger;
   bool asks_where = false;

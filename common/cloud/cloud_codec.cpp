@@ -29,12 +29,12 @@ bool to_cell(const Eigen::Vector3f& p, double cell_m, Cell& cell) {
 
 /// A sweep on the grid.
 struct Cells {
-  Cell origin{}, low{};              // low: the least on each axis
+  Cell origin{}, low{};              // low: the minimum on each axis
   std::vector<std::uint64_t> codes;  // Morton, of (cell - low), rising
-  std::vector<std::uint8_t> levels;  // of their intensities, in one cell rising; empty: it has none
+  std::vector<std::uint8_t> levels;  // of their intensities, rising within a cell; empty: none
 };
 
-/// Both rising by code, points in one cell by level.
+/// Sorts by code, and points of one cell by level.
 void sort_together(std::vector<std::uint64_t>& codes, std::vector<std::uint8_t>& levels) {
   std::vector<std::pair<std::uint64_t, std::uint8_t>> both(codes.size());
   for (std::size_t i = 0; i < both.size(); ++i) both[i] = {codes[i], levels[i]};
@@ -42,7 +42,7 @@ void sort_together(std::vector<std::uint64_t>& codes, std::vector<std::uint8_t>&
   for (std::size_t i = 0; i < both.size(); ++i) std::tie(codes[i], levels[i]) = both[i];
 }
 
-/// nullptr, or what is wrong with the sweep.
+/// What is wrong with the sweep; nullptr if nothing is.
 const char* to_cells(const Sweep& sweep, double cell_m, Cells& out) {
   constexpr const char* not_finite = "has a coordinate that is not finite or too far away";
   if (!sweep.intensity.empty() && sweep.intensity.size() != sweep.points.size())
@@ -74,7 +74,7 @@ const char* to_cells(const Sweep& sweep, double cell_m, Cells& out) {
   return nullptr;
 }
 
-/// How often the cube around the sweep has to be halved until it is a cell.
+/// How often the cube around the sweep has to be halved to reach a single cell.
 int levels_of(const Cells& cells) {
   std::uint64_t all = 0;
   for (const auto code : cells.codes) all |= code;
@@ -106,7 +106,7 @@ std::string as_differences(const std::vector<Cells>& sweeps, float cell_m) {
   return out;
 }
 
-/// Empty when it would be slow to read.
+/// Empty if it would be slow to decode.
 std::string as_octree(const std::vector<Cells>& sweeps, float cell_m) {
   std::string out = header(octree, cell_m, sweeps.size());
   OctreeEncoder encoder;
@@ -123,7 +123,7 @@ std::string as_octree(const std::vector<Cells>& sweeps, float cell_m) {
   return is_quick(points, stream.size()) ? out + stream : std::string();
 }
 
-/// The content without intensities, and they behind it; that alone where there are none, or too many.
+/// The content without intensities, followed by them; without them if there are none, or too many.
 std::string and_intensity(std::string content, const std::vector<Cells>& sweeps) {
   const auto has = [](const Cells& sweep) { return !sweep.levels.empty(); };
   std::size_t points = 0;

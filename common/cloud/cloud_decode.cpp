@@ -36,7 +36,7 @@ Eigen::Vector3f to_point(std::uint64_t code, const Cell& low, double cell_m) {
   return to_point(cell, cell_m);
 }
 
-/// What stands before a sweep's points; false when it is damaged. points_left: how many the cloud may still hold.
+/// Reads what precedes a sweep's points; false if damaged. points_left: how many more the cloud may hold.
 bool read_head(VarintReader& in, double cell_m, std::size_t& points_left, Sweep& sweep, Cell& low,
                std::size_t& points) {
   Cell origin{};
@@ -93,7 +93,7 @@ bool read_octree(VarintReader& in, double cell_m, KeyframeCloud& cloud) {
   return decoder.done();
 }
 
-/// What a content is made of: the points, in a content of their own, and a stream of intensities behind them.
+/// The parts of a content: the points as a content of their own, and the stream of intensities after them.
 struct Parts {
   std::string_view points;
   std::optional<std::string_view> intensity;

@@ -10,7 +10,7 @@ namespace headframe::cloud_form {
 
 Result<std::string> compress(const std::string& content);
 
-/// Bytes may be anything: no more memory is taken than the content of the largest cloud needs, whatever they announce.
+/// Accepts any bytes: takes no more memory than the content of the largest cloud needs, whatever they claim.
 Result<std::string> decompress(std::string_view bytes);
 
 }  // namespace headframe::cloud_form

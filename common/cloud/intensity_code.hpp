@@ -1,6 +1,6 @@
 #pragma once
-// The intensities of a cloud's points as few bytes: 32 levels, each coded with what is known of it from the one before.
-// Returns are mostly faint, and a person sees steps of the square root as about equal: so do the levels.
+// Compresses the intensities of a cloud's points: 32 levels, each coded with the previous one as context. Most returns
+// are faint, and people perceive equal steps of the square root as about equal, so the levels follow the square root.
 
 #include <array>
 #include <span>
@@ -15,10 +15,10 @@ inline constexpr std::size_t intensity_levels = std::size_t{1} << intensity_bits
 
 /// The level nearest to 31 sqrt(intensity / 255).
 std::uint8_t intensity_level(std::uint8_t intensity);
-/// What is read of a level, which is below 32: the intensity nearest to 255 (level / 31)^2.
+/// The intensity that a level, which is below 32, is decoded to: the one nearest to 255 (level / 31)^2.
 std::uint8_t intensity_of_level(std::uint8_t level);
 
-/// What was learned of levels; shared by the sweeps of one cloud.
+/// Learned probabilities of levels; shared by the sweeps of one cloud.
 struct IntensityModel {
   std::array<std::array<AdaptiveBit, intensity_levels>, intensity_levels>
       bits;  // [level before][1 and the bits before]
@@ -26,7 +26,7 @@ struct IntensityModel {
 
 class IntensityEncoder {
  public:
-  /// The levels of one sweep in the order of its points, or none: the sweep has no intensities.
+  /// The levels of one sweep in the order of its points; empty if the sweep has no intensities.
   void put(std::span<const std::uint8_t> levels);
   std::string finish() { return coder_.finish(); }
 
@@ -35,15 +35,15 @@ class IntensityEncoder {
   RangeEncoder coder_;
 };
 
-/// Takes any bytes; work and memory are bounded by the points that are asked for.
+/// Accepts any bytes; work and memory are bounded by the number of points requested.
 class IntensityDecoder {
  public:
   explicit IntensityDecoder(std::string_view bytes) : coder_(bytes) {}
 
-  /// Of the next sweep, which has so many points, at least one: as many, or none where it has no intensities. False:
-  /// the bytes have come to their end.
+  /// Reads the intensities of the next sweep, which has `points` points, at least one. Returns as many, or none if the
+  /// sweep has no intensities. False: there are no more bytes.
   bool get(std::size_t points, Intensities& intensity);
-  /// All bytes were read, and no more.
+  /// Whether exactly all bytes were read.
   bool done() const { return coder_.done(); }
 
  private:

@@ -8,7 +8,7 @@ namespace headframe {
 namespace {
 
 constexpr float of_bytes = 255, of_words = 65535;
-constexpr std::size_t share_over = 100;  // one in so many may be over the full scale
+constexpr std::size_t share_over = 100;  // one in this many may exceed the full scale
 
 bool is_over(const std::vector<float>& raw, float full) {
   std::size_t returns = 0, over = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// From what a sensor calls intensity to the 0 to 255 that clouds carry. Pure.
+// Converts a sensor's intensities to the 0 to 255 that clouds use. Pure.
 
 #include <vector>
 
@@ -7,14 +7,14 @@
 
 namespace headframe {
 
-/// Sensors and files write intensities from 0 to 1, to 255 or to 65535 and do not say which. This is the one rule for
-/// all of them, for the scans of one session in their order: the full scale is 1 at first, and becomes 255 or 65535,
-/// for good, with the first scan of which more than a hundredth of the returns are over it. Values over it are clamped.
-/// From 0 to 1 and from 0 to 255 the scale is linear; of 0 to 65535, where most returns are faint, the square root is
-/// taken. What is negative or no number counts as 0. Not thread safe.
+/// Sensors and files give intensities from 0 to 1, to 255 or to 65535 without saying which. One rule for all, for the
+/// scans of one session in order: the full scale is 1 at first. It becomes 255 or 65535, for good, with the first scan
+/// in which more than a hundredth of the returns exceed it. Values above it are clamped. The scales to 1 and to 255 are
+/// linear; from 0 to 65535, where most returns are faint, the square root is used. Negative numbers and NaN count as 0.
+/// Not thread safe.
 class IntensityScale {
  public:
-  /// Of one scan, in its order. Empty when all are 0: drivers write that where there are none.
+  /// The intensities of the next scan. Empty if all are 0, which drivers write if they have none.
   Intensities scaled(const std::vector<float>& raw);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// Morton codes: the bits of three numbers interleaved, so that cells that are near each other have codes that are near.
+// Morton codes: the bits of three numbers interleaved, so that cells near each other mostly have similar codes.
 
 #include <array>
 #include <cstddef>
@@ -11,7 +11,7 @@ inline constexpr int axis_bits = 21;
 
 namespace detail {
 
-constexpr std::uint64_t spread(std::uint64_t v) {  // two zero bits after each of 21
+constexpr std::uint64_t spread(std::uint64_t v) {  // inserts two zero bits after each of 21 bits
   v = (v | v << 32) & 0x001f00000000ffffULL;
   v = (v | v << 16) & 0x001f0000ff0000ffULL;
   v = (v | v << 8) & 0x100f00f00f00f00fULL;
@@ -30,7 +30,7 @@ constexpr std::uint64_t gather(std::uint64_t v) {
 
 }  // namespace detail
 
-/// Each number below 2^axis_bits.
+/// Each number has to be below 2^axis_bits.
 constexpr std::uint64_t code(const std::array<std::uint64_t, 3>& cell) {
   return detail::spread(cell[0]) | detail::spread(cell[1]) << 1 | detail::spread(cell[2]) << 2;
 }

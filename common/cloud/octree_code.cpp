@@ -5,7 +5,7 @@
 namespace headframe {
 namespace {
 
-constexpr int small_levels = 5;  // a cube of 32 cells: smaller than the distance of most points
+constexpr int small_levels = 5;  // a cube of 32 cells: smaller than the distance between most points
 
 }  // namespace
 

@@ -1,7 +1,7 @@
 #pragma once
-// Points of a grid as an octree, depth first: which of a cube's eight children hold points, each bit with what is known
-// of the children before it and the cube's size. Where a small cube holds one point only, its place in it is noise and
-// is written plainly.
+// Encodes points of a grid as an octree, depth first: which of a cube's eight children hold points, each bit with the
+// children before it and the cube's size as context. If a small cube holds only one point, its position in the cube is
+// noise and is written without a model.
 
 #include <array>
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace headframe {
 
-/// What was learned of occupancy; shared by the sweeps of one cloud.
+/// Learned probabilities of occupancy; shared by the sweeps of one cloud.
 struct OctreeModel {
   std::array<std::array<AdaptiveBit, 256>, morton::axis_bits + 1> occupied;  // [levels below][1 and the bits before]
   std::array<std::array<AdaptiveBit, 9>, morton::axis_bits + 1> alone;       // [levels below][siblings]
@@ -22,7 +22,7 @@ struct OctreeModel {
 
 class OctreeEncoder {
  public:
-  /// Sorted Morton codes below 8^levels, at least one; the same may come several times.
+  /// Sorted Morton codes below 8^levels, at least one; duplicates are allowed.
   void put(std::span<const std::uint64_t> codes, int levels) { put_cube(codes, levels, 0); }
   std::string finish() { return coder_.finish(); }
 
@@ -33,14 +33,14 @@ class OctreeEncoder {
   RangeEncoder coder_;
 };
 
-/// Takes any bytes; work and memory are bounded by the points that are asked for.
+/// Accepts any bytes; work and memory are bounded by the number of points requested.
 class OctreeDecoder {
  public:
   explicit OctreeDecoder(std::string_view bytes) : coder_(bytes) {}
 
-  /// Gives `points` codes in rising order; false: these are other bytes than an encoder's.
+  /// Returns `points` codes in rising order; false: the bytes are not an encoder's.
   bool get(std::size_t points, int levels, std::vector<std::uint64_t>& codes);
-  /// All bytes were read, and no more.
+  /// Whether exactly all bytes were read.
   bool done() const { return coder_.done(); }
 
  private:

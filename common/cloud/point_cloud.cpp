@@ -12,7 +12,7 @@ struct Cube {
   float count = 0;
 };
 
-/// The cubes of all points in the order of their first point. `put` hears of each point and the place of its cube.
+/// Visits the cubes of all points in the order of their first point. `put` gets each point and the index of its cube.
 template <class Put>
 std::vector<Cube> cubes_of(const Points& points, float leaf_m, const Put& put) {
   constexpr float reach = 1e6F;  // cubes each way; 21 bits a coordinate

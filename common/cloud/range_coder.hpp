@@ -1,5 +1,5 @@
 #pragma once
-// Bits with learned probabilities, as few bytes: a binary range coder with carry.
+// Compresses bits with learned probabilities: a binary range coder with carry.
 
 #include <cstdint>
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace headframe {
 
-/// How likely a bit is 0, in 1/65536, learned from those before it: the mean of a quick and a slow estimate, both
-/// quicker at first.
+/// The probability that a bit is 0, in 1/65536, learned from earlier bits: the mean of a fast and a slow estimate, both
+/// of which adapt faster at first.
 class AdaptiveBit {
  public:
   std::uint32_t zero() const {
@@ -45,7 +45,7 @@ class RangeEncoder {
     normalise();
   }
 
-  /// The lowest `count` bits of a number, all as likely as not.
+  /// The lowest `count` bits of a number, 0 and 1 being equally likely.
   void put_plain(std::uint64_t bits, int count) {
     while (count-- > 0) {
       range_ >>= 1;
@@ -64,7 +64,7 @@ class RangeEncoder {
   void normalise() {
     for (; range_ < 1U << 24; range_ <<= 8) shift();
   }
-  /// A byte is held back, and 0xff after it counted, until it is known whether a carry comes.
+  /// Holds back a byte, and counts 0xff bytes after it, until it is known whether a carry occurs.
   void shift() {
     if (low_ < 0xff000000ULL || low_ > 0xffffffffULL) {
       const auto carry = static_cast<std::uint8_t>(low_ >> 32);
@@ -85,7 +85,7 @@ class RangeEncoder {
   bool held_ = false;
 };
 
-/// Reads any bytes: what is no encoder's work gives some bits, and in the end done() says no.
+/// Accepts any bytes: if they are not an encoder's, some bits are returned, and finally done() returns false.
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::string_view bytes) : bytes_(bytes) {
@@ -118,9 +118,9 @@ class RangeDecoder {
     return bits;
   }
 
-  /// More was read than there is.
+  /// Whether more was read than there is.
   bool overrun() const { return missing_ > 0; }
-  /// All was read, and no more.
+  /// Whether exactly all bytes were read.
   bool done() const { return next_ == bytes_.size() && missing_ == 0; }
 
  private:

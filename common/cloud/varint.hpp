@@ -1,5 +1,5 @@
 #pragma once
-// LEB128 varints: 7 bits a byte, low bits first.
+// LEB128 varints: 7 bits per byte, lowest first.
 
 #include <cstdint>
 #include <cstring>
@@ -23,7 +23,7 @@ inline void put_float32(std::string& out, float v) {  // little endian
   for (int i = 0; i < 4; ++i) out.push_back(static_cast<char>(bits >> 8 * i));
 }
 
-/// Reads from bytes of any content. After the first fault every read gives 0 and ok() stays false.
+/// Accepts any bytes. After the first fault every read returns 0 and ok() stays false.
 class VarintReader {
  public:
   explicit VarintReader(std::string_view bytes) : bytes_(bytes) {}
@@ -58,7 +58,7 @@ class VarintReader {
 
   bool ok() const { return ok_; }
   std::size_t left() const { return bytes_.size(); }
-  std::string_view rest() const { return bytes_; }  // what was not read yet
+  std::string_view rest() const { return bytes_; }  // the bytes not yet read
 
  private:
   std::uint64_t fail() {

@@ -47,7 +47,7 @@ Result<std::string> unpacked(std::string_view bytes) {
   return content;
 }
 
-/// Reads what stands behind the list of sessions: kinds, who, when. False: it is damaged.
+/// Reads what follows the list of sessions: kinds, who, when. False: damaged.
 bool read_cells(VarintReader& in, const std::vector<std::uint32_t>& sessions, std::int64_t newest, CoverageTile& tile) {
   for (CoverageCell& cell : tile.cells) {
     const std::uint64_t what = in.varint();  // a kind is less than 128: one byte

@@ -1,5 +1,5 @@
 #pragma once
-// Where x, y, z and the intensity lie in a table of points: what PCD and PLY have in common.
+// Where x, y, z and the intensity are in a table of points; shared by PCD and PLY.
 
 #include <array>
 #include <optional>
@@ -13,7 +13,7 @@ namespace headframe::dataset {
 
 enum class ScalarKind { real, integer, natural };  // IEEE 754; two's complement; unsigned
 
-/// One value a point. Bytes are little endian.
+/// One value of every point. Bytes are little endian.
 struct Column {
   ScalarKind kind = ScalarKind::real;
   std::size_t size_bytes = 0;
@@ -26,25 +26,25 @@ struct PointColumns {
   std::optional<Column> intensity = std::nullopt;
 };
 
-/// The places of words in a line.
+/// The word of a line that holds each value.
 struct PointWords {
   std::array<std::size_t, 3> xyz{};
   std::optional<std::size_t> intensity = std::nullopt;
 };
 
-/// Which of a table's columns says how strong the returns were, by their names: intensity, reflectivity or reflectance,
-/// whatever the case of their letters, also behind the "scalar_" of some programs. The first of these that is there.
+/// Finds the column with the intensity by its name: intensity, reflectivity or reflectance, in upper or lower case,
+/// also with the prefix "scalar_" of some programs. Returns the first of these names that exists.
 std::optional<std::size_t> find_intensity(const std::vector<std::string_view>& names);
 
 /// Whether a value of this kind and size can be read: real of 4 or 8 bytes, integers of 1, 2, 4 or 8.
 bool readable(ScalarKind kind, std::size_t size_bytes);
 
-/// The points of a binary table. All columns must be readable and lie within bytes for this count: the caller checks
-/// it.
+/// The points of a binary table. The caller has to check that all columns are readable and lie within bytes for this
+/// count.
 ScanTable points_of_binary(std::string_view bytes, std::size_t count, const PointColumns& columns);
 
-/// The points of a text table, one a line of `width` words. Blank lines are passed over. Fails with the line when one
-/// is longer or shorter, or has no number at one of the places, or when there are fewer than count.
+/// The points of a text table, one line of `width` words for each. Blank lines are skipped. Fails, naming the line, if
+/// a line is longer or shorter or lacks a number, or if there are fewer than count lines.
 Result<ScanTable> points_of_text(Lines& lines, std::size_t count, std::size_t width, const PointWords& places);
 
 }  // namespace headframe::dataset

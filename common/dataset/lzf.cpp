@@ -4,9 +4,9 @@
 
 namespace headframe::dataset {
 
-// A control byte below 32 is followed by that many bytes plus one, as they are. Any other says: repeat what was
-// unpacked before. Its upper 3 bits are the length minus 2 (7: a further byte adds to it), its lower 5 bits and the
-// last byte are the distance minus 1.
+// A control byte below 32 is followed by that many bytes plus one, to be copied as they are. Any other one means:
+// repeat earlier output. Its upper 3 bits are the length minus 2 (7: a further byte is added to it), its lower 5 bits
+// and the last byte are the distance minus 1.
 std::optional<std::string> lzf_unpack(std::string_view packed, std::size_t size) {
   std::string out;
   out.reserve(size);
@@ -28,7 +28,7 @@ std::optional<std::string> lzf_unpack(std::string_view packed, std::size_t size)
     length += 2;
     const std::size_t distance = ((control & 0x1f) << 8 | byte()) + 1;
     if (distance > out.size() || length > size - out.size()) return std::nullopt;
-    // Byte by byte: the copy may run into what it writes, which is how LZF repeats a pattern.
+    // Byte by byte, because the copy may overlap what it writes; that is how LZF repeats a pattern.
     for (std::size_t i = 0; i < length; ++i) out.push_back(out[out.size() - distance]);
   }
   if (out.size() != size) return std::nullopt;

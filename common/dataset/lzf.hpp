@@ -7,11 +7,10 @@
 
 namespace headframe::dataset {
 
-/// No LZF data grows by more than this when unpacked (3 bytes give at most 264): check sizes against it before
-/// unpacking.
+/// Limit of how much LZF data can grow when unpacked (3 bytes give at most 264): check sizes against it first.
 inline constexpr std::size_t lzf_most_growth = 88;
 
-/// Unpacks into exactly size bytes; nothing when the data is damaged or gives more or fewer.
+/// Unpacks into exactly size bytes; nullopt if the data is damaged or gives another number of bytes.
 std::optional<std::string> lzf_unpack(std::string_view packed, std::size_t size);
 
 }  // namespace headframe::dataset

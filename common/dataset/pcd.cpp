@@ -1,5 +1,5 @@
-// Our own reader, for PCL's (1.13) does not stand up to damaged files: of 1203 whose bytes were changed, cut or doubled
-// it died of 179 by a segmentation fault, among them one whose only fault is a damaged first word ("VE9RSION .7").
+// Our own reader, because PCL's (1.13) fails on damaged files: of 1203 files with changed, missing or duplicated bytes,
+// 179 crashed it with a segmentation fault, among them one with only its first word damaged ("VE9RSION .7").
 #include <algorithm>
 #include <cstring>
 
@@ -51,7 +51,7 @@ std::optional<ScalarKind> kind_of(std::string_view word) {
   return std::nullopt;
 }
 
-// SIZE, TYPE and COUNT carry one value a field. False when one makes no sense.
+// SIZE, TYPE and COUNT have one value for each field. Returns false if one is invalid.
 bool set_field(Field& field, std::string_view key, std::string_view value) {
   if (key == "TYPE") {
     const auto kind = kind_of(value);
@@ -64,7 +64,7 @@ bool set_field(Field& field, std::string_view key, std::string_view value) {
   return true;
 }
 
-// One line of the header. False when it makes no sense.
+// Reads one line of the header. Returns false if it is invalid.
 bool read_entry(PcdHeader& header, const std::vector<std::string_view>& parts) {
   const std::string_view key = parts[0];
   if (key == "VERSION" || key == "VIEWPOINT") return true;
@@ -116,7 +116,7 @@ Result<std::size_t> count_of(const PcdHeader& header) {
   return count;
 }
 
-/// Where a field lies.
+/// The position of a field.
 struct Place {
   std::size_t field = 0;
   std::size_t bytes_before = 0;  // of one point, ahead of this field
@@ -156,7 +156,7 @@ Result<Places> find_places(const PcdHeader& header) {
   return places;
 }
 
-/// column(place) says where the values of a field lie.
+/// column(place) returns the position of a field's values.
 template <class ColumnOf>
 PointColumns columns_of(const Places& places, const ColumnOf& column) {
   PointColumns columns{{column(places.xyz[0]), column(places.xyz[1]), column(places.xyz[2])}};
@@ -176,7 +176,7 @@ Result<ScanTable> read_binary(const PcdHeader& header, const Places& places, std
   return points_of_binary(body, count, columns_of(places, column));
 }
 
-// Two lengths, then LZF data of all values of the first field, all of the second, and so on.
+// Two lengths, then LZF data with all values of the first field, then all of the second, and so on.
 Result<ScanTable> read_compressed(const PcdHeader& header, const Places& places, std::size_t count,
                                   std::string_view body) {
   if (count == 0) return ScanTable{};

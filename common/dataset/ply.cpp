@@ -33,7 +33,7 @@ std::optional<Property> property_of(std::string_view type, std::string_view name
   return std::nullopt;
 }
 
-// One line of the header. False when it makes no sense or says what this reader cannot read.
+// Reads one line of the header. Returns false if it is invalid or not supported.
 bool read_entry(PlyHeader& header, const std::vector<std::string_view>& parts) {
   const std::string_view key = parts[0];
   if (key == "comment" || key == "obj_info") return true;

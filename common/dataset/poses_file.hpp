@@ -1,5 +1,5 @@
 #pragma once
-// TUM trajectories: `t x y z qx qy qz qw` a line.
+// TUM trajectories: lines of `t x y z qx qy qz qw`.
 
 #include <string_view>
 #include <vector>
@@ -14,9 +14,8 @@ struct StampedPose {
   Pose T_local_sensor = Pose::Identity();
 };
 
-/// Lines that are blank or begin with '#' are passed over. Quaternions are normalised. Fails with bad_input and the
-/// line when a line has not 8 finite numbers, a quaternion has length zero, or a stamp is not after the one before.
-/// Pure.
+/// Blank lines and lines that begin with '#' are skipped. Quaternions are normalised. bad_input, naming the line: a
+/// line without 8 finite numbers, a quaternion of length zero, or a stamp that is not after the previous one. Pure.
 Result<std::vector<StampedPose>> parse_poses(std::string_view text);
 
 }  // namespace headframe::dataset

@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-// No lidar sees nearer or farther. One damaged value must not become the mean range of a scan.
+// Limits beyond any lidar's range, so that one damaged value does not dominate the mean range of a scan.
 constexpr float nearest_m = 0.01F;
 constexpr float farthest_m = 1e4F;
 

@@ -1,5 +1,5 @@
 #pragma once
-// One scan from a file, by its ending: .bin (KITTI), .pcd or .ply.
+// Reads one scan from a file, by its extension: .bin (KITTI), .pcd or .ply.
 
 #include <filesystem>
 
@@ -8,21 +8,21 @@
 
 namespace headframe {
 
-/// Points in the sensor frame. May be empty: a covered lidar sees nothing.
+/// Points in the sensor frame. May be empty, for example if the lidar is covered.
 struct Scan {
   Points points;
-  std::vector<float> intensity = {};  // as many, as the file says it (see IntensityScale); empty: it has none
-  std::size_t dropped = 0;            // NaN, infinite, zero ("no return") or absurdly far points that were left out
+  std::vector<float> intensity = {};  // one for each point, in the file's units (IntensityScale); empty: none
+  std::size_t dropped = 0;            // points that were left out: NaN, infinite, zero (no return) or absurdly far
 };
 
-/// Whether load_scan knows the ending of this name.
+/// Whether load_scan supports the extension of this name.
 bool is_scan_file(const std::filesystem::path& path);
 
-/// Reads one scan. Fails with not_found, unavailable, or bad_input (damaged or over 256 MiB); the message names the
-/// file and the line or byte. Thread safe.
+/// Reads one scan. Fails with not_found, unavailable, or bad_input (damaged, or larger than 256 MiB); the message names
+/// the file and the line or byte. Thread safe.
 Result<Scan> load_scan(const std::filesystem::path& path);
 
-/// Writes points as KITTI .bin, of the intensity 0 where none is given. Replaces the file. Fails with unavailable.
+/// Writes points as KITTI .bin, with intensity 0 if none is given. Replaces the file. Fails with unavailable.
 Result<void> write_kitti(const std::filesystem::path& path, const Points& points,
                          const std::vector<float>& intensity = {});
 

@@ -10,17 +10,16 @@
 
 namespace headframe::dataset {
 
-/// What is taken for a sensor of which nothing is told.
+/// Used for a sensor that is not described.
 Sensor default_sensor();
 
 struct SensorFile {
   Sensor sensor;
-  std::vector<std::string> warnings;  // one for each key that is missing and was taken from default_sensor()
+  std::vector<std::string> warnings;  // one for each missing key, whose value was taken from default_sensor()
 };
 
-/// fov_down_deg appears with either sign in recordings: its magnitude counts. Other keys are passed over. Fails with
-/// bad_input when the text is not a JSON object (says the byte), or a value has the wrong type or is out of range.
-/// Pure.
+/// Recordings contain fov_down_deg with either sign; its magnitude is used. Other keys are ignored. bad_input: the text
+/// is not a JSON object (the message gives the byte), or a value has the wrong type or is out of range. Pure.
 Result<SensorFile> parse_sensor(std::string_view json_text);
 
 }  // namespace headframe::dataset

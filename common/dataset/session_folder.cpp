@@ -16,7 +16,7 @@ constexpr std::uintmax_t most_sensor_bytes = std::uintmax_t{64} << 10;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// The digits at the front without leading zeros; rest loses them all.
+// The digits at the start without leading zeros; removes them all from rest.
 std::string_view take_number(std::string_view& rest) {
   std::size_t end = 0;
   while (end < rest.size() && is_digit(rest[end])) ++end;
@@ -26,7 +26,7 @@ std::string_view take_number(std::string_view& rest) {
   return digits;
 }
 
-// By name, but with numbers by their value: a recorder that writes 9.bin, 10.bin means that order.
+// Sorts by name, but numbers by value, because a recorder that writes 9.bin, 10.bin means this order.
 bool before(const fs::path& path_a, const fs::path& path_b) {
   const std::string name_a = path_a.filename().string();
   const std::string name_b = path_b.filename().string();

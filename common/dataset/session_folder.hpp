@@ -1,6 +1,6 @@
 #pragma once
 // A recorded session on disk: DIR/scans/*.bin|pcd|ply, DIR/poses.txt (TUM, sensor poses in the session's own frame) and
-// DIR/sensor.json. Scan k belongs to pose k; scans are ordered by name, numbers in names by their value (2 before 10).
+// DIR/sensor.json. Scan k belongs to pose k; scans are sorted by name, with numbers compared by value (2 before 10).
 
 #include <filesystem>
 #include <string>
@@ -17,13 +17,14 @@ namespace headframe {
 /// safe.
 class SessionFolder {
  public:
-  /// Fails with not_found (no folder, no scans folder, no poses.txt), bad_input (what poses.txt or sensor.json holds,
-  /// no pose, more or fewer poses than scans) or unavailable; the message names the file and the line. Scans are not
-  /// opened.
+  /// Fails with not_found (no folder, no scans folder, no poses.txt), bad_input (invalid poses.txt or sensor.json, no
+  /// poses, or another number of poses than of scans) or unavailable; the message names the file and the line. Does not
+  /// open scans.
   static Result<SessionFolder> open(const std::filesystem::path& path);
 
   const Sensor& sensor() const { return sensor_; }
-  /// What was odd but not wrong, one line each: no sensor.json, keys missing in it, other files among the scans.
+  /// Things that are unusual but not wrong, one line each: no sensor.json, missing keys in it, other files among the
+  /// scans.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   std::size_t size() const { return poses_.size(); }

@@ -12,19 +12,19 @@
 
 namespace headframe::dataset {
 
-/// The bytes of a regular file. not_found when it is not there, bad_input when it is larger than most_bytes (checked
-/// before memory is taken), unavailable when it cannot be read. The message names the path.
+/// The bytes of a regular file. not_found: it does not exist; bad_input: it is larger than most_bytes (checked before
+/// memory is allocated); unavailable: it cannot be read. The message names the path.
 Result<std::string> read_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
 
-/// What a reader of a file says of bytes that are wrong.
+/// The error for a file with wrong content.
 inline tl::unexpected<Error> bad(std::string message) { return failure(ErrorCode::bad_input, std::move(message)); }
 
-/// Goes through text line by line. Line ends are "\n" or "\r\n" and not part of the line; the last needs none.
+/// Iterates over the lines of a text. Line ends are "\n" or "\r\n" and not part of the line; the last line needs none.
 class Lines {
  public:
   explicit Lines(std::string_view text) : text_(text) {}
   std::optional<std::string_view> next();
-  std::size_t number() const { return number_; }    // of the line that next() gave last, from 1
+  std::size_t number() const { return number_; }    // of the line last returned by next(), from 1
   std::size_t at_byte() const { return at_byte_; }  // where the next line starts
 
  private:
@@ -36,7 +36,7 @@ class Lines {
 /// The parts between spaces and tabs.
 std::vector<std::string_view> words(std::string_view line);
 
-/// The whole word as a number; "nan" and "inf" are numbers. Nothing when it is none.
+/// The whole word as a number; "nan" and "inf" are numbers. Nullopt if it is not a number.
 std::optional<double> to_number(std::string_view word);
 
 /// The whole word as a count, decimal digits only.

@@ -1,5 +1,5 @@
 #pragma once
-// Comparing w: it means the same in every family, so whoever compares needs neither the family nor its network.
+// Compares signatures w. They have the same meaning in every family, so neither the family nor its network is needed.
 
 #include <cstddef>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// Descriptor families behind one interface.
+// The common interface of descriptor families.
 
 #include <memory>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace headframe {
 
-/// Turns a scan into a descriptor and compares descriptors. All calls are thread safe.
+/// Computes descriptors of scans, and compares them. All calls are thread safe.
 class DescriptorFamily {
  public:
   virtual ~DescriptorFamily() = default;
@@ -25,21 +25,22 @@ class DescriptorFamily {
   /// Fails with bad_input when there are too few points to describe.
   virtual Result<Descriptor> extract(const Points& points_level) const = 0;
 
-  /// One line when this scan is unlike what the family was made for, and why; else empty. It is described all the same.
+  /// One line that says why this scan is unlike those the family was made for; empty if it is not. extract() works
+  /// anyway.
   virtual std::string unfamiliar(const Points& /*points_level*/) const { return {}; }
 
-  /// The same for every family: see circular.hpp. Empty when the family has no w.
+  /// The same for every family (circular.hpp). Empty if the family has no w.
   std::vector<YawScore> yaw_difference(const std::vector<float>& w_a, const std::vector<float>& w_b,
                                        std::size_t most) const {
     return correlate_circular(w_a, w_b, most);
   }
 };
 
-/// bad_input when a scan has too few points for any family to describe.
+/// bad_input if a scan has too few points for any family.
 Result<void> enough_points(const Points& points);
 
-/// learned, scan_context, lidar_iris, or onnx:FILE (a network of the user's own, network_family.hpp). not_found: no
-/// such name, with the names there are, or no such file; bad_input: a file that is of no use. The default is
+/// learned, scan_context, lidar_iris, or onnx:FILE (a network of the user's own, network_family.hpp). not_found:
+/// unknown name (the message lists the known ones) or no such file; bad_input: an unusable file. The default is
 /// default_family_name.
 Result<std::unique_ptr<DescriptorFamily>> make_family(std::string_view name);
 

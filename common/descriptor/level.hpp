@@ -5,11 +5,11 @@
 
 namespace headframe {
 
-/// Roll and pitch of a sensor, as its pose tells them: what turns its frame into the levelled one (same origin and
+/// The roll and pitch of a sensor pose: the transform from the sensor's frame to its levelled frame (same origin and
 /// heading, z along gravity).
 Pose level_from_sensor(const Pose& T_local_sensor);
 
-/// A scan in the levelled frame: what descriptors and wall profiles are made of.
+/// A scan in the levelled frame, the input of descriptors and wall profiles.
 Points level(const Pose& T_local_sensor, const Points& points_sensor);
 
 }  // namespace headframe

@@ -15,8 +15,8 @@ constexpr float nearest_m = 0.5F, farthest_m = 60.0F;
 constexpr float layer_m = 0.75F;
 constexpr int layers = 8;  // half of them below the sensor
 
-// Of the paper: the shortest wave length in sectors, the next filter's, and the width of a filter's bell over log
-// frequency.
+// From the paper: the shortest wavelength in sectors, the factor to the next filter's, and the width of a filter's bell
+// over log frequency.
 constexpr float shortest_wave = 18, next_wave = 1.6F, spread = 0.75F;
 constexpr float quiet = 0.02F;  // responses below this share of a full cell set no bit: empty rings stay empty
 
@@ -51,7 +51,7 @@ Row gains_of(std::size_t filter) {
   return gains;
 }
 
-/// The filter's complex response: positive frequencies only, so that its modulus does not ring.
+/// The filter's complex response. Only positive frequencies are used, so that its modulus does not oscillate.
 Spectrum filtered(Eigen::FFT<float>& fft, const Spectrum& spectrum, const Row& gains) {
   Spectrum kept(sectors), response;
   for (std::size_t k = 1; k < gains.size(); ++k) kept[k] = 2 * gains[k] * spectrum[k];

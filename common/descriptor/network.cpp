@@ -26,7 +26,7 @@ tl::unexpected<Error> bad(const std::string& name, const std::string& what) {
 
 constexpr std::size_t most_bytes = 512U << 20U;
 
-/// OpenCV's log goes to standard error; all it says of a fault is in the exception as well.
+/// Disables OpenCV's log to standard error; the exception contains the same.
 class Silence {
  public:
   Silence() : before_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
@@ -38,7 +38,7 @@ class Silence {
   cv::utils::logging::LogLevel before_;
 };
 
-/// OpenCV's own words are many lines with its source in them; the innermost of them says what is wrong.
+/// Shortens OpenCV's message of many lines with source code to the innermost part, which says what is wrong.
 std::string words_of(const cv::Exception& e) {
   std::string words = e.err.empty() ? e.what() : e.err;
   const auto stop = words.find_last_not_of("\n> ");

@@ -1,5 +1,5 @@
 #pragma once
-// A neural network from an ONNX file. What runs it stays in network.cpp.
+// A neural network from an ONNX file. The runtime is used only in network.cpp.
 
 #include <cstddef>
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace headframe {
 
-/// One image in, some vectors out.
+/// One image in, one or more vectors out.
 class Network {
  public:
   struct Shape {  // of the input, for one image
@@ -25,10 +25,11 @@ class Network {
     std::size_t size = 0;  // values for one image
   };
 
-  /// Reads the network and runs it once on zeros. name: what messages call it. bad_input: no ONNX or cut short, not one
-  /// image in, or something in it that can not be run here; not_found: this build has no networks (HEADFRAME_NETWORKS).
+  /// Reads the network and runs it once on zeros. name: used in messages. bad_input: not ONNX or truncated, not exactly
+  /// one image as input, or an operation that is not supported; not_found: this build has no networks
+  /// (HEADFRAME_NETWORKS).
   static Result<Network> from_bytes(std::string_view onnx, const std::string& name);
-  /// The bytes of a file; not_found when it can not be read.
+  /// The bytes of a file; not_found if it cannot be read.
   static Result<std::string> read(const std::filesystem::path& file);
 
   Network(Network&&) noexcept;
@@ -38,9 +39,9 @@ class Network {
   const Shape& input() const { return input_; }
   const std::vector<Output>& outputs() const { return outputs_; }
 
-  /// image: channel by channel, row by row, input().size() values. The values of each output, in the order of
-  /// outputs(). bad_input: another size, or a value that is not finite came out. Thread safe, one image at a time; the
-  /// runtime may use several threads for it.
+  /// image: input().size() values, channel by channel, row by row. Returns the values of each output, in the order of
+  /// outputs(). bad_input: another size, or an output that is not finite. Thread safe, but runs one image at a time;
+  /// the runtime may use several threads for it.
   Result<std::vector<std::vector<float>>> run(const std::vector<float>& image) const;
 
  private:

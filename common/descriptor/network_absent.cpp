@@ -1,4 +1,4 @@
-// In place of network.cpp in a build without networks.
+// Replaces network.cpp in a build without networks.
 #include "common/descriptor/network.hpp"
 
 namespace headframe {

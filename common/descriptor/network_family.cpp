@@ -12,9 +12,9 @@ namespace headframe {
 namespace {
 
 constexpr std::size_t profile_sectors = 64;
-constexpr double least_seen = 0.4;  // of the image's pixels: about what the narrowest lidar leaves when it is tilted
+constexpr double least_seen = 0.4;  // share of pixels; about what the narrowest lidar fills when it is tilted
 
-/// The same file with another image is another family: 1 to 65536, of what the image is.
+/// The version, 1 to 65536, derived from the image: the same network with another image is another family.
 int version_of(const NetworkImage& image) {
   const auto& s = image.spec;
   std::string text = std::to_string(s.rows) + " " + std::to_string(s.columns) + " " + std::to_string(s.top_deg) + " ";

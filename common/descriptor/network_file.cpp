@@ -1,4 +1,4 @@
-// What of a network needs no runtime.
+// The parts of a network that need no runtime.
 #include <fstream>
 #include <iterator>
 

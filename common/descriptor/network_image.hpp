@@ -1,5 +1,5 @@
 #pragma once
-// How a scan becomes the image that a network was trained on.
+// Converts a scan to the image that a network was trained on.
 
 #include <string>
 #include <string_view>
@@ -24,12 +24,12 @@ struct NetworkImage {
   std::vector<float> encode(const RangeImage& image) const;
 };
 
-/// The text of the file that lies beside a network, named as it with .json added: all of rows, columns, fov_up_deg,
-/// fov_down_deg (from the horizon, down positive too) and encoding. bad_input says which key is missing, unknown or
-/// wrong; name: what messages call the file.
+/// Parses the file beside a network, which has the network's name with .json added: rows, columns, fov_up_deg,
+/// fov_down_deg (from the horizon, down positive too) and encoding, all required. bad_input names the key that is
+/// missing, unknown or wrong; name: of the file, for messages.
 Result<NetworkImage> parse_network_image(std::string_view json_text, const std::string& name);
 
-/// What such a file may look like.
+/// An example of such a file.
 inline constexpr std::string_view network_image_example =
     R"({"rows": 16, "columns": 256, "fov_up_deg": 11.2, "fov_down_deg": 11.2, "encoding": "log_range_mask"})";
 

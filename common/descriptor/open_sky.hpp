@@ -1,21 +1,23 @@
 #pragma once
-// What a descriptor needs where there is no roof: underground everything is near and all around, outdoors little is.
+// Extends a descriptor for places without a roof: underground, surfaces are near and all around; outdoors there are
+// few.
 
 #include "common/descriptor/family.hpp"
 #include "common/descriptor/range_image.hpp"
 
 namespace headframe {
 
-/// How far the sky is open, 0 to 1: from the share of azimuths where more than half of what is above the horizon is
-/// empty, ahead and behind. (A lidar off level sees nothing there on one side only.) 0 underground. The image's rows
-/// are to lie about the horizon, its columns are to be even in number.
+/// How open the sky is, 0 to 1: from the share of azimuths in which more than half of the image above the horizon is
+/// empty both ahead and behind. (A tilted lidar sees nothing there on one side only.) 0 underground. The image's rows
+/// have to span the horizon, and its number of columns has to be even.
 double openness(const RangeImage& image);
 
 constexpr std::size_t open_sky_q_size = 60;
 
-/// Adds to a network's descriptor what the handcrafted families know of an open place: open_sky_q_size numbers of Scan
-/// Context's ring key and LiDAR-Iris' energies at the end of q, in a scale where they weigh as much as a q of length
-/// one, and Scan Context's sector key into w. Both times `open` (openness()): at 0 the numbers are zero and w stays.
+/// Adds features of the handcrafted families to a network's descriptor: open_sky_q_size numbers from Scan Context's
+/// ring key and LiDAR-Iris' energies at the end of q, scaled to have the same weight as a q of length one, and Scan
+/// Context's sector key into w. Both are multiplied by `open` (openness()): at 0 the numbers are zero and w stays the
+/// same.
 Result<void> add_open_sky(Descriptor& descriptor, const Points& points_level, double open);
 
 }  // namespace headframe

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float shown_from_m = 0.5F, shown_to_m = 60.0F, middle_m = 5.0F, log_spread = 1.5F;
 
-/// Bridges holes of at most `longest` along a line of n pixels that lie `stride` apart; round: the line is a circle.
+/// Fills holes of at most `longest` along a line of n pixels that are `stride` apart; round: the line is cyclic.
 void bridge(float* line, std::size_t n, std::size_t stride, std::size_t longest, bool round) {
   std::vector<std::size_t> seen;
   seen.reserve(n + 1);

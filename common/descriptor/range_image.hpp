@@ -1,5 +1,5 @@
 #pragma once
-// A scan as a picture over azimuth and elevation: what networks look at.
+// A scan as an image over azimuth and elevation: the input of networks.
 
 #include <cstddef>
 #include <vector>
@@ -9,12 +9,12 @@
 namespace headframe {
 
 /// Rows go down from top_deg to bottom_deg in equal steps of elevation; columns go round from azimuth 0 (x) towards y.
-/// (FRAME's projection starts at azimuth pi and goes the other way round; here a column is a sector as in the other
-/// families, so that one correlation serves all.) Columns are a circle: the last one touches the first.
+/// (FRAME's projection starts at azimuth pi and goes the other way; here a column is a sector as in the other families,
+/// so that the same correlation works for all.) Columns are cyclic: the last is next to the first.
 struct RangeImageSpec {
   std::size_t rows = 16;
   std::size_t columns = 256;
-  double top_deg = 11.2;  // the band that 16 and 32 beam lidars share
+  double top_deg = 11.2;  // the field of view that 16 and 32 beam lidars share
   double bottom_deg = -11.2;
 };
 
@@ -26,16 +26,16 @@ struct RangeImage {
   float at(std::size_t row, std::size_t column) const { return range_m[row * spec.columns + column]; }
 };
 
-/// points_level: levelled sensor frame, finite. A pixel holds the geometric mean of its points' ranges; points outside
-/// the rows are left out.
+/// points_level: levelled sensor frame, finite. A pixel holds the geometric mean of its points' ranges; points above or
+/// below the rows are ignored.
 RangeImage range_image(const Points& points_level, const RangeImageSpec& spec);
 
-/// Bridges holes of at most `rows` rows between two pixels of a column, then of at most `columns` columns between two
-/// of a row, linearly in the logarithm: a lidar of 16 beams and one of 32 look alike then.
+/// Fills holes of at most `rows` rows between two pixels of a column, then of at most `columns` columns between two of
+/// a row, by linear interpolation of the logarithm. This makes lidars of 16 and of 32 beams look alike.
 void fill_small_holes(RangeImage& image, std::size_t rows, std::size_t columns);
 
-/// Two planes, each row by row: log(range / 5 m) / 1.5, ranges clamped to 0.5 to 60 m, 0 where there is none; and 1
-/// where there is a range, 0 elsewhere.
+/// Two channels, each row by row: log(range / 5 m) / 1.5 with ranges clamped to 0.5 to 60 m, or 0 without a range; and
+/// 1 for a pixel with a range, else 0.
 std::vector<float> log_range_and_mask(const RangeImage& image);
 
 /// Share of the pixels that hold a range, 0 to 1.

@@ -4,11 +4,11 @@
 
 namespace headframe {
 
-/// Scan Context (Kim and Kim, IROS 2018) reduced to what travels: 20 rings x 60 sectors up to 40 m, each cell the
-/// height of its highest and lowest point. q is the ring key, widened: per ring the mean and spread of the heights and
-/// the share of sectors seen (independent of yaw). w is the sector key: the mean over rings of every sector (shifts
-/// with yaw). Deviation: rings grow with the distance, since tunnels are 3 to 10 m wide; heights are floor to roof,
-/// since a mine has both.
+/// Scan Context (Kim and Kim, IROS 2018), reduced to what is sent: 20 rings x 60 sectors up to 40 m, each cell with the
+/// heights of its highest and lowest point. q is an extended ring key: for each ring the mean and spread of the heights
+/// and the share of sectors seen (independent of yaw). w is the sector key: for each sector the mean over the rings
+/// (shifts with yaw). Deviations: rings get wider with distance, because tunnels are 3 to 10 m wide; heights are from
+/// floor to roof, because a mine has both.
 class ScanContext : public DescriptorFamily {
  public:
   FamilyId id() const override { return {"scan_context", 1}; }

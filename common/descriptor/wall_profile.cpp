@@ -33,7 +33,7 @@ float decode_wall_range_m(std::uint8_t code) {
 }
 
 WallProfile wall_profile(const Points& points_level) {
-  // The median of a sector's ranges: a pipe in front of the wall or one dust return does not move it.
+  // The median of a sector's ranges, so that a pipe in front of the wall or one return from dust does not change it.
   std::array<std::vector<float>, WallProfile::sectors> ranges;
   for (const auto& p : points_level) {
     const float r = std::hypot(p.x(), p.y());

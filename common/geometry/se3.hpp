@@ -6,7 +6,7 @@
 namespace headframe {
 
 using Pose = Eigen::Isometry3d;
-using Vector6d = Eigen::Matrix<double, 6, 1>;  // rotation (rad) first, then translation (m): fixed here for all rooms
+using Vector6d = Eigen::Matrix<double, 6, 1>;  // rotation (rad) first, then translation (m), everywhere
 
 /// exp of a left increment: T' = se3_exp(d) * T. d = (rotation vector, translation); any size of rotation.
 Pose se3_exp(const Vector6d& d);
@@ -34,7 +34,7 @@ Pose pose_from_yaw(double yaw_rad, const Eigen::Vector3d& translation_m);
 /// The pose of the levelled sensor: same place and heading as T_local_sensor, z along gravity.
 Pose levelled(const Pose& T_local_sensor);
 
-/// Rotation made orthonormal again (poses that came as text or float).
+/// Makes the rotation orthonormal again (for poses read from text or float).
 Pose orthonormalised(const Pose& T);
 
 }  // namespace headframe

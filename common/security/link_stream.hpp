@@ -9,11 +9,11 @@
 
 namespace headframe {
 
-/// A TCP connection, in the clear until a TLS handshake was begun: what asio::async_write and async_read_some take.
-/// Callbacks only. Not thread safe: all on one strand, like a socket.
+/// A TCP connection, unencrypted until a TLS handshake is begun, for use with asio::async_write and async_read_some.
+/// Callbacks only. Not thread safe: use it from one strand, like a socket.
 ///
-/// The end of a connection is said by our own messages (Goodbye, ErrorReport), so TLS's close_notify is neither sent
-/// nor waited for: closing stays what it is for TCP, and a peer that is gone keeps nobody waiting.
+/// Our own messages (Goodbye, ErrorReport) end a conversation, so TLS's close_notify is neither sent nor awaited:
+/// closing works as for plain TCP, and a peer that is gone delays nobody.
 class LinkStream {
  public:
   using Socket = boost::asio::ip::tcp::socket;
@@ -27,7 +27,7 @@ class LinkStream {
   Socket& socket() { return socket_; }
   executor_type get_executor() { return socket_.get_executor(); }
 
-  /// From here on all goes under TLS. `context` must outlive this. Handler: void(error_code).
+  /// Begins TLS. `context` must outlive this object. Handler: void(error_code).
   template <class Handler>
   void async_handshake(boost::asio::ssl::context& context, boost::asio::ssl::stream_base::handshake_type side,
                        Handler handler) {

@@ -67,7 +67,7 @@ Result<void> write_private_file(const std::filesystem::path& path, std::string_v
   auto part = path;
   part += ".part";
   std::error_code ignored;
-  std::filesystem::remove(part, ignored);  // of an earlier crash, with any mode
+  std::filesystem::remove(part, ignored);  // left by an earlier crash, with any mode
   {
     const File file(part, O_WRONLY | O_CREAT | O_EXCL);
     if (file.get() < 0 || !write_all(file.get(), content) || ::fsync(file.get()) != 0) return fault(part);

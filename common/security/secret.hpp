@@ -1,5 +1,5 @@
 #pragma once
-// Random secrets and what is kept of them. All functions are thread safe.
+// Random secrets and their digests. All functions are thread safe.
 
 #include <cstddef>
 #include <string>
@@ -12,16 +12,17 @@ namespace headframe {
 inline constexpr std::size_t token_bytes = 32;  // of a robot's or an operator's token
 inline constexpr std::size_t code_bytes = 16;   // of a one-time enrolment code
 
-/// Bytes of the system's cryptographic generator. Throws std::runtime_error when it has none: nothing may go on then.
+/// Bytes from the system's cryptographic generator. Throws std::runtime_error if there is none, which must stop the
+/// program.
 std::string random_secret(std::size_t bytes);
 
-/// 32 bytes. Enough to store a secret by when the secret itself is random and long: there is nothing to guess.
+/// 32 bytes. Sufficient for storing a secret that is itself random and long, because it cannot be guessed.
 std::string sha256(std::string_view bytes);
 
-/// True for equal bytes, in a time that depends on the length alone.
+/// Whether the bytes are equal; the time taken depends only on the length.
 bool same_secret(std::string_view a, std::string_view b);
 
-/// Lower-case hexadecimal, and back; bad_input says only that it is none, never what was there.
+/// Lower-case hexadecimal, and back; bad_input never repeats the text.
 std::string to_hex(std::string_view bytes);
 Result<std::string> from_hex(std::string_view text, std::size_t bytes);
 

@@ -12,11 +12,11 @@
 
 namespace headframe {
 
-/// A TCP connection with timeouts for HTTP and WebSocket, in the clear until a TLS handshake was begun: what Beast
-/// reads and writes. Callbacks only. Not thread safe: all on one strand, like a socket.
+/// A TCP connection with timeouts for HTTP and WebSocket, unencrypted until a TLS handshake is begun, for use with
+/// Beast. Callbacks only. Not thread safe: use it from one strand, like a socket.
 ///
-/// HTTP says itself where a message ends (a length, or chunks), and so does WebSocket: TLS's close_notify is neither
-/// sent nor waited for, and closing stays what it is for TCP.
+/// HTTP and WebSocket mark the end of a message themselves (a length, or chunks), so TLS's close_notify is neither sent
+/// nor awaited: closing works as for plain TCP.
 class WebStream {
  public:
   using next_layer_type = boost::beast::tcp_stream;
@@ -26,20 +26,20 @@ class WebStream {
       : tcp_(std::make_unique<next_layer_type>(std::move(socket))) {}
   explicit WebStream(boost::asio::io_context& io) : tcp_(std::make_unique<next_layer_type>(io)) {}
 
-  /// Timeouts, the socket and its end.
+  /// For timeouts, the socket and closing.
   next_layer_type& next_layer() { return *tcp_; }
   const next_layer_type& next_layer() const { return *tcp_; }
   executor_type get_executor() { return tcp_->get_executor(); }
   bool is_tls() const { return tls_ != nullptr; }
 
-  /// From here on all goes under TLS. `context` must outlive this. What is returned may be told more of the peer before
-  /// the handshake; it lives as long as this.
+  /// Begins TLS. `context` must outlive this object. The returned pointer allows settings for the peer before the
+  /// handshake; it is valid as long as this object.
   SSL* begin_tls(boost::asio::ssl::context& context) {
     tls_ = std::make_unique<Tls>(*tcp_, context);
     return tls_->native_handle();
   }
-  /// After begin_tls(). `received`: what was read of the peer's first message already. Handler: void(error_code,
-  /// std::size_t).
+  /// Call after begin_tls(). `received`: bytes of the peer's first message that were read already. Handler:
+  /// void(error_code, std::size_t).
   template <class Buffers, class Handler>
   void async_handshake(boost::asio::ssl::stream_base::handshake_type side, const Buffers& received, Handler handler) {
     tls_->async_handshake(side, received, std::move(handler));
@@ -66,7 +66,7 @@ class WebStream {
   std::unique_ptr<Tls> tls_;
 };
 
-/// How Beast ends the connection under a WebSocket.
+/// Called by Beast to end the connection under a WebSocket.
 template <class Handler>
 void async_teardown(boost::beast::role_type role, WebStream& stream, Handler&& handler) {
   using boost::beast::websocket::async_teardown;

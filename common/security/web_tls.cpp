@@ -22,7 +22,7 @@ Result<std::unique_ptr<WebTls>> WebTls::make(const WebTrust& trust) {
   std::unique_ptr<WebTls> made(new WebTls(trust));
   boost::system::error_code fault;
   if (trust.authorities.empty()) {
-    made->context_.set_default_verify_paths(fault);  // a system without any knows nobody
+    made->context_.set_default_verify_paths(fault);  // a system without authorities trusts nobody
     return made;
   }
   if (!std::filesystem::exists(trust.authorities))

@@ -1,5 +1,5 @@
 #pragma once
-// A client's end of HTTPS: whom it takes for the server.
+// The client's side of HTTPS: how it authenticates the server.
 
 #include <boost/asio/ssl/context.hpp>
 #include <filesystem>
@@ -11,25 +11,24 @@
 namespace headframe {
 
 struct WebTrust {
-  std::string fingerprint = {};            // SHA-256 of the server's certificate, 32 bytes; empty: none is known
-  std::filesystem::path authorities = {};  // PEM file of those who may vouch for it; empty: the system's
-  bool fingerprint_only = true;            // where there is one, nobody else may vouch
+  std::string fingerprint = {};            // SHA-256 of the server's certificate, 32 bytes; empty: not known
+  std::filesystem::path authorities = {};  // PEM file with trusted authorities; empty: the system's
+  bool fingerprint_only = true;            // if there is a fingerprint, authorities are not accepted
 };
 
-/// TLS 1.3 to a server with the pinned fingerprint, whatever else its certificate says; or, where none is pinned, to
-/// one whose certificate an authority gave to the host that was asked for. For one connection at a time. Not thread
-/// safe.
+/// TLS 1.3 to a server with the pinned fingerprint, whatever else its certificate says; or, if none is pinned, to one
+/// whose certificate was issued by an authority for the requested host. For one connection at a time. Not thread safe.
 class WebTls {
  public:
-  /// not_found: the file of the authorities can not be read; bad_input: there is no certificate in it.
+  /// not_found: the file with the authorities cannot be read; bad_input: it contains no certificate.
   static Result<std::unique_ptr<WebTls>> make(const WebTrust& trust);
   WebTls(const WebTls&) = delete;
   WebTls& operator=(const WebTls&) = delete;
 
   boost::asio::ssl::context& context() { return context_; }
-  /// Of a connection that is about to shake hands: the host, a name or an address, that was asked for.
+  /// Call before the handshake: sets the requested host, a name or an address.
   static void ask_for(SSL* connection, const std::string& host);
-  /// The fingerprint of the certificate that the last handshake refused; empty: none was.
+  /// The fingerprint of the certificate that the last handshake refused; empty: none.
   const std::string& refused() const { return refused_; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a robot tells of one place, and whose it is.
+// A keyframe as a robot sends it, and the session it belongs to.
 
 #include <array>
 #include <compare>
@@ -50,7 +50,7 @@ struct WallProfile {
   std::array<std::uint8_t, sectors> code{};  // 0: no return
 };
 
-/// A keyframe as it travels. Sequence numbers of a session start at 1 and have no holes.
+/// A keyframe as it is sent. Sequence numbers of a session start at 1 and have no gaps.
 struct Keyframe {
   std::uint64_t sequence = 0;
   double stamp_s = 0;  // the robot's clock
@@ -58,7 +58,7 @@ struct Keyframe {
   float spaciousness_m = 0;  // FRAME: s_k, smoothed mean range
   Descriptor descriptor;
   WallProfile walls;
-  std::uint32_t point_count = 0;  // of its cloud; 0: it has none
+  std::uint32_t point_count = 0;  // of its cloud; 0: no cloud
 };
 
 /// In the session's local frame, metres.

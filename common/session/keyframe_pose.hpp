@@ -6,7 +6,7 @@
 
 namespace headframe {
 
-/// Where a keyframe of a session lies.
+/// The pose of a keyframe of a session.
 struct KeyframePose {
   std::uint64_t sequence = 0;
   Pose T_local_sensor = Pose::Identity();

@@ -1,5 +1,5 @@
 #pragma once
-// What a robot asks of the map that others made.
+// A robot's questions about the map that others made.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -7,7 +7,8 @@
 
 namespace headframe {
 
-/// What a robot holds of what others know, as an earlier answer said. Its numbers mean something to the server alone.
+/// The version of a robot's copy of what others know, from an earlier answer. Its numbers have a meaning only for the
+/// server.
 struct HeldVersion {
   std::uint64_t epoch = 0;  // 0: nothing
   std::uint64_t version = 0;

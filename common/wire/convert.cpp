@@ -31,7 +31,7 @@ Result<std::string> to_half(const std::vector<float>& values, const char* what) 
   return bytes;
 }
 
-/// But for the first number: a q is never empty.
+/// Drops zeros at the end, except the first number, because a q is never empty.
 void leave_out_last_zeros(std::string& half) {
   while (half.size() > 2 && half[half.size() - 1] == 0 && half[half.size() - 2] == 0) half.resize(half.size() - 2);
 }
@@ -235,7 +235,7 @@ Result<Keyframe> from_proto(const v1::Keyframe& m) {
   k.spaciousness_m = m.spaciousness_m();
   k.descriptor.q = std::move(*q);
   k.descriptor.w = std::move(*w);
-  if (v1::PlaceClass_IsValid(m.place_class()))  // a class that a later version adds is unknown to this one
+  if (v1::PlaceClass_IsValid(m.place_class()))  // a class that a later version adds is read as unknown
     k.descriptor.place_class = static_cast<PlaceClass>(m.place_class());
   std::copy(m.walls().begin(), m.walls().end(), k.walls.code.begin());
   k.point_count = m.point_count();

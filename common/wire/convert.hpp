@@ -1,6 +1,6 @@
 #pragma once
-// Messages to values and back. Every from_proto checks all it takes over: what it returns is safe to use, and its error
-// (bad_input) names the field. All functions are pure and thread safe.
+// Converts messages to values and back. Every from_proto checks all fields: what it returns is safe to use, and its
+// error (bad_input) names the field. All functions are pure and thread safe.
 
 #include <cstdint>
 #include <string>
@@ -21,7 +21,8 @@ struct FamilySpec {
   std::size_t w_size = 0;
 };
 
-/// Who a robot is. The protocol version is not part of it: compare it first, so that strangers get the right error.
+/// A robot's identity. Does not contain the protocol version: check that first, so that other versions get the right
+/// error.
 struct Hello {
   SessionKey session;
   Sensor sensor;
@@ -29,11 +30,11 @@ struct Hello {
   CloudPolicy clouds = CloudPolicy::on_request;
   std::string software;
   std::uint64_t spool_id = 0;
-  std::string token{};                      // 32 bytes, or empty: it has no credential
+  std::string token{};                      // 32 bytes; empty: it has no credential
   std::string enrolment_code{};             // 16 bytes, or empty
-  std::vector<std::uint64_t> spool_runs{};  // this opening of the spool last; empty: it does not say
+  std::vector<std::uint64_t> spool_runs{};  // the present run of the spool last; empty: not stated
   bool spare = false;                       // beside the connection that carries the session
-  std::vector<std::string> capabilities{};  // common/wire/capabilities.hpp; empty: it is older than those
+  std::vector<std::string> capabilities{};  // common/wire/capabilities.hpp; empty: its version predates them
 };
 
 /// Robot, session, family and model names: 1 to limits::name_bytes bytes, printable, without '/', neither "." nor "..".
@@ -55,16 +56,16 @@ Result<FamilySpec> from_proto(const v1::Family& message);
 v1::Hello to_proto(const Hello& hello);  // states protocol_version
 Result<Hello> from_proto(const v1::Hello& message);
 
-v1::LiveState to_proto(const LiveState& state);  // of its health as much as fits
+v1::LiveState to_proto(const LiveState& state);  // its health is cut to the limit
 Result<LiveState> from_proto(const v1::LiveState& message);
 
-/// q and w travel as binary16: a value beyond +-65504 is an error in both directions (invalid_argument, bad_input).
-/// Zeros at the end of q do not travel: the reader, who knows the family, puts them back with complete().
+/// q and w are sent as binary16: a value beyond +-65504 is an error in both directions (invalid_argument, bad_input).
+/// Zeros at the end of q are not sent; the reader, who knows the family, restores them with complete().
 Result<v1::Keyframe> to_proto(const Keyframe& keyframe);
 Result<Keyframe> from_proto(const v1::Keyframe& message);
 
-/// Puts back the zeros at the end of q that did not travel. bad_input when q is longer than the hello announced, or w
-/// has another size.
+/// Restores the zeros at the end of q that were not sent. bad_input: q is longer than the hello announced, or w has
+/// another size.
 Result<void> complete(Keyframe& keyframe, const FamilySpec& family);
 
 }  // namespace headframe

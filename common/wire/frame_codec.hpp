@@ -15,13 +15,14 @@ inline constexpr std::uint32_t protocol_version = 1;
 /// Appends one frame to `out`. The payload must be 1 to limits::frame_bytes long (else: internal).
 Result<void> append_frame(std::string& out, std::string_view payload);
 
-/// Takes bytes as they come and gives whole payloads. Holds at most one frame and what was fed last. Not thread safe.
+/// Takes bytes as they arrive and returns whole payloads. Holds at most one frame and what was fed last. Not thread
+/// safe.
 class FrameReader {
  public:
   void feed(std::string_view bytes);
 
-  /// The next payload; nullopt: more bytes are needed. A length of 0 or over the limit is bad_input, and stays so: the
-  /// stream can not be read on.
+  /// The next payload; nullopt: more bytes are needed. A length of 0 or above the limit is bad_input for good, because
+  /// the stream cannot be read any further.
   Result<std::optional<std::string>> next();
 
  private:

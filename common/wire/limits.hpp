@@ -1,5 +1,5 @@
 #pragma once
-// Limits that both sides keep, checked before anything is allocated.
+// Limits that both sides enforce, checked before memory is allocated.
 
 #include <cstddef>
 

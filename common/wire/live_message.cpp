@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-/// As UTF-8 all the same.
+/// Cut so that it stays valid UTF-8.
 std::string cut(std::string text, std::size_t most) {
   constexpr unsigned kind = 0xc0, continues = 0x80;
   if (text.size() <= most) return text;

@@ -2,10 +2,10 @@
 
 namespace headframe {
 
-/// For a connected TCP socket whose link loses packets and goes dark: what was lost is sent again every second at
-/// the latest, for a minute and a half, not after ever longer waits, so that the connection lives on as soon as the
-/// link is back. Linux before 6.15 keeps its waits short for six times only. Where the
-/// kernel refuses, the link works as TCP does.
+/// Prepares a connected TCP socket for a link that loses packets and has gaps in coverage: lost data is retransmitted
+/// at least every second for a minute and a half, instead of after ever longer waits, so that the connection continues
+/// as soon as the link is back. Linux before 6.15 keeps the waits short only six times. If the kernel refuses, TCP's
+/// usual waits apply.
 void expect_losses(int socket);
 
 }  // namespace headframe

@@ -5,7 +5,7 @@
 namespace headframe {
 namespace {
 
-constexpr double slack_m = 2;  // sessions lie some decimetres off, and see a change from two sides
+constexpr double slack_m = 2;  // sessions lie some decimetres off and see a change from two sides
 
 bool same(const PlacedChange& one, const PlacedChange& other) {
   const double reach_m = slack_m + std::max(one.change.length_m, other.change.length_m) / 2;
@@ -14,7 +14,7 @@ bool same(const PlacedChange& one, const PlacedChange& other) {
          (one.p - other.p).norm() < reach_m;
 }
 
-/// Both are true: it came after the later of the older sessions, and before the earlier of the newer ones.
+/// Combines two sightings: it came after the later of the older sessions and before the earlier of the newer ones.
 void narrow_down(PlacedChange& known, const PlacedChange& more) {
   if (more.change.older_s > known.change.older_s) {
     known.change.older_s = more.change.older_s;

@@ -1,5 +1,5 @@
 #pragma once
-// Where the pose graph puts the keyframes of a session.
+// The poses that the pose graph gives to the keyframes of a session.
 
 #include <map>
 #include <memory>
@@ -10,24 +10,24 @@
 
 namespace headframe {
 
-/// Where one keyframe came to lie: T_component_session takes its pose in the session's frame to that in the
-/// component's.
+/// One keyframe: T_component_session maps its pose in the session's frame to its corrected pose in the component's.
 struct CorrectedKeyframe {
   std::uint64_t sequence = 0;
   Pose T_component_session = Pose::Identity();
 };
 
-/// Of one session: some of its keyframes, in the order of their sequence. Those between follow the two beside them.
+/// The corrections of some keyframes of one session, in order of sequence. Those between are interpolated.
 struct Correction {
   SessionId component = 0;
   std::vector<CorrectedKeyframe> keyframes;  // at least one
 
-  /// T_component_sensor of any keyframe, from its pose in the session's frame. Between two, the poses that both would
-  /// give are blended by the keyframe's number; before the first and behind the last it is rigid.
+  /// T_component_sensor of any keyframe, from its pose in the session's frame. Between two corrected keyframes the
+  /// poses that both would give are blended by keyframe number; before the first and after the last the nearest one
+  /// applies.
   Pose corrected(std::uint64_t sequence, const Pose& T_local_sensor) const;
 };
 
-/// Of the sessions that have one; the others are rigid. Immutable and shared.
+/// For sessions that have corrections; all others are rigid. Immutable and shared.
 using Corrections = std::map<SessionId, std::shared_ptr<const Correction>>;
 
 }  // namespace headframe

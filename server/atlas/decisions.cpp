@@ -27,8 +27,8 @@ bool DecisionBook::same(const Pose& T, const Pose& U) const {
   return error.translation().norm() <= rules_.same.metres && rotation_angle_rad(error) <= rules_.same.radians;
 }
 
-/// A confirmation holds the alignment, wherever later evidence has moved it, until something newer is decided;
-/// refusals and retractions speak of their placement alone.
+/// A confirmation applies to the alignment, wherever later evidence moves it, until a newer decision; refusals and
+/// retractions apply only to their placement.
 const DecisionRecord* DecisionBook::standing(AlignmentId alignment, const Pose& T_a_b) const {
   const DecisionRecord* newest = newest_of(alignment);
   if (!newest || newest->decision == Decision::confirm) return newest;
@@ -59,7 +59,7 @@ Ruling DecisionBook::ruling(const Alignment& alignment) const {
   if (!word) return Ruling::none;
   if (word->decision == Decision::confirm) return Ruling::confirmed;
   if (word->decision == Decision::place) return Ruling::placed;
-  // What is proposed again on much more evidence is open: it was refused as it was then.
+  // A placement that is proposed again on much more evidence is open: the refusal was based on less.
   if (proposal(alignment.id, alignment.T_a_b, alignment.evidence.seen_points) != Proposal::suppressed)
     return Ruling::none;
   return word->decision == Decision::refuse ? Ruling::refused : Ruling::retracted;

@@ -1,5 +1,5 @@
 #pragma once
-// What the operator decided about alignments, and what follows from it. Pure: no store, no clock.
+// The operator's decisions about alignments, and what follows from them. Pure: no store, no clock.
 
 #include <functional>
 #include <vector>
@@ -10,13 +10,13 @@
 
 namespace headframe {
 
-/// place: the operator laid the two sessions on each other; decided by AlignmentBook::place() alone.
+/// place: the operator placed the two sessions on each other; made only by AlignmentBook::place().
 enum class Decision { confirm, refuse, retract, undo, place };
 
 std::string_view to_string(Decision decision);
 std::optional<Decision> decision_from(std::string_view name);
 
-/// One decision, as it is kept for good. An undo is no record of its own: it marks the one it takes back.
+/// One decision, kept for good. An undo has no record of its own; it marks the record that it takes back.
 struct DecisionRecord {
   std::int64_t id = 0;  // 1, 2, ... in the order of the decisions
   AlignmentId alignment = 0;
@@ -26,18 +26,18 @@ struct DecisionRecord {
   bool undone = false;
 };
 
-/// What may become of a placement that the evidence proposes.
+/// What may happen to a placement that the evidence proposes.
 enum class Proposal {
-  open,          // the operator has said nothing of it
-  as_candidate,  // refused once, on much less evidence: shown again, and published only when the operator confirms it
-  suppressed,    // refused, on much the same evidence
+  open,          // the operator has decided nothing about it
+  as_candidate,  // refused once on much less evidence: shown again, but published only when confirmed
+  suppressed,    // refused on much the same evidence
 };
 
 /// When two placements of a pair count as the same one, and how much more evidence reopens a refused one.
 struct DecisionRules {
   PlacementTolerance same = same_as_ruled;
   double reopen_ratio = 2;     // of seen_points now to those at the refusal ...
-  double reopen_least = 2000;  // ... and at least so many more: twice of nothing is nothing
+  double reopen_least = 2000;  // ... and at least this many more, for refusals on little evidence
 };
 
 /// All decisions. A confirmation stands until something newer is decided on its alignment or it is undone; a refusal
@@ -46,26 +46,27 @@ class DecisionBook {
  public:
   explicit DecisionBook(const DecisionRules& rules = {}) : rules_(rules) {}
 
-  /// As they were stored, ordered by id.
+  /// Restores stored records, ordered by id.
   void restore(std::vector<DecisionRecord> records) { records_ = std::move(records); }
 
-  /// The record to be stored, new or changed (undo); none when the decision stands already. refused: it does not fit
-  /// the alignment, with the reason and what to do instead.
+  /// Returns the record to store, new or changed (undo); nullopt if the decision stands already. refused: it does not
+  /// apply to the alignment; the message says why and what to do instead.
   Result<std::optional<DecisionRecord>> decide(const Alignment& alignment, Decision decision);
 
-  /// The operator laid it where it is now; whatever was said of this placement before. To be stored.
+  /// Records that the operator placed the alignment where it is now, whatever was decided about this placement before.
+  /// Returns the record to store.
   DecisionRecord place(const Alignment& alignment);
 
-  /// The standing word on the alignment as it is now placed.
+  /// The standing decision about the alignment at its present placement.
   Ruling ruling(const Alignment& alignment) const;
-  /// Each alignment's ruling; records and placements in the same frames.
+  /// Sets the ruling of each alignment; records and placements have to be in the same frames.
   void rule(std::vector<Alignment>& alignments) const;
   Proposal proposal(AlignmentId alignment, const Pose& T_a_b, double seen_points) const;
-  /// The placement that the standing word confirms; none when it is another word.
+  /// The placement confirmed by the standing decision; nullopt if that is not a confirmation.
   std::optional<Pose> confirmed_at(AlignmentId alignment) const;
   const std::vector<DecisionRecord>& records() const { return records_; }
 
-  /// The sessions of these alignments lie elsewhere: what was decided on goes along. Gives the records of them.
+  /// For moved sessions: moves the placements of the alignment's records by `mover`. Returns these records.
   std::vector<DecisionRecord> move(AlignmentId alignment, const std::function<Pose(const Pose& T_a_b)>& mover);
 
  private:
@@ -78,7 +79,7 @@ class DecisionBook {
   std::vector<DecisionRecord> records_;
 };
 
-/// The state that follows from ruling and verdict, before the merge graph has looked at it: confirmed ones are
+/// The state that follows from ruling and verdict, before the merge graph is applied: a confirmed alignment is
 /// verified, whatever the evidence says.
 AlignmentState decided_state(const Alignment& alignment);
 

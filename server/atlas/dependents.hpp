@@ -6,12 +6,12 @@
 
 namespace headframe {
 
-/// What hangs on a session, for whoever wants to take it out.
+/// What depends on a session, for an operator who considers removing it.
 struct Dependents {
   std::vector<SessionId> merged_with;  // by published alignments of its own, sorted
-  bool is_anchor = false;              // of a component of several sessions: it gets another frame
-  /// What is left of its component without it, as published alignments hold it together; each sorted, by the first.
-  /// More than one: it comes apart.
+  bool is_anchor = false;              // of a component of several sessions, which would get another frame
+  /// The parts into which its component would fall without it, by published alignments; each sorted, ordered by their
+  /// first. More than one: the component would split.
   std::vector<std::vector<SessionId>> parts;
 };
 

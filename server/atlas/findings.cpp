@@ -12,7 +12,7 @@ namespace headframe {
 namespace {
 
 constexpr double next_to_nothing = 0.25;  // log-odds
-constexpr std::size_t always_said = 6;    // of the terms; the others only where they apply
+constexpr std::size_t always_said = 6;    // the first terms are always listed, the others only if they apply
 
 std::string descriptors(const Evidence& e) {
   if (e.descriptors_compared == 0)
@@ -44,7 +44,7 @@ std::string copies(const Evidence& e) {
 
 std::string shared(const Evidence& e) { return formatted("%.0f m of path are shared", e.overlap_m); }
 
-/// What changes of the mine explain is left out: it does not weigh.
+/// Without what changes of the mine explain, which does not count.
 std::string violation(const Evidence& e) {
   std::string out =
       formatted("%.2f %% of the points lie where the other's rays passed through", 100 * freespace_contradiction(e));
@@ -68,11 +68,11 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
            formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes)}};
 }
 
-/// The figure that moves a contribution, and how it reads.
+/// The evidence that determines a contribution, and how to word it.
 struct Driver {
-  double Evidence::*member = nullptr;  // null: none that could be better
+  double Evidence::*member = nullptr;  // null: none that could improve
   double best = 0;
-  const char* words = "";  // with the figure, scaled
+  const char* words = "";  // wording, with the scaled value
   double scale = 1;
 };
 
@@ -103,8 +103,8 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            alike}};
 }
 
-/// The figure that would do, all else as it is: the nearest to what was measured. Nothing where not even the best
-/// would.
+/// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even
+/// the best value would.
 std::optional<double> sufficient(const Driver& driver, Evidence e, double accept_probability) {
   if (!driver.member) return std::nullopt;
   const double asked = std::log(accept_probability / (1 - accept_probability));
@@ -121,7 +121,7 @@ std::optional<double> sufficient(const Driver& driver, Evidence e, double accept
   return enough;
 }
 
-/// The evidence with what is excused left out of it, so that a figure can be moved.
+/// The evidence without what changes excuse, so that a value can be varied.
 Evidence as_weighed(Evidence e) {
   e.freespace_violation = freespace_contradiction(e);
   e.worst_place_violation = worst_place_contradiction(e);
@@ -163,7 +163,7 @@ std::vector<Gate> gates_of(const Alignment& alignment, const VerdictThresholds& 
   const Evidence& e = alignment.evidence;
   const double weighed = 1 / (1 + std::exp(-log_odds(e).sum()));
   const bool upright = !(e.tilt_deg > most_tilt_deg);
-  // A degenerate registration, or one that leans, leaves less than the terms say.
+  // With a degenerate registration, or a tilt, the probability is lower than the terms say.
   const bool held = !upright || !(e.probability < 0.99 * weighed);
   return {
       {"upright", upright, formatted("gravity agrees to within %.1f deg of %.0f", e.tilt_deg, most_tilt_deg)},

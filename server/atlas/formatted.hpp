@@ -7,7 +7,7 @@
 
 namespace headframe {
 
-/// As printf formats them; up to 399 characters.
+/// Formats like printf; at most 399 characters.
 template <class... Values>
 std::string formatted(const char* format, Values... values) {
   std::array<char, 400> out;

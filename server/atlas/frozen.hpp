@@ -1,5 +1,5 @@
 #pragma once
-// Sessions that are reference: the operator froze them, and nothing moves them any more.
+// Sessions that the operator froze: they serve as reference, and nothing moves them.
 
 #include <map>
 
@@ -7,11 +7,11 @@
 
 namespace headframe {
 
-/// Where a session and its keyframes lay when it was frozen. Sessions that were frozen in one frame keep their places
-/// relative to each other, whatever else their component comes to hold.
+/// Where a session and its keyframes lay when it was frozen. Sessions frozen in one frame keep their places relative to
+/// each other, whatever else joins their component.
 struct FrozenSession {
   SessionId session = 0;
-  SessionId frame = 0;  // the session whose frame it was
+  SessionId frame = 0;  // the session whose frame was used
   Pose T_frame_session = Pose::Identity();
   std::vector<CorrectedKeyframe> places = {};  // T_frame_session of some keyframes, as in Correction; empty: rigid
 };

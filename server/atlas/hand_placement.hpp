@@ -4,11 +4,11 @@
 
 namespace headframe {
 
-/// What came of a placement that an operator made roughly. As an alignment that is known, or only as it was judged.
+/// The result of a rough placement by an operator: the pair's alignment, or only a judgement.
 struct HandPlacement {
-  Alignment alignment;    // where registration put it, and the evidence; its state is what this alone says
-  bool recorded = false;  // it is the pair's alignment now, and waits for a confirmation
-  double moved_m = 0;     // from where the operator put it, where the two meet
+  Alignment alignment;    // after registration, with the evidence; its state follows from this placement alone
+  bool recorded = false;  // it is now the pair's alignment and waits for confirmation
+  double moved_m = 0;     // from where the operator put it, at the overlap
   double turned_rad = 0;
 };
 

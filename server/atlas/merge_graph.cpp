@@ -31,13 +31,13 @@ struct Growing {
     components[from].clear();
   }
 
-  /// Of the component of b in that of a.
+  /// Transform of b's component in that of a.
   Pose joining(const Alignment& alignment) {
     return components[component_of[alignment.a]][alignment.a] * alignment.T_a_b *
            components[component_of[alignment.b]][alignment.b].inverse();
   }
 
-  /// What the sessions of both components say of it, but for those that have an alignment to speak for them.
+  /// What the sessions of both components say about it, except those with an alignment of their own.
   struct Met {
     Contact contact = Contact::none;
     Pair by;
@@ -65,8 +65,9 @@ struct Growing {
 
 bool usable(const Alignment& k) { return k.state == AlignmentState::verified || k.state == AlignmentState::published; }
 
-/// Of each alignment: in how many triangles of usable ones it closes, less those that it does not. A wrong one fails
-/// with every third session that both know, a right one only with those that the wrong one spoils.
+/// For each alignment: the number of triangles of usable alignments that it closes, minus those that it does not close.
+/// A wrong alignment fails with every third session that both know, a right one only with those that a wrong one
+/// affects.
 std::vector<int> triangle_votes(std::span<const Alignment> alignments, const LoopTolerance& tolerance) {
   std::map<SessionId, std::map<SessionId, std::size_t>> between;  // [a][b], a < b
   for (std::size_t i = 0; i < alignments.size(); ++i)
@@ -87,7 +88,7 @@ std::vector<int> triangle_votes(std::span<const Alignment> alignments, const Loo
   return votes;
 }
 
-/// Indices of the usable ones, the strongest first.
+/// Indices of the usable alignments, the strongest first.
 std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, const LoopTolerance& tolerance) {
   const std::vector<int> votes = triangle_votes(alignments, tolerance);
   std::vector<std::size_t> order;
@@ -96,7 +97,7 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
     if (usable(alignments[i])) order.push_back(i);
   const auto rank = [&](std::size_t i) {
     const Alignment& k = alignments[i];
-    // Two placements of one piece of a session share its aliases: they do not tell which of them is right.
+    // Two placements of one piece of a session share its aliases, which therefore do not tell which one is right.
     const double p = std::min(std::max(k.evidence.probability, k.evidence.probability_if_unique), 1 - 1e-9);
     const double sure =
         p / (1 - p) * (1 - k.evidence.runner_up);  // odds: a runner-up of .01 weighs less than an overlap
@@ -106,7 +107,7 @@ std::vector<std::size_t> by_strength(std::span<const Alignment> alignments, cons
   return order;
 }
 
-/// The last that was chosen, else the earliest; of the frozen ones where there are any.
+/// The one chosen last, else the earliest; of frozen sessions only, if there are any.
 Frames::const_iterator anchor_of(const Frames& frames, std::span<const SessionId> anchors,
                                  const FrozenSessions& frozen) {
   const auto first_frozen =
@@ -130,14 +131,14 @@ Component component_from(const Frames& frames, std::span<const SessionId> anchor
   return component;
 }
 
-/// Alignments that are not believed, and the sessions that would contradict each other.
+/// Alignments in doubt, and the pairs of sessions that would contradict each other.
 using Doubts = std::map<std::size_t, Pair>;
 
-/// Takes the usable alignments one after another. Those in doubt come last, and are asked but not taken: what
-/// contradicts them goes on doing so.
+/// Takes the usable alignments one after another. Those in doubt come last and are only checked, not taken, so that
+/// what contradicts them keeps doing so.
 class Merging {
  public:
-  /// Adds to the doubts; when it has added some, it has to be done again.
+  /// Adds to the doubts; if it added some, everything has to be repeated.
   Merging(std::span<const SessionId> sessions, std::span<const Alignment> alignments, const LoopTolerance& tolerance,
           const Contacts& contacts, Doubts& doubts)
       : alignments_(alignments), contacts_(contacts), doubts_(doubts), growing_(sessions) {
@@ -178,7 +179,7 @@ class Merging {
       published_.push_back(alignment);
       return;
     }
-    // A confirmed one waits: it comes back when what it contradicts is retracted. So does one in doubt.
+    // A confirmed one waits and comes back when what it contradicts is retracted. So does one in doubt.
     const bool waits =
         alignment.ruling == Ruling::confirmed || alignment.state != AlignmentState::published || doubts_.contains(i);
     result_.states[i] = waits ? AlignmentState::verified : AlignmentState::retracted;
@@ -200,8 +201,8 @@ class Merging {
     return met.contact != Contact::contradicts && !waits;
   }
 
-  /// One of those by which both sessions come to lie where they contradict each other is wrong: a copy, as long as the
-  /// overlap that it was found on. None that is not clearly longer is to be believed.
+  /// Of the alignments that bring the two contradicting sessions together, one is wrong: a copy as long as the overlap
+  /// that it was found on. Only those with a clearly longer overlap are trusted.
   void doubt_between(std::size_t i, const Pair& by) {
     constexpr double clearly = 1.5;  // set by hand on drawn mines of copies, seeds from 70000 on
     const std::vector<std::size_t> way = way_between(i, by);
@@ -216,9 +217,9 @@ class Merging {
     if (equals) doubts_.emplace(i, by);
   }
 
-  /// i, and those that were joined, by which one comes to the other.
+  /// Alignment i, and those already joined that connect its two sessions.
   std::vector<std::size_t> way_between(std::size_t i, const Pair& by) const {
-    std::map<SessionId, std::size_t> came_by;  // over which alignment, going out from the first
+    std::map<SessionId, std::size_t> came_by;  // the alignment over which each was reached, starting from the first
     std::vector<SessionId> reached{by.first};
     std::vector<std::size_t> edges = joined_;
     edges.push_back(i);

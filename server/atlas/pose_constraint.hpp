@@ -1,5 +1,5 @@
 #pragma once
-// What was measured between two keyframes beside odometry: a loop closure.
+// A measurement between two keyframes besides odometry: a loop closure.
 
 #include <memory>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace headframe {
 
-/// As PoseEdge, between keyframes' sensors: it holds in any frame of their sessions.
+/// Like PoseEdge, but between the sensor frames of two keyframes, so it holds in any frame of their sessions.
 struct PoseConstraint {
   KeyframeRef from, to;
   Pose T_from_to = Pose::Identity();
@@ -24,13 +24,13 @@ struct PoseConstraint {
 /// Immutable and shared: alignments are copied often.
 using PoseConstraints = std::shared_ptr<const std::vector<PoseConstraint>>;
 
-/// All loop closures between two sessions, from a to b, or within one: then a and b are the same.
+/// All loop closures between two sessions, from a to b, or within one session (a == b).
 struct PairClosures {
   SessionId a = 0, b = 0;
   PoseConstraints places;
 };
 
-/// From a transform between the frames of two sessions.
+/// Converts a fit between the frames of two sessions.
 PoseConstraint constraint_between(const KeyframeRef& from, const Pose& T_a_from, const KeyframeRef& to,
                                   const Pose& T_b_to, const PlaceFit& fit);
 

@@ -5,7 +5,7 @@
 namespace headframe {
 namespace {
 
-/// Of the transform to b's frame, where p_b is known so well: a metre there counts as much as 0.05 rad.
+/// Information of a transform to b's frame at p_b: a metre there counts as much as 0.05 rad.
 Matrix6d information_at(const Eigen::Vector3d& p_b) {
   Vector6d weight;
   weight << 400, 400, 400, 1, 1, 1;
@@ -31,7 +31,7 @@ std::map<SessionId, std::pair<SessionId, Pose>> frozen_together(const Frames& fr
 }
 
 void relax(Frames& frames, const std::vector<Alignment>& edges, const FrozenSessions& frozen, const Meetings& meet) {
-  constexpr double stiff = 1e8;  // what little they give way is taken back below
+  constexpr double stiff = 1e8;  // what they still yield is removed below
   PoseGraph graph;
   std::map<SessionId, std::size_t> node;
   const auto tied = frozen_together(frames, frozen);

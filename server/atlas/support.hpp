@@ -7,16 +7,16 @@
 
 namespace headframe {
 
-/// One standard deviation of where a merge lays one session on another.
+/// Standard deviation of a merge's transform.
 struct MergeDeviation {
   double metres = 0, radians = 0;
 };
 
-/// From how far the places of the overlap would have moved by themselves, each registered alone; the floors by hand.
+/// From how much the places' own registrations differ from the common transform; the lower bounds are set by hand.
 MergeDeviation deviation_of(const Evidence& evidence);
 
-/// Says of each component of several sessions how sure its placements are, by the published ones of the alignments.
-/// Pure; what Component::supports held before is replaced.
+/// Sets Component::supports of each component of several sessions, from the published alignments. Pure; replaces
+/// earlier values.
 void add_supports(Atlas& atlas, std::span<const Alignment> alignments);
 
 }  // namespace headframe

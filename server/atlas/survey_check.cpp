@@ -36,7 +36,7 @@ std::optional<Pose> tilted_fit(std::span<const ControlPoint> points) {
   return T ? std::optional(*T) : std::nullopt;
 }
 
-/// The blunder by one kind of fit; none when leaving out one point does about as well as leaving out another.
+/// The blunder by one kind of fit; nullopt if leaving out one point fits about as well as leaving out another.
 template <class Fit>
 std::optional<Blunder> left_out(std::span<const ControlPoint> points, double fits_m, Fit fit) {
   std::optional<Blunder> best;
@@ -73,7 +73,7 @@ std::optional<Blunder> blunder_of(std::span<const ControlPoint> points, const Su
   if (points.size() < 4) return std::nullopt;
   const double fits_m = allowed_residual_m(points, rules);
   auto found = left_out(points, fits_m, [](const auto& others) { return std::optional(level_fit(others)); });
-  // Where all fit a level session none is wrong by much, and a tilt would only be a guess of the few that are left.
+  // If all points fit a level session, none is far wrong, and a tilt would only be guessed from the few that are left.
   const std::vector<double> level_m = residuals_m({0, level_fit(points), {points.begin(), points.end()}});
   const bool level = *std::max_element(level_m.begin(), level_m.end()) <= fits_m;
   if (!found && !level) found = left_out(points, fits_m, [](const auto& others) { return tilted_fit(others); });
@@ -101,7 +101,7 @@ Result<void> check_fit(const Survey& survey, const SurveyFitRules& rules) {
   const auto worst = std::max_element(residuals.begin(), residuals.end());
   const double allowed_m = allowed_residual_m(survey.points, rules);
   const auto blunder = blunder_of(survey.points, rules);
-  // Of few points a tilt of the whole session hides one that is wrong: residuals alone do not tell.
+  // With few points a tilt of the whole session can hide a wrong one, so residuals alone do not show it.
   const bool hidden = blunder && blunder->off_m.norm() > allowed_m;
   if (*worst <= allowed_m && !hidden) return {};
   const std::string name = survey.points[static_cast<std::size_t>(worst - residuals.begin())].name;

@@ -1,18 +1,18 @@
 #pragma once
-// Whether control points fit each other, and which one does not. Pure.
+// Whether control points are consistent, and which one is not. Pure.
 
 #include "server/atlas/survey.hpp"
 
 namespace headframe {
 
 struct SurveyFitRules {
-  double most_residual_m = 0.10;  // of a point, from its place in the grid ...
-  double per_m = 0.002;   // ... and so much more for each metre that the points lie from their middle (rms): drift
-  double told_m = 0.05;   // a point that is off by less is not called wrong
-  double told_ratio = 3;  // ... nor one that is off by less than so many times what the others are
+  double most_residual_m = 0.10;  // of a point from its position in the grid ...
+  double per_m = 0.002;           // ... plus this for each metre of the points' rms distance from their mean, for drift
+  double told_m = 0.05;           // a point that is off by less is not called wrong
+  double told_ratio = 3;          // nor one that is off by less than this many times the others
 };
 
-/// What a residual of these points may be.
+/// The greatest residual that these points may have.
 double allowed_residual_m(std::span<const ControlPoint> points, const SurveyFitRules& rules = {});
 
 /// The one point without which the others fit.
@@ -23,16 +23,17 @@ struct Blunder {
   double others_rms_m = 0;
 };
 
-/// Leaves out each in turn. The session is taken to be level first (turn and shift only), for with four points any
-/// three would fit by a tilt; when none stands out so, it may be tilted. None: there are fewer than four points, none
-/// is told from the others, or all fit.
+/// Leaves out each point in turn. First assumes a level session (yaw and translation only), because with four points
+/// any three would fit after a tilt; if no point stands out, a tilt is allowed. Nullopt: there are fewer than four
+/// points, no point stands out, or all fit.
 std::optional<Blunder> blunder_of(std::span<const ControlPoint> points, const SurveyFitRules& rules = {});
 
-/// "P4 does not fit the others: they put it 2.00 m too high ...": for people.
+/// A message for people: "P4 is likely wrong: without it the others fit within ... (rms), and put it ... above the
+/// place that was given".
 std::string blunder_text(std::span<const ControlPoint> points, const Blunder& blunder);
 
-/// refused when a residual is larger than allowed, or one point stands out by more than that though a tilt of the
-/// session would hide it; with the blunder, where it can be told.
+/// refused: a residual is larger than allowed, or one point stands out by more than that although a tilt of the session
+/// would hide it; the message names the blunder if it can be identified.
 Result<void> check_fit(const Survey& survey, const SurveyFitRules& rules = {});
 
 }  // namespace headframe

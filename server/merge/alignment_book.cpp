@@ -95,7 +95,7 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
     wait_for_clouds_.insert(known->id);
   else
     wait_for_clouds_.erase(known->id);
-  // What the operator ruled on stays in sight until something turns up that could be published.
+  // An alignment on which the operator has decided stays as it is until there is one that could be published.
   if (known->ruling != Ruling::none && now != AlignmentState::verified) return;
   const bool refused_once =
       decisions_.proposal(known->id, best.T_a_b, best.evidence.seen_points) == Proposal::as_candidate;
@@ -170,7 +170,7 @@ AlignmentBook::Moved AlignmentBook::moved(SessionId id, const Mover& mover) {
     const Pose T_now_was = k.T_a_b * was.T_a_b.inverse();
     if (k.a == id)
       for (Change& change : k.changes) change.p_a = T_now_was * change.p_a;
-    k.evidence.path_m = 0;  // judged as a whole on nothing that is so any more
+    k.evidence.path_m = 0;  // so that the pair is judged again as a whole
     out.alignments.push_back(k);
     const auto records = decisions_.move(k.id, [&](const Pose& T) { return orthonormalised(mover(was, T)); });
     out.decisions.insert(out.decisions.end(), records.begin(), records.end());
@@ -183,9 +183,9 @@ MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Con
   for (const auto& [id, session] : sessions_.all()) ids.push_back(id);
   for (Alignment& k : spoken) {
     if (!sessions_.contains(k.a) || !sessions_.contains(k.b))
-      k.state = AlignmentState::candidate;  // one whose session is set aside says nothing
+      k.state = AlignmentState::candidate;  // an alignment whose session is set aside has no effect
     else if (!sessions_.at_one_site(k.a, k.b) && k.ruling == Ruling::none)
-      k.state = AlignmentState::rejected;  // across sites the operator has the word
+      k.state = AlignmentState::rejected;  // across sites only the operator's decisions count
   }
   FrozenSessions frozen;
   for (const auto& [id, held] : sessions_.frozen()) frozen[id] = local(held, sessions_.frames());
@@ -218,7 +218,7 @@ void AlignmentBook::update_atlas(const Contacts& contacts,
     alignment.objection = by ? std::optional(objection(*by)) : std::nullopt;
     if (news) report.changed.push_back(alignment);
   }
-  // The last word on an alignment is the one to be stored.
+  // Of several changes to one alignment only the last is stored.
   std::map<AlignmentId, Alignment> last;
   for (const Alignment& alignment : report.changed) last[alignment.id] = alignment;
   report.changed.clear();

@@ -11,52 +11,56 @@
 
 namespace headframe {
 
-/// What is known of all pairs of sessions: alignments, the operator's decisions, the anchors, and the atlas that
-/// follows from them. It lies in local frames; what is given out lies in those of the robots. Not thread safe.
+/// Everything known about pairs of sessions: alignments, the operator's decisions, the anchors, and the atlas that
+/// follows from them. Works in local frames (SessionFrames); functions named given_out use the robots' frames. Not
+/// thread safe.
 class AlignmentBook {
  public:
   AlignmentBook(const MergeConfig& config, const SessionMap& sessions) : config_(config), sessions_(sessions) {}
 
-  /// As they were given out once, ordered by id. The atlas is made anew by update_atlas().
+  /// Restores what was stored, in the robots' frames, ordered by id. update_atlas() then rebuilds the atlas.
   void restore(std::vector<Alignment> alignments, std::vector<DecisionRecord> decisions,
                std::vector<SessionId> anchors);
 
-  /// Of the two, whichever comes first; null: none.
+  /// The alignment of the two sessions, given in either order; null if there is none.
   Alignment* find(SessionId one, SessionId other);
   const Alignment* find(SessionId one, SessionId other) const;
   const Alignment* find(AlignmentId id) const;
-  /// Something is known of the pair besides "not there": a candidate or better, or what the operator ruled on.
+  /// Whether the pair has an alignment that is not rejected, or one on which the operator has decided.
   bool live(SessionId one, SessionId other) const;
-  /// The sessions of which that is so.
+  /// The sessions with which this one has such an alignment.
   std::set<SessionId> aligned_with(SessionId id) const;
   const DecisionBook& decisions() const { return decisions_; }
   const MergeConfig& config() const { return config_; }
-  /// What convinces, or could, waits for clouds that are on their way.
+  /// Whether the alignment waits for requested clouds.
   bool waits_for_clouds(AlignmentId id) const { return wait_for_clouds_.contains(id); }
 
-  /// The verdict on the best placement of a pair becomes its alignment. waits: however probable, a candidate for now.
+  /// Makes the verdict on the best placement of a pair its alignment. waits: clouds are still expected, so a new
+  /// placement becomes a candidate at most, however probable it is.
   void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,
               AttemptReport& report);
 
-  /// The verdict on where the operator put it becomes the pair's alignment, a candidate at most, unless it does not
-  /// fit, or is improbable and something better is known.
+  /// Makes the verdict on a placement by the operator the pair's alignment, at most a candidate. Does not, if the
+  /// placement does not fit, or if it is improbable and something better is known.
   HandPlacement place(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up,
                       bool fits, AttemptReport& report);
 
-  /// Tells what waited for path of other sessions, where that has come.
+  /// Publishes alignments that waited only for path, their own or that of other sessions, if it has been driven.
   void release_awaited(AttemptReport& report);
 
   Result<void> decide(AlignmentId id, Decision decision, AttemptReport& report);
-  /// False: it was chosen last already. refused: a frozen session of its component keeps the frame.
+  /// Returns false if it was chosen last already. refused: a frozen session of its component keeps the frame.
   Result<bool> anchor(SessionId id);
-  /// A session that was set aside is back, or belongs to another site: its alignments stand again as their verdict and
-  /// the operator's word say, until the atlas is updated. Gives those that changed.
+  /// For a session that was set aside and is back, or that belongs to another site now: resets the states of its
+  /// alignments to what their verdicts and the operator's decisions say, until the atlas is updated. Returns those that
+  /// changed.
   std::vector<Alignment> wake(SessionId id);
 
-  /// Keyframes of the session lie elsewhere now: `moved` says where an alignment's placement is to go. What was
-  /// verified stays so until it is judged again, which is then done as a whole; but where the other session is not here
-  /// nobody knows where they meet, and unless the operator confirmed it, it is a candidate from now on. Gives what is
-  /// to be stored, in local frames as they are before the session comes anew: given_out() is for after.
+  /// For a session whose keyframes were moved: moves the placements of its alignments, and those in the decisions on
+  /// them, as `mover` says. Verified alignments stay verified until they are judged again as a whole. If the other
+  /// session is absent, however, nobody knows where the two meet, and a verified alignment becomes a candidate unless
+  /// the operator confirmed it. Returns what has to be stored, in local frames as they are before the session is added
+  /// again; call given_out() on it afterwards.
   struct Moved {
     std::vector<Alignment> alignments;
     std::vector<DecisionRecord> decisions;
@@ -64,24 +68,25 @@ class AlignmentBook {
   using Mover = std::function<Pose(const Alignment& of, const Pose& T_a_b)>;
   Moved moved(SessionId id, const Mover& mover);
 
-  /// Whether anything waits for path or clouds that may be told then.
+  /// Whether any alignment waits for path or clouds and may be merged later.
   bool anything_may_come() const;
-  /// Alignments that wait and are merged all the same, to see what would come of it.
+  /// Which waiting alignments are merged as well, to see what would follow.
   enum class Waiting { none, provisional, all };
-  /// What merging would come to, with these answers on where sessions would meet.
+  /// What merging would result in. `contacts` says whether sessions contradict each other where they would meet.
   MergeResult merge(const Contacts& contacts, Waiting waiting = Waiting::none) const;
-  /// FRAME, step 9: maps merge one after another. `objection`: what the pair that holds an alignment back says.
+  /// FRAME, step 9: merges maps one after another. `objection` describes the pair of sessions that contradicts an
+  /// alignment.
   void update_atlas(const Contacts& contacts,
                     const std::function<Objection(const std::pair<SessionId, SessionId>&)>& objection,
                     AttemptReport& report);
-  /// The atlas is another one, whether transforms changed or not.
+  /// Increments the atlas revision even if no transform changed.
   void next_revision(AttemptReport& report);
   void set_revision(std::uint64_t revision) { atlas_.revision = revision; }
 
-  /// The report, the atlas and the alignments in the robots' frames.
+  /// Translates the report, the atlas and the alignments into the robots' frames.
   AttemptReport given_out(AttemptReport report);
   const Atlas& atlas_given_out() const { return atlas_given_out_; }
-  const Atlas& atlas() const { return atlas_; }  // this and the next: in local frames
+  const Atlas& atlas() const { return atlas_; }  // this and alignments(): in local frames
   const std::vector<Alignment>& alignments() const { return alignments_; }
   const std::vector<Alignment>& alignments_given_out() const { return alignments_given_out_; }
 

@@ -1,4 +1,4 @@
-// What the operator laid on each other by hand, as the book keeps it.
+// Placements by the operator, as the book keeps them.
 #include <algorithm>
 
 #include "server/merge/alignment_book.hpp"

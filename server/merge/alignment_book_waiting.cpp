@@ -1,11 +1,13 @@
-// What convinces and waits for path: when it is told, what it holds back meanwhile, and where it would put sessions.
+// Convincing alignments that wait for path: when they are published, what they hold back meanwhile, and where they
+// would put sessions.
 #include <algorithm>
 
 #include "server/merge/alignment_book.hpp"
 
 namespace headframe {
 
-/// Of what convinces. Where places look alike even robots that ask are not told: nearly as often it is a copy.
+/// The state of a convincing alignment. Where places look alike, it is not even provisional, since nearly as often it
+/// is a copy.
 AlignmentState AlignmentBook::awaiting_state(const Evidence& e) const {
   if (e.awaited_m <= 0) return AlignmentState::verified;
   const bool worth_telling = e.awaited_m <= config_.provisional_m && e.look_alikes < config_.look_alikes &&
@@ -13,7 +15,7 @@ AlignmentState AlignmentBook::awaiting_state(const Evidence& e) const {
   return worth_telling ? AlignmentState::provisional : AlignmentState::candidate;
 }
 
-/// A pair whose sessions have both ended is judged no more: it waits for others alone.
+/// Handles pairs that are no longer judged, because both sessions have ended and were tried: they wait only for others.
 void AlignmentBook::release_awaited(AttemptReport& report) {
   for (Alignment& k : alignments_) {
     if (!waits(k) || !sessions_.contains(k.a) || !sessions_.contains(k.b)) continue;
@@ -26,7 +28,7 @@ void AlignmentBook::release_awaited(AttemptReport& report) {
   }
 }
 
-/// For path and for nothing else: neither for clouds nor, after it was refused once, for the operator.
+/// Waits only for path: not for clouds, nor for the operator after a refusal.
 bool AlignmentBook::waits(const Alignment& k) const {
   if (k.state == AlignmentState::provisional) return true;
   return k.state == AlignmentState::candidate && k.evidence.awaited_m > 0 && convinces(k.evidence, config_) &&
@@ -34,8 +36,8 @@ bool AlignmentBook::waits(const Alignment& k) const {
          decisions_.proposal(k.id, k.T_a_b, k.evidence.seen_points) == Proposal::open;
 }
 
-/// It may be told soon: it waits for path, or is a candidate for which clouds were asked for, that could make it
-/// believed.
+/// Whether it may be published soon: it waits for path, or it is a candidate for which clouds were requested that could
+/// make it acceptable.
 bool AlignmentBook::may_come(const Alignment& k) const {
   return waits(k) || (k.state == AlignmentState::candidate && k.ruling == Ruling::none && waits_for_clouds(k.id));
 }
@@ -44,7 +46,8 @@ bool AlignmentBook::anything_may_come() const {
   return std::any_of(alignments_.begin(), alignments_.end(), [&](const Alignment& k) { return may_come(k); });
 }
 
-/// Those of components that what waits would join to others, if nobody had yet to look where they would meet.
+/// The sessions of components that a waiting alignment might still join to others, because not all contacts are
+/// checked.
 std::set<SessionId> AlignmentBook::unsettled_sessions(const MergeResult& then) const {
   std::set<SessionId> ends, out;
   for (std::size_t i = 0; i < alignments_.size(); ++i) {
@@ -58,8 +61,8 @@ std::set<SessionId> AlignmentBook::unsettled_sessions(const MergeResult& then) c
   return out;
 }
 
-/// What still waits may turn out to be right. So where places look alike nothing new is told that would not stand
-/// beside it: it is held back, as by what others saw.
+/// Waiting alignments may turn out to be right. So where places look alike, nothing new is published that would be
+/// contradicted if they did: it is held back, like an alignment that other sessions contradict.
 MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
   if (!anything_may_come()) return merge(contacts);
   const MergeResult then = merge(contacts, Waiting::all);
@@ -83,8 +86,8 @@ MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
   return merged;
 }
 
-/// What would be added to each component if all that is provisional were merged. Where that would take something of a
-/// component away, nothing is.
+/// Sets what would be added to each component if all provisional alignments were merged. Adds nothing to a component
+/// that would lose sessions by it.
 void AlignmentBook::add_provisional(std::vector<Component>& components, const Contacts& contacts) const {
   const auto provisional = [](const Alignment& k) { return k.state == AlignmentState::provisional; };
   if (std::none_of(alignments_.begin(), alignments_.end(), provisional)) return;

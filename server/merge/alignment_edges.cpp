@@ -13,7 +13,7 @@ namespace headframe {
 namespace {
 
 constexpr double meet_within_m = 10;
-constexpr double seen_m = 5;  // how far around a keyframe a change of its pose is to be right
+constexpr double seen_m = 5;  // radius around a keyframe within which a change of its pose should be right
 constexpr double degree = std::numbers::pi / 180;
 
 struct KeyframePair {
@@ -21,7 +21,7 @@ struct KeyframePair {
   double distance_m = std::numeric_limits<double>::max();
 };
 
-/// Each keyframe of b with the one of a that lies nearest to it, where they meet; the nearest pair where they never do.
+/// Each keyframe of b that comes near a's path, with the nearest keyframe of a; if there is none, the nearest pair.
 std::vector<KeyframePair> meetings(const Session& a, const Session& b, const Pose& T_a_b) {
   std::vector<KeyframePair> out;
   KeyframePair nearest;
@@ -85,7 +85,7 @@ Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now
     middle_was += position(was.keyframes[pair.b]) / static_cast<double>(meet.size());
     middle_now += position(now[pair.b]) / static_cast<double>(meet.size());
   }
-  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();  // of the points: those of a path, and those around each keyframe
+  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();  // of the keyframes' positions, and of points around each keyframe
   for (const KeyframePair& pair : meet) {
     const Keyframe &k_was = was.keyframes[pair.b], &k_now = now[pair.b];
     turns += (position(k_was) - middle_was) * (position(k_now) - middle_now).transpose();
@@ -93,7 +93,7 @@ Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d U = svd.matrixU();
-  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;  // a rotation, no reflection
+  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;  // a rotation, not a reflection
   T_was_now.linear() = U * svd.matrixV().transpose();
   T_was_now.translation() = middle_was - T_was_now.linear() * middle_now;
   return T_was_now;
@@ -119,7 +119,7 @@ std::vector<PoseConstraint> edges_of(const Alignment& alignment, const PoseConst
                                      const SessionMap& sessions) {
   const Session &a = sessions.at(alignment.a), &b = sessions.at(alignment.b);
   std::vector<PoseConstraint> edges = known_closures(places, a, b);
-  const auto of_this = [&](const PoseConstraint& c) {  // they lie apart by the drift between them, but one is near
+  const auto of_this = [&](const PoseConstraint& c) {  // they differ by drift, but one of them has to be near
     return same_placement(session_transform(c, a, b), alignment.T_a_b,
                           b.keyframes[c.to.sequence - 1].T_local_sensor.translation(), same_as_rival);
   };

@@ -1,5 +1,5 @@
 #pragma once
-// What an alignment says of keyframes: the loop closures between its sessions, and the placement as a whole.
+// What an alignment contributes to the pose graph: loop closures between its sessions, and the placement as a whole.
 
 #include <span>
 
@@ -10,27 +10,27 @@
 namespace headframe {
 
 /// The middle of the overlap, in b's frame: the mean of the keyframes of both that lie within 10 m of the other's path,
-/// or half way between the nearest two. It hardly hangs on which of the two is called a. Of a long session some
-/// hundred keyframes are looked at, evenly. Zero: one has none.
+/// or the point half way between the nearest two. Nearly independent of which session is called a. Of long sessions
+/// about a hundred keyframes each are used, evenly spaced. Zero if one has no keyframes.
 Eigen::Vector3d where_they_meet(const Session& a, const Session& b, const Pose& T_a_b);
 
-/// Where a session's past was moved: what takes a point that the session saw where it meets the other from where its
-/// keyframes lie now to where they lay before. By least squares of points around all of its keyframes that lay within
-/// 10 m of the other's path, or around the nearest. T_other_was: of the session as it lay. Identity: one has no
+/// For a session whose keyframes were moved: the transform from where its points near the other session lie now to
+/// where they lay before. Least squares over points around those of its keyframes that lay within 10 m of the other's
+/// path, or around the nearest one. T_other_was: the placement before the move. Identity if one session has no
 /// keyframes.
 Pose T_was_now_where_they_meet(const Session& was, std::span<const Keyframe> now, const Session& other,
                                const Pose& T_other_was);
 
-/// T_a_b that a loop closure alone tells. std::out_of_range: it is of keyframes that the sessions have not.
+/// T_a_b according to this loop closure alone. Throws std::out_of_range if the sessions lack its keyframes.
 Pose session_transform(const PoseConstraint& place, const Session& a, const Session& b);
 
-/// Those of keyframes that the sessions have.
+/// The loop closures whose keyframes exist in both sessions.
 std::vector<PoseConstraint> known_closures(const PoseConstraints& places, const Session& a, const Session& b);
 
-/// For the pose graph: the loop closures between the two sessions, unless all lie elsewhere than T_a_b says and so are
-/// of another placement of the pair; the middle of the overlap is another, weak one, which holds what slides at all
-/// places. Where no loop closure is known, the beginning and the end of the overlap are constraints too. Empty: the
-/// sessions have no keyframes.
+/// The pose graph's edges for an alignment. These are the loop closures between the two sessions, unless all of them
+/// are far from T_a_b and thus belong to another placement; and a weak edge at the middle of the overlap, which fixes
+/// directions in which every loop closure can slide. Without loop closures the beginning and the end of the overlap
+/// become edges too. Empty if the sessions have no keyframes.
 std::vector<PoseConstraint> edges_of(const Alignment& alignment, const PoseConstraints& places,
                                      const SessionMap& sessions);
 

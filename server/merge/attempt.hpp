@@ -1,5 +1,5 @@
 #pragma once
-// What one attempt to merge a session works with, and what it did.
+// The input and the result of one attempt to merge a session.
 
 #include <map>
 #include <vector>
@@ -15,8 +15,8 @@
 
 namespace headframe {
 
-/// The placements of one pair that an attempt looked at, as T_a_b with a < b: what the proposals were, best first, and
-/// where a first registration put those that screening left.
+/// The placements of one pair that an attempt considered, as T_a_b with a < b: the proposals, best first; those that
+/// passed screening, as registered there; and those that were judged.
 struct PairTrace {
   SessionId a = 0, b = 0;
   struct Proposal {
@@ -34,19 +34,19 @@ struct AttemptReport {
   bool unfinished = false;          // there is more to try: call attempt() again soon, after other work
   std::vector<Alignment> changed;   // new or updated alignments, to be stored together with the revision
   bool atlas_changed = false;
-  bool provisional_changed = false;     // which robots may be told that ask for it; no revision
+  bool provisional_changed = false;     // the provisional placements changed; they have no revision
   std::vector<DecisionRecord> decided;  // new or changed, to be stored with them
-  std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged anew
+  std::vector<PairTrace> traces = {};   // of the pairs that were searched or judged again
   StageTimes times = {};
   std::map<SessionId, SelfLikeness> self_likeness = {};  // found since the last attempt, to be stored
-  bool whole = false;                                    // the session was complete: no keyframe was expected
+  bool whole = false;                                    // the session was complete: no further keyframe was expected
   SessionId anchored = 0;  // the session that was chosen as its component's anchor, to be stored; 0: none
-  std::vector<PairClosures> closures = {};  // all that are known of the pairs for which more were found, to be stored
+  std::vector<PairClosures> closures = {};  // for each pair with new ones: all known ones, to be stored
   std::vector<FrozenSession> frozen = {};   // to be stored
-  SessionId thawed = 0;                     // frozen no more, to be stored; 0: none
+  SessionId thawed = 0;                     // a session that is no longer frozen, to be stored; 0: none
 };
 
-/// An attempt under way: where its clouds come from, and the report that it fills.
+/// An attempt in progress: the source of its clouds and the report that it fills.
 struct Attempt {
   CloudSource& clouds;
   AttemptReport& report;

@@ -8,14 +8,15 @@
 namespace headframe {
 namespace {
 
-// Hopeful placements of a pair that are judged with all evidence; more of them while none of those is likely. Of 64
-// pairs (tests/bench/README.md) two more merge so; the slowest attempt but for one in twenty took 567 ms and not 350.
+// Promising placements of a pair that are judged with all evidence; more of them while none of those is likely. With
+// the second limit two more of 64 pairs merge (tests/bench/README.md); the 95th percentile of an attempt's time rose
+// from 350 to 567 ms.
 constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
-constexpr double likely = 0.3;  // were it the only place that looks so; by hand
+constexpr double likely = 0.3;  // probability_if_unique; set by hand
 
-/// Fills in what the descriptors say of the judged placement, where the mine has not changed.
+/// Sets the descriptors' part of the evidence; spots where the mine has changed are left out.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
-  constexpr double look_m = 15;  // what a keyframe describes, mostly
+  constexpr double look_m = 15;  // range that a keyframe mostly describes
   std::vector<Unlike> changed;
   for (const Change& change : judgement.changes) changed.push_back({change.p_a, look_m + change.length_m / 2});
   const Agreement found = agreement.at(judgement.T_a_b, Heights::as_placed, changed);
@@ -23,7 +24,7 @@ void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgem
   judgement.evidence.descriptors_alike = found.mean();
 }
 
-/// The probability of a placement with all else in its favour.
+/// The probability that the placement would have if all other evidence supported it.
 double most_probable(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
   Judgement judgement{RegistrationStatus::converged, screened.place.registration.T_target_source, {}};
   compare_descriptors(agreement, judgement);
@@ -38,32 +39,32 @@ bool judged_enough(const std::vector<Judged>& all) {
          });
 }
 
-/// Whether a rival that is at most so probable could neither beat nor cast doubt on what was judged.
+/// Whether a rival of at most this probability could neither beat the judged placement nor cast doubt on it.
 bool hopeless_rival(double most_probable, const Verdict& judged) {
-  constexpr double doubt = 0.1;  // of the odds that would leave two placements untold apart
+  constexpr double doubt = 0.1;  // share of the odds at which two placements count as indistinguishable
   Evidence e = judged.judgement.evidence;
   e.runner_up = most_probable;
   return runner_up_share(e) < doubt;
 }
 
-/// How far another placement makes this one doubtful, 0 to 1: all speaks for it but that the mine repeats itself, and
-/// it fits as well. Copies of a tile match within 4 % of what the right placement does, as the rock around them is
-/// another; in a mine of pillars, rivals of a right placement that matched 7 and 14 % less made it wait.
+/// How much another placement makes this one doubtful, 0 to 1: it is probable unless the mine repeats itself, and it
+/// fits as well as this one. (Copies of a tile match up to 4 % worse than the right placement, because the rock around
+/// them differs; in a mine of pillars, rivals that matched 7 and 14 % less made a right placement wait.)
 double alias_of(const Evidence& e, const Evidence& other) {
   const double as_probable = std::clamp((other.probability_if_unique - 0.3) / 0.4, 0.0, 1.0),
                fits_worse = std::clamp((e.matched_share - other.matched_share - 0.04) / 0.04, 0.0, 1.0);
   return as_probable * (1 - fits_worse);
 }
 
-/// Better results first: fewer contradictions, more points that fit, and descriptors that agree along the path. One
-/// place of a mine that repeats itself fits at many others.
+/// Sorts screening results: fewer contradictions, more inliers, and descriptors that agree along the path are better. A
+/// single place of a mine that repeats itself fits at many others.
 double promise(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
   const Registration& r = screened.place.registration;
   const double alike = agreement.at(r.T_target_source).cautious();
   return std::max(0.0, r.inlier_fraction - 20 * screened.place.unexplained()) * alike * alike;
 }
 
-/// The hopeful ones, the most promising first.
+/// The promising placements, best first.
 std::vector<std::size_t> by_promise(const std::vector<ScreeningResult>& screened,
                                     const DescriptorAgreement& agreement) {
   std::vector<std::size_t> order;
@@ -103,7 +104,7 @@ std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, con
   return verdicts;
 }
 
-/// Each by itself, as if the mine held no copies of what it lies on.
+/// Judges each placement on its own, as if the mine held no copies.
 std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const OrderedPair& pair,
                                                                         const std::vector<Case>& cases,
                                                                         const std::vector<ScreeningResult>& screened,
@@ -136,7 +137,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
   return out;
 }
 
-/// With the copies that the others are; what would still be believed is looked at farther off.
+/// Adds the other placements as aliases; a placement that would still be accepted is checked at long range.
 void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
                                     Verdict& verdict, CloudSource& clouds) {
   Evidence& e = verdict.judgement.evidence;
@@ -150,7 +151,7 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
     const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
     e.farther_violation = far.violation;
     e.farther_explained = far.violation - far.unexplained;
-    // Unless the mine repeats itself, it is worth looking at what is here, and not worth asking for more.
+    // Unless the mine repeats itself, only the stored clouds are used and no further ones are requested.
     if (e.repetition >= copies_known) verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
     weigh(verdict.judgement);
   }
@@ -203,7 +204,7 @@ bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<
     if (asks != verdicts.end()) attempt.want(asks->wanted);
     return false;
   }
-  if (awaited > 0) return false;  // it waits for its rivals anyway
+  if (awaited > 0) return false;  // it has to wait for its rivals anyway
   std::vector<KeyframeRef> wanted = verdicts.front().wanted;
   for (const SessionId id : {pair.a, pair.b})
     for (const KeyframeRef& k : self_.last(id).wanted)

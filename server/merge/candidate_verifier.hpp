@@ -1,5 +1,5 @@
 #pragma once
-// From cases to verdicts: screening, evidence for each hopeful one, and what would tell more.
+// From hypotheses to verdicts: screening, evidence for each promising placement, and which further clouds would help.
 
 #include "server/merge/long_range_check.hpp"
 #include "server/merge/self_similarity.hpp"
@@ -7,15 +7,15 @@
 
 namespace headframe {
 
-/// A hypothesis as it was judged; with rivals the runner-up can be told.
+/// A judged hypothesis.
 struct Verdict {
   Judgement judgement;
   Eigen::Vector3d p_b = Eigen::Vector3d::Zero();  // where the placement was registered first, in b's frame
-  std::vector<KeyframeRef> wanted = {};           // clouds that could tell more
+  std::vector<KeyframeRef> wanted = {};           // clouds that could add evidence
 };
 
-/// Verifies placements of pairs of sessions. Keeps nothing of its own. Not thread safe; the verdicts do not depend on
-/// the number of threads.
+/// Verifies placements of pairs of sessions. Stateless. Not thread safe; the verdicts do not depend on the number of
+/// threads.
 class CandidateVerifier {
  public:
   CandidateVerifier(const MergeConfig& config, const SessionMap& sessions, SessionSubmaps& submaps,
@@ -27,24 +27,25 @@ class CandidateVerifier {
         self_(self),
         requests_(requests) {}
 
-  /// Screens the cases; the hopeful ones that differ are judged, four at most, and those that could not cast doubt on a
-  /// better one only when all are asked for. Best first.
+  /// Screens the cases and judges the promising ones that differ: four, or up to ten while none of them is likely.
+  /// Unless `all` is set, placements are skipped that could neither beat a judged one nor cast doubt on it. The most
+  /// probable comes first.
   std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
                                    const Attempt& attempt);
 
-  /// The verdict on a placement that is trusted to within a metre or two; aliases, look-alikes and whatever else only
-  /// the search of the whole pair tells are left at nothing.
+  /// Judges a placement that is known to within a metre or two. Aliases, look-alikes and all other evidence that only
+  /// the search of the whole pair gives are left at zero.
   Judgement judge_again(const OrderedPair& pair, const Case& at, CloudSource& clouds);
 
-  /// The same where others say that the two lie there: look-alikes elsewhere cast no doubt on it, and changes of the
-  /// mine are no excuse where either session is known to repeat itself.
+  /// The same for a placement that follows from other alignments: look-alikes elsewhere do not cast doubt on it, and
+  /// changes of the mine are no excuse if either session is known to repeat itself.
   Judgement judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds);
 
-  /// The same with what the sessions' likeness to themselves tells.
+  /// The same, with the aliases and look-alikes that each session has within itself.
   Judgement judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds);
 
-  /// Asks for what the verdicts want. True: the best would be believed but for that, and waits for it. awaited: cases
-  /// that wait for clouds already.
+  /// Requests the clouds that the verdicts want. Returns true if the best would be accepted but has to wait for them.
+  /// awaited: the number of cases that already wait for clouds.
   bool ask_for_more(const OrderedPair& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
                     const Attempt& attempt) const;
 

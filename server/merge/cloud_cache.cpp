@@ -9,7 +9,7 @@ namespace {
 
 using Prepared = std::shared_ptr<const PreparedCloud>;
 
-constexpr std::size_t read_at_once = 16;  // clouds as they were sent that are held until they are prepared
+constexpr std::size_t read_at_once = 16;  // encoded clouds held in memory at once until they are prepared
 
 }  // namespace
 

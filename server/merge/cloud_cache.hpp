@@ -11,15 +11,15 @@
 
 namespace headframe {
 
-/// Clouds of keyframes, prepared once and kept while they fit: the least recently used go first, the latest stays
-/// however large. Not thread safe.
+/// Prepared clouds of keyframes, kept within a memory limit: the least recently used are discarded first; the latest is
+/// kept however large it is. Not thread safe.
 class CloudCache {
  public:
   CloudCache(std::size_t capacity_bytes, int threads) : capacity_bytes_(capacity_bytes), threads_(threads) {}
 
-  /// Null when the cloud is not stored, or can not be read.
+  /// Null if the cloud is not stored or cannot be read.
   std::shared_ptr<const PreparedCloud> get(const KeyframeRef& keyframe, CloudSource& source);
-  /// The same of several, in order; those that are missing are prepared side by side. None may be asked for twice.
+  /// The same for several keyframes, in order; missing clouds are prepared in parallel. No keyframe may occur twice.
   std::vector<std::shared_ptr<const PreparedCloud>> get(std::span<const KeyframeRef> keyframes, CloudSource& source);
 
  private:

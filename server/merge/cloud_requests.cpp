@@ -6,11 +6,11 @@ namespace headframe {
 namespace {
 
 const double spot_m = SubmapConfig{}.radius_m;
-constexpr std::size_t more = 2;           // times as many as for a first look
-constexpr std::size_t cases_awaited = 1;  // that may wait for a first look at a time
-constexpr std::size_t cases_asking = 10;  // the most promising: others are looked at with the clouds that are here
-constexpr double settled_m = 3;           // of a place: so near a cloud tells of it; by hand
-constexpr double rival_share = 0.7;       // of the support: weaker rivals of an accepted one ask for no clouds
+constexpr std::size_t more = 2;           // times as many clouds as for the first look
+constexpr std::size_t cases_awaited = 1;  // number of cases that may wait for a first look at a time
+constexpr std::size_t cases_asking = 10;  // only the best cases request clouds; others use the stored ones
+constexpr double settled_m = 3;           // a cloud this near to a place is enough for it; set by hand
+constexpr double rival_share = 0.7;  // share of the support: weaker rivals of an accepted placement request no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {
   std::vector<KeyframePosition> out;
@@ -71,7 +71,7 @@ NearbyKeyframes CloudRequests::nearby(SessionId id, SessionId other, const Pose&
   return out;
 }
 
-/// The nearest to p first.
+/// Requests the clouds nearest to p.
 void CloudRequests::ask(SessionId id, std::vector<KeyframePosition> obtainable, const Eigen::Vector3d& p,
                         std::size_t most, std::vector<KeyframeRef>& wanted) const {
   std::stable_sort(obtainable.begin(), obtainable.end(), [&](const KeyframePosition& s, const KeyframePosition& t) {
@@ -118,7 +118,7 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   const JudgeConfig judge;
   const Pose& T = judged.T_a_b;
   const auto a = all_of(c.a), b = all_of(c.b);
-  Judgement whole = judged;  // as it would be if all of its overlap were as good, and held it along the tunnel
+  Judgement whole = judged;  // as if all of its overlap were as good and held it along the tunnel
   if (whole.status == RegistrationStatus::degenerate) whole.status = RegistrationStatus::converged;
   whole.evidence.weakest_hold = std::max(whole.evidence.weakest_hold, held_well);
   measure_overlap(whole.evidence, a, b, T, judge);
@@ -127,7 +127,7 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
   ask(pair.a, near_other(b, c.a.obtainable, T.inverse(), judge.meet_m), T * p_b, most, wanted);
   ask(pair.b, near_other(a, c.b.obtainable, T, judge.meet_m), p_b, most, wanted);
-  if (wanted.empty()) {  // all where they meet are here, and it is in doubt: then those that look on from farther off
+  if (wanted.empty()) {  // all clouds of the overlap are stored: then those that see it from farther away
     ask(pair.a, c.a.obtainable, T * p_b, most, wanted);
     ask(pair.b, c.b.obtainable, p_b, most, wanted);
   }

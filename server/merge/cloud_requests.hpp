@@ -1,8 +1,8 @@
 #pragma once
-// Which clouds are asked of the robots, for links are thin: those around the spot where a hypothesis is looked at
-// first; while these leave it in doubt, more of the overlap's; and before it is believed those that tell whether the
-// mine repeats itself, and where it does what the long-range check needs; of a merge whose sessions have ended, what is
-// missing along the overlap.
+// Which clouds are requested from the robots; few, because links are slow. First those around the spot where a
+// hypothesis is screened; while it is in doubt, more of the overlap; before it is accepted, those that show whether the
+// mine repeats itself and, if it does, those that the long-range check needs. After both sessions of a merge have
+// ended, those that are missing along the overlap.
 
 #include "server/atlas/alignment.hpp"
 #include "server/merge/attempt.hpp"
@@ -11,14 +11,14 @@
 
 namespace headframe {
 
-/// Keyframes of a session that lie near another, in the order of the session.
+/// Keyframes of a session that lie near the other session, in the order of the session.
 struct NearbyKeyframes {
-  std::vector<KeyframePosition> stored;      // whose clouds can speak
-  std::vector<KeyframePosition> obtainable;  // whose clouds could
-  bool any_let_go = false;                   // some could speak, and made room for others
+  std::vector<KeyframePosition> stored;      // their clouds are stored
+  std::vector<KeyframePosition> obtainable;  // their clouds can be requested
+  bool any_let_go = false;                   // some clouds were deleted to make room for others
 };
 
-/// A hypothesis with the keyframes that can speak on it.
+/// A hypothesis with the keyframes whose clouds can support or contradict it.
 struct Case {
   Hypothesis hypothesis;
   NearbyKeyframes a, b;
@@ -26,35 +26,36 @@ struct Case {
 
 struct Candidates {
   std::vector<Case> cases;
-  std::size_t awaited = 0;  // that wait for clouds
+  std::size_t awaited = 0;  // cases that wait for clouds
 };
 
-/// The middle of where the two meet, in b's frame.
+/// The middle of the overlap, in b's frame.
 Eigen::Vector3d middle_of_overlap(const Case& c);
 
-/// Chooses clouds; it keeps nothing. Not thread safe against changes of the sessions.
+/// Chooses clouds. Stateless. The sessions must not change during a call.
 class CloudRequests {
  public:
   CloudRequests(const MergeConfig& config, const SessionMap& sessions) : config_(config), sessions_(sessions) {}
 
   Case make_case(SessionId a, SessionId b, const Hypothesis& hypothesis, const CloudSource& clouds) const;
 
-  /// The hypotheses that can be judged now; for the first of the others clouds are asked for.
+  /// The hypotheses that can be judged now. Clouds are requested for the best of the others, which have to wait.
   Candidates cases_with_clouds(const OrderedPair& pair, const std::vector<Hypothesis>& hypotheses,
                                const Alignment* known, const Attempt& attempt) const;
 
-  /// Of the clouds that can be had, those around the spot where the hypothesis is looked at first.
+  /// Obtainable clouds around the spot where the hypothesis is screened.
   std::vector<KeyframeRef> clouds_for_screening(const OrderedPair& pair, const Case& c) const;
 
-  /// Those of the whole overlap, where what a first look showed neither agrees nor contradicts.
+  /// Clouds of the whole overlap, for when a first look found neither agreement nor contradiction.
   std::vector<KeyframeRef> clouds_for_contact(const OrderedPair& pair, const Case& c) const;
 
-  /// More of those of the overlap, from p_b (in b's frame) on, if they could make the judged placement believed.
+  /// More clouds of the overlap, those nearest to p_b (in b's frame) first, if they could make the placement
+  /// acceptable.
   std::vector<KeyframeRef> clouds_for_verdict(const OrderedPair& pair, const Case& c, const Judgement& judged,
                                               const Eigen::Vector3d& p_b) const;
 
-  /// Of a merge of two sessions that have ended: one of each session at every place of the overlap where none is near,
-  /// so that it is settled on all of the overlap, as if all clouds were here.
+  /// For a merge of two sessions that have ended: one cloud of each session at every place of the overlap that has none
+  /// nearby, so that the verdict covers the whole overlap as if all clouds were stored.
   std::vector<KeyframeRef> clouds_to_settle(const OrderedPair& pair, const Case& c) const;
 
  private:

@@ -7,20 +7,20 @@
 namespace headframe {
 
 enum class CloudState {
-  stored,        // load() will give it
+  stored,        // load() returns it
   obtainable,    // its robot is connected and answers submap requests
-  unobtainable,  // nobody can be asked now
-  let_go,        // it was here, and made room for others
+  unobtainable,  // no robot can be asked for it now
+  let_go,        // it was stored once and was deleted to make room for others
 };
 
-/// Where the merge pipeline takes clouds from. Called from the thread that calls the pipeline.
+/// Where the merge pipeline gets clouds from. Called from the pipeline's thread.
 class CloudSource {
  public:
   virtual ~CloudSource() = default;
   virtual CloudState state(const KeyframeRef& keyframe) const = 0;
-  /// In the keyframe's sensor frame.
+  /// The cloud in its keyframe's sensor frame.
   virtual Result<KeyframeCloud> load(const KeyframeRef& keyframe) = 0;
-  /// Told before work on two sessions, or on one, begins: should it never end well, it is known whose it was.
+  /// Called before work on two sessions, or on one (a == b), begins, so that a hang or crash can be traced to them.
   virtual void working_on(SessionId /*a*/, SessionId /*b*/) {}
 };
 

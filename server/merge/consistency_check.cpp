@@ -8,10 +8,10 @@
 namespace headframe {
 namespace {
 
-constexpr double growth = 1.25;             // of the keyframes that speak: worth another look
-constexpr std::size_t placements_kept = 4;  // of a pair
-// Of the points at one place. In simulated mines 294 right placements, up to 1.5 m off, had 0.002 and less; 480 of 528
-// wrong ones had more than this.
+constexpr double growth = 1.25;             // of the keyframes used: from here on a pair is judged again
+constexpr std::size_t placements_kept = 4;  // for each pair
+// Share of violated points at one place that counts as a contradiction. In simulated mines 294 right placements, up to
+// 1.5 m off, had 0.002 and less; 480 of 528 wrong ones had more than this threshold.
 constexpr double contradiction = 0.015;
 
 }  // namespace
@@ -29,7 +29,7 @@ bool ConsistencyCheck::meet(const ImpliedPlacement& placement) const {
   });
 }
 
-/// Where it is most; of the first place alone when that was too bad to go on.
+/// The violation of the worst place, or of the overlap. (If the first place was too bad to go on, there is only that.)
 double ConsistencyCheck::violation_of(const SeenContact& seen) {
   const Evidence& e = seen.judgement.evidence;
   return std::max(worst_place_contradiction(e), freespace_contradiction(e));
@@ -74,7 +74,7 @@ ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& p
   return out;
 }
 
-/// True: something was found that was not known.
+/// Returns true if something new was found.
 bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt& attempt) {
   attempt.clouds.working_on(placement.a, placement.b);
   const OrderedPair pair = sessions_.ordered(placement.a, placement.b);
@@ -101,7 +101,8 @@ bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt&
   return news;
 }
 
-/// Only what did come to lie in one component: an agreement under an alignment that others contradict says nothing.
+/// Records only pairs that really came to lie in one component: an agreement that rests on a contradicted alignment
+/// proves nothing.
 bool ConsistencyCheck::record_agreeing(const MergeResult& merged, AttemptReport& report) {
   bool news = false;
   for (const Component& component : merged.components)
@@ -124,11 +125,11 @@ bool ConsistencyCheck::record_agreeing(const MergeResult& merged, AttemptReport&
 
 void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
   const Stopwatch watch(attempt.report.times.verification_ms);
-  for (auto& [pair, kept] : contacts_) {  // not in between: what was found is not asked for twice, so this ends
+  for (auto& [pair, kept] : contacts_) {  // only between rounds, or results would be computed again without end
     if (kept.size() > placements_kept)
       kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(placements_kept));
-    // The pair may have been judged by itself since: what others say counts again where look-alikes alone spoke
-    // against.
+    // The pair may have been judged by itself since. Agreement with third sessions counts again if only look-alikes
+    // spoke against it.
     const Alignment* known = book_.find(pair.first, pair.second);
     if (known && known->evidence.probability_if_unique >= config_.accept_probability)
       for (SeenContact& contact : kept) contact.recorded = false;
@@ -137,7 +138,8 @@ void ConsistencyCheck::look_at_contacts(const Attempt& attempt) {
   if (book_.anything_may_come()) look_while_news(AlignmentBook::Waiting::all, attempt);
 }
 
-/// What only waits is looked at too, for it may contradict what is about to be told; nothing of it is recorded.
+/// Checks waiting alignments too (`waiting`), because they may contradict what is about to be published; they are not
+/// recorded.
 void ConsistencyCheck::look_while_news(AlignmentBook::Waiting waiting, const Attempt& attempt) {
   for (bool news = true; news;) {
     std::vector<ImpliedPlacement> asked;

@@ -1,44 +1,44 @@
 #pragma once
-// Sessions that others would bring together: before maps merge, each pair of sessions that would come to lie on each
-// other is looked at where it meets. Exact copies of a tunnel pass every test of their own; what lies around them in a
-// third session's map tells them apart.
+// Checks pairs of sessions that a merge by way of other sessions would bring together: before maps merge, each pair
+// that would come to overlap is judged where it meets. An exact copy of a tunnel passes every test of its own pair;
+// only its surroundings in a third session's map give it away.
 
 #include "server/merge/alignment_book.hpp"
 #include "server/merge/candidate_verifier.hpp"
 
 namespace headframe {
 
-/// Two sessions as they would lie if they were merged by way of others.
+/// The placement of two sessions that follows from the alignments of others.
 struct ImpliedPlacement {
   SessionId a = 0, b = 0;  // a < b
   Pose T_a_b = Pose::Identity();
 };
 
-/// Owns what was found where sessions meet. Not thread safe.
+/// Keeps the results for each pair. Not thread safe.
 class ConsistencyCheck {
  public:
   ConsistencyCheck(const MergeConfig& config, const SessionMap& sessions, const CloudRequests& requests,
                    CandidateVerifier& verifier, AlignmentBook& book)
       : config_(config), sessions_(sessions), requests_(requests), verifier_(verifier), book_(book) {}
 
-  /// Looks where sessions that alignments would bring together meet. Those that agree become alignments themselves.
-  /// Clouds that can be had are asked for first, those of one contact at a time.
+  /// Judges the pairs of sessions that alignments would bring together. Pairs that agree become alignments themselves.
+  /// Obtainable clouds are requested first, for one pair at a time.
   void look_at_contacts(const Attempt& attempt);
 
-  /// What is known of two sessions where others would put them: nothing where they do not come near each other there,
-  /// unknown where nobody has looked.
+  /// What is known of two sessions at this placement: nullopt if they do not come near each other there, unknown if
+  /// they were not judged there yet.
   std::optional<Contact> known_contact(const ImpliedPlacement& placement);
 
-  /// What two sessions that contradict each other say.
+  /// Describes how two sessions contradict each other.
   Objection objection(const std::pair<SessionId, SessionId>& pair) const;
 
   void forget(SessionId id);
 
  private:
-  /// What was found where two sessions without an alignment of their own meet.
+  /// The result for two sessions at one placement.
   struct SeenContact {
     Pose T_a_b = Pose::Identity();
-    std::size_t keyframes = 0;  // of both, that spoke
+    std::size_t keyframes = 0;  // of both, whose clouds were used
     Contact contact = Contact::none;
     Judgement judgement;
     bool recorded = false;  // as an alignment, once both were in one component

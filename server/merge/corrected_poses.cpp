@@ -9,10 +9,10 @@
 
 namespace headframe {
 
-/// One component, with what is known between its sessions.
+/// One component, with the constraints between its sessions.
 struct CorrectedPoses::Work {
   SessionId anchor = 0;
-  std::map<SessionId, Pose> members;  // T_component_session as merging found it
+  std::map<SessionId, Pose> members;  // T_component_session from merging
   std::vector<const std::vector<PoseConstraint>*> pairs;
   std::map<SessionId, std::vector<const std::vector<PoseConstraint>*>> of;  // by session
 
@@ -114,10 +114,10 @@ void CorrectedPoses::refresh(std::span<const Alignment> alignments) {
   });
 }
 
-/// Sessions that were in one component keep their places beside each other; each such group is laid where a constraint
-/// puts it on those that lie already, the anchor's first.
+/// Sessions that were in one component before keep their relative places. Each such group is placed by a constraint to
+/// one that is placed already, starting with the anchor's group.
 void CorrectedPoses::place_groups(const Work& work) {
-  std::map<SessionId, std::vector<SessionId>> groups;  // by the component before; a new session: by its negative id
+  std::map<SessionId, std::vector<SessionId>> groups;  // by the earlier component; a new session: by its negative id
   std::map<SessionId, SessionId> group_of;
   for (const auto& [session, T] : work.members) {
     auto& correction = corrections_[session];
@@ -145,7 +145,7 @@ void CorrectedPoses::place_groups(const Work& work) {
       const auto of = work.of.find(placed.front());
       if (of == work.of.end()) continue;
       for (const auto* edges : of->second) {
-        const PoseConstraint& c = edges->back();  // of an alignment: as a whole
+        const PoseConstraint& c = edges->back();  // the alignment as a whole
         const bool forward = c.from.session == placed.front();
         const KeyframeRef &here = forward ? c.from : c.to, &there = forward ? c.to : c.from;
         if (done.contains(group_of.at(there.session))) continue;
@@ -157,14 +157,14 @@ void CorrectedPoses::place_groups(const Work& work) {
   const KeyframeRef first{work.anchor, 1};
   lay(group_of.at(work.anchor), raw(first) * corrected(first).inverse());
   lay_all_from_there();
-  for (const auto& [session, T] : work.members) {  // that no constraint reaches
+  for (const auto& [session, T] : work.members) {  // sessions that no constraint reaches
     if (done.contains(group_of.at(session))) continue;
     lay(group_of.at(session), T * corrections_.at(session)->keyframes.front().T_component_session.inverse());
     lay_all_from_there();
   }
 }
 
-/// To where they were when they were frozen.
+/// Puts frozen sessions where they were when they were frozen.
 void CorrectedPoses::hold_frozen(const Work& work) {
   const auto same = [](const CorrectedKeyframe& k, const CorrectedKeyframe& l) {
     return k.sequence == l.sequence && k.T_component_session.isApprox(l.T_component_session, 1e-12);
@@ -198,8 +198,8 @@ void CorrectedPoses::optimise_component(Work& work) {
   }
 }
 
-/// The sessions that are active, in one graph; the others, all frozen ones among them, stay and hold them. Those of the
-/// others that something is tied to which has moved.
+/// Optimises the active sessions in one graph; the others, including all frozen ones, stay fixed and hold them. Returns
+/// those of the others to which a session that moved is connected.
 std::set<SessionId> CorrectedPoses::solve(const Work& work, const std::set<SessionId>& active,
                                           const Corrections& before) {
   PoseGraph graph;

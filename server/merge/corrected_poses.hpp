@@ -1,5 +1,5 @@
 #pragma once
-// The pose graph of every component: a corrected pose of each keyframe, and no more work than what changed asks for.
+// The pose graph of every component: a corrected pose for each keyframe, updated only where something changed.
 
 #include <set>
 #include <span>
@@ -11,36 +11,36 @@
 
 namespace headframe {
 
-/// Owns the corrections. They are derived: nothing is merged or withdrawn because of them, and the same sessions,
-/// alignments and loop closures give the same after a restart, but for what lies below moved_m. Not thread safe.
+/// Owns the corrections. They are derived data: nothing is merged or withdrawn because of them, and the same sessions,
+/// alignments and loop closures give the same corrections after a restart, up to moved_m. Not thread safe.
 class CorrectedPoses {
  public:
-  static constexpr double moved_m = 0.005;  // what moves less takes nothing else along
+  static constexpr double moved_m = 0.005;  // smaller movements are not propagated
 
   explicit CorrectedPoses(const SessionMap& sessions) : sessions_(sessions) {}
 
-  /// They replace those of the pair before.
+  /// Replaces the loop closures of the pair.
   void set(PairClosures closures) { closures_[{closures.a, closures.b}] = std::move(closures.places); }
-  /// It may move again: the next update looks at it.
+  /// Marks the session as changed: the next update optimises it again.
   void touch(SessionId session) { changed_.insert(session); }
   void forget(SessionId session) {
     std::erase_if(closures_, [&](const auto& k) { return k.first.first == session || k.first.second == session; });
   }
 
-  /// Its keyframes lie elsewhere now: it counts as new, and its loop closures stay. Gives them.
+  /// The session's keyframes were moved: it is optimised again from scratch, with the same loop closures, which are
+  /// returned.
   std::vector<PairClosures> note_moved(SessionId session);
 
-  /// Optimises what the published alignments of `alignments` and the loop closures changed: the sessions that they are
-  /// of, those beside them, and on from there as far as something moves. The first keyframe of a component's anchor
-  /// stays where it is, and so do all of a frozen session. A session that stands alone is corrected where it closed a
-  /// loop. Local frames. Throws Cancelled.
+  /// Optimises the sessions whose published alignments or loop closures changed, their neighbours, and further sessions
+  /// as far as something moves. The first keyframe of a component's anchor stays fixed, and so do all keyframes of a
+  /// frozen session. A session that is alone is corrected where it closed a loop. In local frames. Throws Cancelled.
   void update(std::span<const Component> components, std::span<const Alignment> alignments);
 
   /// T_component_session between the frames of the robots.
   const Corrections& given_out() const { return given_out_; }
 
  private:
-  using Pair = std::pair<SessionId, SessionId>;  // first < second, or both the same: within a session
+  using Pair = std::pair<SessionId, SessionId>;  // first < second; equal for closures within one session
   struct PairEdges {
     Pose T_a_b = Pose::Identity();
     PoseConstraints measured;
@@ -62,7 +62,7 @@ class CorrectedPoses {
   const SessionMap& sessions_;
   std::map<Pair, PoseConstraints> closures_;
   std::map<Pair, PairEdges> pairs_;
-  std::set<SessionId> changed_;  // of what came or went since the last update
+  std::set<SessionId> changed_;  // sessions that changed, came or went since the last update
   Corrections corrections_, given_out_;
 };
 

@@ -3,7 +3,7 @@
 namespace headframe {
 
 FrozenSession local(const FrozenSession& frozen, const SessionFrames& frames) {
-  constexpr SessionId at_zero = 0;  // no session: the frame's own origin cancels between any two
+  constexpr SessionId at_zero = 0;  // not a session: the frame's own origin cancels between any two
   FrozenSession out = frozen;
   out.T_frame_session = frames.local(at_zero, frozen.session, frozen.T_frame_session);
   for (CorrectedKeyframe& place : out.places)

@@ -8,21 +8,21 @@
 
 namespace headframe {
 
-/// What a pair was judged on. While nothing of it changes, the verdict would not either.
+/// What the verdict on a pair depends on. While none of it changes, the verdict would not change either.
 struct JudgedOn {
-  std::size_t search = 0;        // Found::version; 0: a published alignment was judged again where it lies
-  int asked_overlap_10m = 0;     // that the repetition of all sessions asks for, in tens of metres
+  std::size_t search = 0;        // Found::version; 0: a published alignment was judged again at its placement
+  int asked_overlap_10m = 0;     // overlap demanded because sessions repeat themselves, in tens of metres
   int looks_like_itself_10 = 0;  // looks_like_itself(), in tenths
   bool copies_known = false;
-  int complete = 0;                 // of the two sessions
-  std::vector<std::size_t> clouds;  // that were stored, for each case
+  int complete = 0;                 // how many of the two sessions are
+  std::vector<std::size_t> clouds;  // number of stored clouds, for each case
   bool operator==(const JudgedOn&) const = default;
 };
 
-/// The last verdict's grounds of each pair. Not thread safe.
+/// For each pair, what its last verdict was based on. Not thread safe.
 class JudgedPairs {
  public:
-  /// Whether the pair was judged on just this; remembers it if not.
+  /// Whether the pair's last verdict was based on exactly this; remembers it if not.
   bool judged_on(const OrderedPair& pair, const JudgedOn& now) {
     JudgedOn& before = pairs_[std::minmax(pair.a, pair.b)];
     if (before == now) return true;

@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-constexpr double rival_share = 0.1;  // of the odds: a placement that is so probable beside another is not told
+constexpr double rival_share = 0.1;  // of the best placement's odds, from which on a rival prevents an answer
 
 bool is_of(const Alignment& alignment, SessionId id) { return alignment.a == id || alignment.b == id; }
 SessionId other_of(const Alignment& alignment, SessionId id) { return alignment.a == id ? alignment.b : alignment.a; }
@@ -29,7 +29,7 @@ Eigen::Matrix<double, 6, 6> covariance_of(const Evidence& e) {
   return variances.asDiagonal();
 }
 
-/// One question, as of the last attempt.
+/// One question, answered from the state after the last attempt.
 class Question {
  public:
   Question(SessionId id, const SessionMap& sessions, const AlignmentBook& book, const Contacts& contacts)
@@ -53,7 +53,7 @@ class Question {
   }
 
  private:
-  /// Of what has a placement: the most probable; merged ones first.
+  /// The most probable alignment with a placement; merged ones come first.
   const Alignment* likeliest() const {
     const Alignment* best = nullptr;
     const auto rank = [](const Alignment& k) {
@@ -64,7 +64,7 @@ class Question {
     return best;
   }
 
-  /// The operator's word counts: what was refused or taken back is no place to be.
+  /// What the operator refused or retracted does not count.
   bool usable(const Alignment& k) const {
     return has_placement(k) && sessions_.contains(k.a) && sessions_.contains(k.b) && k.ruling != Ruling::refused &&
            k.ruling != Ruling::retracted && k.evidence.probability >= book_.config().candidate_probability;
@@ -102,8 +102,8 @@ class Question {
     return "";
   }
 
-  /// Another placement, on another session, that is too probable to be passed over. On a map that is not merged with
-  /// this one it can not be told to be the same place, so it counts.
+  /// Whether there is another placement, on another session, that is too probable to be ignored. If that session is not
+  /// merged with this map, it cannot be known to be the same place, so it counts as a rival.
   bool has_rival(const Alignment& best, const Component& map) const {
     const Pose T = T_component_session(best, map);
     const Eigen::Vector3d here = newest_.T_local_sensor.translation() + sessions_.frames().origin_m(id_);

@@ -5,10 +5,9 @@
 
 namespace headframe {
 
-/// Where the session lies in a map: as it is merged; else by the alignment that convinces most, when it has shown the
-/// path that SessionMap::path_awaited_to_localize_m asks for, nothing else it found casts doubt on it, and no session
-/// of that map contradicts it there (`contacts`). In the robots' frames; not found while there is nothing of this.
-/// Pure.
+/// Where the session lies in a map. If it is merged, its place there; otherwise the most convincing alignment, provided
+/// that the session has driven the path that SessionMap::path_awaited_to_localize_m demands, no other placement casts
+/// doubt on it, and no session of that map contradicts it (`contacts`). In the robots' frames. Pure.
 SessionLocalization localize(SessionId id, const SessionMap& sessions, const AlignmentBook& book,
                              const Contacts& contacts);
 

@@ -10,7 +10,7 @@
 namespace headframe {
 namespace {
 
-constexpr double close_m = 5, step_m = 4;       // of b's path, where it passes so near to a's
+constexpr double close_m = 5, step_m = 4;       // of b's path, where it is this close to a's
 constexpr std::size_t spots_unless_copies = 4;  // the ends of the overlap, and between
 
 /// The keyframe of a's nearest to p, if it is close.
@@ -22,7 +22,7 @@ const KeyframePosition* close_to(const std::vector<KeyframePosition>& a, const E
   return nearest == a.end() || distance(*nearest) > close_m ? nullptr : &*nearest;
 }
 
-/// Whether all clouds of the path within look_m of a keyframe are stored. Those that can be had are wanted.
+/// Whether all clouds of the path within look_m of a keyframe are stored. Adds those that are obtainable to `wanted`.
 bool known_around(const Session& session, SessionId id, std::size_t keyframe, const CloudSource& clouds,
                   std::set<KeyframeRef>& wanted) {
   const double reach_m = SessionSubmaps::far_config().look_m, here_m = session.path_to_m[keyframe];
@@ -37,7 +37,7 @@ bool known_around(const Session& session, SessionId id, std::size_t keyframe, co
   return known;
 }
 
-/// So many, evenly spread, the ends among them.
+/// At most `most` of them, evenly spread, including both ends.
 template <class T>
 std::vector<T> spread_evenly(const std::vector<T>& all, std::size_t most) {
   if (all.size() <= most) return all;

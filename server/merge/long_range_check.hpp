@@ -1,5 +1,5 @@
 #pragma once
-// A placement that is about to be believed is looked at once more, as far as the lidars see: copies end somewhere.
+// A last check before a placement is accepted, as far as the lidars see: the copy of a tunnel ends somewhere.
 
 #include <set>
 
@@ -8,16 +8,16 @@
 
 namespace headframe {
 
-/// What a look farther off found.
+/// The result of the check.
 struct LongRange {
   double violation = 0;          // Evidence::farther_violation ...
   double unexplained = 0;        // ... without what changes of the mine explain
-  std::set<KeyframeRef> wanted;  // clouds that could tell more
+  std::set<KeyframeRef> wanted;  // clouds that could add evidence
 };
 
-/// Looks along the path that both share, at spots all of whose clouds within 25 m are stored: of what is half known,
-/// far walls say nothing. Everywhere where the mine is known to repeat itself, else at four spots. Takes some 20 ms for
-/// each spot, so it is asked last.
+/// Looks for contradictions along the shared path, at spots for which all clouds within 25 m of path are stored; with
+/// incomplete surroundings distant walls prove nothing. Checks all such spots if the mine is known to repeat itself,
+/// else four. Takes some 20 ms for each spot, so it comes last.
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged, const SessionMap& sessions,
                            SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge);
 

@@ -12,7 +12,7 @@
 
 namespace headframe {
 
-/// From the places that are known outwards: what was found at one says where the next one lies.
+/// Searches from known places outwards, because a closure at one place predicts the next.
 class LoopClosures::Search {
  public:
   Search(const LoopClosures& of, const Pair& pair, const Known& known, CloudSource& clouds)
@@ -44,7 +44,7 @@ class LoopClosures::Search {
  private:
   bool within_itself() const { return pair_.first == pair_.second; }
 
-  /// Along b's path; the middle of the overlap is known from the alignment.
+  /// Distance along b's path from the nearest known closure, or without any from the middle of the overlap.
   double from_known_m(std::size_t keyframe) const {
     if (known_.places.empty()) return std::abs(b_.path_to_m[keyframe] - b_.path_to_m[meet_[meet_.size() / 2]]);
     return std::abs(b_.path_to_m[keyframe] - b_.path_to_m[nearest_known(keyframe)->to.sequence - 1]);
@@ -65,7 +65,8 @@ class LoopClosures::Search {
     return known ? session_transform(*known, a_, b_) : known_.T_a_b;
   }
 
-  /// b's keyframe with the nearest of a's, or with the nearest of an earlier time; none: they do not meet here.
+  /// b's keyframe with the nearest keyframe of a, or of an earlier visit of the same session; nullopt: they do not meet
+  /// here.
   std::optional<Place> place_of(std::size_t k) const {
     Place out{0, k, T_a_b_near(k), of_.rules_.most_moved_m};
     const Eigen::Vector3d p = out.T_a_b * b_.keyframes[k].T_local_sensor.translation();
@@ -86,7 +87,7 @@ class LoopClosures::Search {
     return nearest_m ? std::optional(out) : std::nullopt;
   }
 
-  /// Its cloud is here, and the robot does not drive through what the submap will hold any more.
+  /// Whether its cloud is stored and the robot has left the stretch that the submap will cover.
   bool ready(std::size_t keyframe, SessionId id, const Session& session) const {
     return (session.complete || session.path_to_m[keyframe] + JudgeConfig{}.place.window_m <= session.path_m()) &&
            clouds_.state({id, session.keyframes[keyframe].sequence}) == CloudState::stored;

@@ -1,4 +1,4 @@
-// What the pipeline is told, and asked for, beside attempts.
+// The calls to the pipeline apart from attempts.
 
 #include "server/merge/merge_state.hpp"
 #include "server/merge/frozen_places.hpp"
@@ -185,8 +185,8 @@ void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t rev
   State& s = *state_;
   s.book.restore(std::move(alignments), std::move(decisions), std::move(anchors));
   for (const auto& [id, session] : s.sessions.all()) {
-    s.sessions.set_looked_at(id, true);  // what ended was tried
-    s.submaps.leave_for_attempts(id);    // those of all sessions would not fit
+    s.sessions.set_looked_at(id, true);  // it has ended and was tried
+    s.submaps.leave_for_attempts(id);    // submaps of all sessions would not fit into memory
     if (s.self.last(id).path_m >= 0) s.to_prepare.erase(id);
   }
   AttemptReport ignored;

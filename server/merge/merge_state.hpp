@@ -1,5 +1,5 @@
 #pragma once
-// The parts of the merge pipeline, each of which owns its state; merge_pipeline.cpp is the page on which they meet.
+// The parts of the merge pipeline, each of which owns its state; merge_pipeline.cpp connects them.
 
 #include <set>
 
@@ -29,8 +29,8 @@ struct MergePipeline::State {
   LoopClosures closures;
   CorrectedPoses corrected;
   ConsistencyCheck consistency;
-  std::set<std::pair<SessionId, SessionId>> to_settle;  // published lately
-  std::set<SessionId> to_prepare;  // there is news of them that attempts will need something made of
+  std::set<std::pair<SessionId, SessionId>> to_settle;  // recently published
+  std::set<SessionId> to_prepare;  // sessions with news, for which something can be computed ahead of attempts
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);

@@ -1,4 +1,4 @@
-// A session whose robot's SLAM moved its past: it is made anew, and what is known of its alignments is taken along.
+// Handles a robot's SLAM moving earlier keyframes: the session is rebuilt, and its alignments are moved along.
 
 #include <array>
 
@@ -8,9 +8,9 @@
 namespace headframe {
 namespace {
 
-constexpr double least_m = 1e-6, least_rad = 1e-7;  // less has not moved: a pose that travelled differs by rounding
+constexpr double least_m = 1e-6, least_rad = 1e-7;  // less is rounding of poses that were sent
 
-/// The keyframes as the session would take them in, near zero.
+/// The keyframes as the session would store them, in the local frame near zero.
 std::vector<Keyframe> taken_in(SessionId id, const std::vector<Keyframe>& keyframes, SessionFrames& frames) {
   std::vector<Keyframe> out;
   out.reserve(keyframes.size());
@@ -37,8 +37,8 @@ void MergePipeline::State::forget_what_was_made_of(SessionId id) {
   consistency.forget(id);
 }
 
-/// Its alignments are moved along while both are known: where they meet, the keyframes stay where they lay on the
-/// other.
+/// Moves the alignments before the old poses are forgotten, so that where two sessions meet, the keyframes keep their
+/// place on the other session.
 AttemptReport MergePipeline::move_session(SessionId id, const std::vector<Keyframe>& keyframes) {
   AttemptReport report;
   State& s = *state_;
@@ -51,7 +51,7 @@ AttemptReport MergePipeline::move_session(SessionId id, const std::vector<Keyfra
 
   const auto moved = s.book.moved(id, [&](const Alignment& of, const Pose& T_a_b) {
     const SessionId other = of.a == id ? of.b : of.a;
-    const Session& met = s.sessions.contains(other) ? s.sessions.at(other) : was;  // all of it, where nobody knows
+    const Session& met = s.sessions.contains(other) ? s.sessions.at(other) : was;  // where they meet is unknown
     const Pose T_met_was = &met == &was ? Pose::Identity() : of.a == id ? T_a_b.inverse() : T_a_b;
     const Pose T_was_now = T_was_now_where_they_meet(was, now, met, T_met_was);
     return of.a == id ? Pose(T_was_now.inverse() * T_a_b) : Pose(T_a_b * T_was_now);

@@ -5,16 +5,16 @@
 
 namespace headframe {
 
-/// Two sessions, the second laid on the first. Searching, registering and judging are not the same both ways, so which
-/// of two is laid on which may not hang on who came first.
+/// Two sessions; b is placed on a. Searching, registering and judging are not symmetric, so the order must not depend
+/// on which session arrived first (SessionMap::ordered).
 struct OrderedPair {
   SessionId a = 0, b = 0;
 };
 
-/// T_a_b of an ordered pair, or its inverse where the ids of the two are the other way round: alignments have a < b. It
-/// works both ways.
+/// Converts T_a_b of an ordered pair to the order of alignments (smaller id first): returns T, or its inverse if pair.a
+/// > pair.b. The same call converts back.
 Pose by_ids(const OrderedPair& pair, const Pose& T);
-/// The same for all that is known of a placement.
+/// The same for all parts of a judgement.
 Judgement by_ids(const OrderedPair& pair, Judgement judgement);
 
 }  // namespace headframe

@@ -8,19 +8,19 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t asked_of_index = 200;  // nearest keyframes of any session, to see whose places look alike ...
-constexpr std::size_t keyframes_asked = 48;  // ... for so many keyframes spread over a session
+constexpr std::size_t asked_of_index = 200;  // nearest keyframes that are looked up ...
+constexpr std::size_t keyframes_asked = 48;  // ... for each of this many keyframes spread over a session
 
 using Vector = std::vector<float>;
 
-/// Spread over the session.
+/// Calls `ask` for keyframes spread evenly over the session.
 template <class Ask>
 void for_some_keyframes(const Session& session, Ask ask) {
   const std::size_t step = std::max<std::size_t>(1, session.keyframes.size() / keyframes_asked);
   for (std::size_t i = 0; i < session.keyframes.size(); i += step) ask(session.keyframes[i]);
 }
 
-/// Each vector asked gives the session with the most alike keyframe 1, the next 1/2, then 1/3 and so on.
+/// Each query gives 1 vote to the session with the most similar keyframe, 1/2 to the next, then 1/3 and so on.
 template <class Votes, class MayVote>
 void vote(const DescriptorIndex& index, const std::vector<Vector>& asked, int threads, MayVote may_vote, Votes& votes) {
   const std::vector<std::span<const float>> queries(asked.begin(), asked.end());
@@ -50,7 +50,7 @@ void PartnerRanking::add(SessionId id, const Keyframe& keyframe, const SessionMa
   index->add({id, keyframe.sequence}, q);
 }
 
-/// All that were added one by one.
+/// Adds all keyframes that were added one by one before.
 void PartnerRanking::add_all(DescriptorIndex& index, const Kind& kind, const SessionMap& sessions) const {
   for (const auto& [id, session] : sessions.all())
     for (const Keyframe& k : session.keyframes)
@@ -59,7 +59,7 @@ void PartnerRanking::add_all(DescriptorIndex& index, const Kind& kind, const Ses
         index.add({id, k.sequence}, k.descriptor.q);
 }
 
-/// What the indices of the site before hold of it is passed over there, and counts if it comes back.
+/// Entries in the earlier site's indices are ignored there, and count again if the session returns.
 void PartnerRanking::take_to_site(SessionId id, const SessionMap& sessions) {
   for (const Keyframe& keyframe : sessions.at(id).keyframes) add(id, keyframe, sessions);
 }
@@ -93,7 +93,7 @@ PartnerRanking::Votes PartnerRanking::votes_by_walls(SessionId id, const Session
   return out;
 }
 
-/// Those that came since it was asked last.
+/// Adds the keyframes that came since the last call.
 void PartnerRanking::take_in_walls(const std::string& site, const SessionMap& sessions) {
   auto& walls = walls_[site];
   if (!walls) walls = make_exact_index(wall_signature_size);

@@ -8,22 +8,23 @@
 
 namespace headframe {
 
-/// Which sessions of its site are worth a search with one: a place index for each site. Sessions of one family vote by
-/// their place vectors (by family and length of q, for two robots may call different vectors by one name), sessions of
-/// other families by their wall profiles. Compares with every keyframe up to exact_up_to of a family, and asks FLANN's
-/// trees beyond. Not thread safe.
+/// Ranks the sessions of a site by how promising a search with a given session is, with one place index for each site.
+/// Sessions of the same descriptor family vote by their place vectors (by family and length of q, because two robots
+/// may use one name for different vectors), sessions of other families by their wall profiles. Compares all keyframes
+/// up to exact_up_to of a family, beyond that it uses FLANN's trees. Not thread safe.
 class PartnerRanking {
  public:
   explicit PartnerRanking(const MergeConfig& config, std::size_t exact_up_to = 500000)
       : config_(config), exact_up_to_(exact_up_to) {}
 
-  /// A keyframe of the session as it was taken in; `sessions` holds it already. One that comes again is known.
+  /// Adds a keyframe that `sessions` already holds. Adding a keyframe again has no effect.
   void add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions);
-  /// Its site is another one since.
+  /// The session was moved to another site.
   void take_to_site(SessionId id, const SessionMap& sessions);
 
   /// The sessions whose places look most like those of this one, best first: at most four times MergeConfig::partners
-  /// of its family, then at most half as many of others. While there are no more than `partners` others, all of them.
+  /// of its own family, then at most twice that number of other families. All of them if the site has no more than
+  /// `partners` others.
   std::vector<SessionId> rank(SessionId id, const SessionMap& sessions);
 
  private:
@@ -44,8 +45,8 @@ class PartnerRanking {
   const std::size_t exact_up_to_;
   std::map<Kind, std::unique_ptr<DescriptorIndex>> places_;
   std::map<OfSite, std::uint64_t> places_of_;                      // the last keyframe of each session that was added
-  std::map<std::string, std::unique_ptr<DescriptorIndex>> walls_;  // by site; none while all there are of one family
-  std::map<OfSite, std::size_t> walls_of_;                         // keyframes of each session that are in it
+  std::map<std::string, std::unique_ptr<DescriptorIndex>> walls_;  // by site; created when first needed
+  std::map<OfSite, std::size_t> walls_of_;                         // how many keyframes of each session were taken in
 };
 
 }  // namespace headframe

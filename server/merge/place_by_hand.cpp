@@ -1,5 +1,5 @@
-// The operator lays one session on another, roughly. Registration reaches a metre or so: what lies around the placement
-// is tried as well, and the best of it stands beside what is proposed without him.
+// The operator places one session on another, roughly. Registration converges only from a metre or so, so positions
+// around the placement are tried too; the best of them competes with the placements that the search proposes.
 #include <algorithm>
 #include <numbers>
 
@@ -10,11 +10,11 @@
 namespace headframe {
 namespace {
 
-/// How far a placement by hand may be off: what registers farther away is another one.
+/// How far a placement by hand may be off; a registration that ends farther away is another placement.
 constexpr PlacementTolerance near_hand{5, 25 * std::numbers::pi / 180};
-constexpr double step_m = 2, step_rad = 10 * std::numbers::pi / 180;  // between those that are tried
+constexpr double step_m = 2, step_rad = 10 * std::numbers::pi / 180;  // between the positions that are tried
 
-/// The placement, moved and turned about p_b each way; itself first.
+/// The placement itself, and copies moved and turned about p_b in every direction.
 std::vector<Hypothesis> around(const Pose& T_a_b, const Eigen::Vector3d& p_b) {
   std::vector<Hypothesis> out;
   for (const double turn : {0, 1, -1})
@@ -28,13 +28,13 @@ std::vector<Hypothesis> around(const Pose& T_a_b, const Eigen::Vector3d& p_b) {
   return out;
 }
 
-/// The best of those that lie where the operator put it; end(): none.
+/// The best verdict near the operator's placement; end(): none.
 std::vector<Verdict>::iterator nearest_to_hand(std::vector<Verdict>& verdicts, const Pose& T_a_b) {
   return std::find_if(verdicts.begin(), verdicts.end(),
                       [&](const Verdict& v) { return same_placement(v.judgement.T_a_b, T_a_b, v.p_b, near_hand); });
 }
 
-/// Into the evidence of the first: how probable the best other placement is, and where it lies.
+/// Adds to the first verdict's evidence how probable the best other placement is, and returns that placement.
 std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
   const Verdict& first = verdicts.front();
   const auto rival = std::max_element(verdicts.begin(), verdicts.end(), [&](const Verdict& v, const Verdict& w) {
@@ -52,7 +52,7 @@ std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
 
 }  // namespace
 
-/// First that which lies where the operator put it, however badly, then what is proposed without him.
+/// The verdict near the operator's placement comes first, however bad it is, then those of the search's proposals.
 std::vector<Verdict> MergePipeline::State::judge_by_hand(const OrderedPair& pair, const Case& at,
                                                          const Attempt& attempt) {
   const Pose& T_a_b = at.hypothesis.T_a_b;

@@ -28,7 +28,7 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
   }
   const std::vector<SubmapPtr> at = submaps.near(asked, clouds);
   std::vector<Pose> T(meet.size());
-  std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, ties as they were proposed
+  std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, then as proposed
   for_blocks(meet.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     T[i] = cases[meet[i]].hypothesis.T_a_b;
     order[i] = {-coarse_fit(*at[2 * i], *at[2 * i + 1], T[i]), i};

@@ -1,20 +1,21 @@
 #pragma once
-// The cheap first registration of hypotheses: many are looked at, few go on.
+// The cheap first registration of hypotheses: many are tried, few go on to verification.
 
 #include "server/merge/cloud_requests.hpp"
 #include "server/merge/session_submaps.hpp"
 
 namespace headframe {
 
-/// What verification is configured with, on this server.
+/// The configuration of verification that follows from that of the pipeline.
 JudgeConfig judge_config(const MergeConfig& config);
 
-/// Registers the first place of each case: coarsely all of them, fully the likeliest JudgeConfig::screened_fully. In
-/// parallel; the results, one a case, do not depend on the number of threads.
+/// Registers the first place of each case: all of them coarsely, the likeliest JudgeConfig::screened_fully fully. Runs
+/// in parallel; the results, one for each case, do not depend on the number of threads.
 std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<Case>& cases, SessionSubmaps& submaps,
                                     CloudSource& clouds, const JudgeConfig& judge);
 
-/// Sum of the likeness of these, each placement once and those near `T` left out; see Evidence::look_alikes.
+/// Sum of likeness() over the placements, counting each distinct one once and leaving out those near `T`; see
+/// Evidence::look_alikes.
 double look_alikes(std::vector<ScreeningResult> screened, const Pose& T);
 
 }  // namespace headframe

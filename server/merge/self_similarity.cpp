@@ -8,12 +8,12 @@
 namespace headframe {
 namespace {
 
-// Score of a placement of a session on itself, over that of where it lies: in drawn mines 30 of 35 copies have more,
-// and of the others 23 of 196 where there are junctions, rooms or ramps; more in grids, smooth tunnels and mines of
-// copies.
+// Limit of the score of a placement of a session on itself, relative to that of the identity. In drawn mines 30 of 35
+// copies have more, and in those with junctions, rooms or ramps 23 of 196 other placements; in grids, smooth tunnels
+// and mines of copies more do.
 constexpr double alike_walls = 0.2;
 
-/// A copy has to be so long: one place fits at many others in any mine, and the next place along the path does not.
+/// Least length of a copy: a single place fits at many others in any mine, but the next place along the path does not.
 constexpr double copy_m = 15;
 
 std::size_t keyframe_nearest(std::span<const Keyframe> keyframes, const Eigen::Vector3d& p) {
@@ -23,7 +23,7 @@ std::size_t keyframe_nearest(std::span<const Keyframe> keyframes, const Eigen::V
   return static_cast<std::size_t>(nearest - keyframes.begin());
 }
 
-/// The keyframe at which the path has this length; none: it is not so long.
+/// The keyframe at which the path has this length; nullopt if it is shorter.
 std::optional<std::size_t> keyframe_at(std::span<const double> path_to_m, double path_m) {
   const auto at = std::lower_bound(path_to_m.begin(), path_to_m.end(), path_m);
   if (path_m < 0 || at == path_to_m.end()) return std::nullopt;
@@ -39,7 +39,7 @@ std::size_t stored_clouds(const Session& session, SessionId id, const CloudSourc
 }  // namespace
 
 bool SelfSimilarity::known(SessionId id, const CloudSource& clouds) const {
-  // The end of a session that is complete counts too, or what is found would hang on when it was asked last.
+  // A complete session's end is always included; otherwise the result would depend on when of() was last called.
   const Session& session = sessions_.at(id);
   const double growth = session.complete ? 1 : 1.25, clouds_growth = 1.25;
   const SelfLikeness& known = last(id);
@@ -101,7 +101,7 @@ std::vector<Case> SelfSimilarity::beside(SessionId id, const Hypothesis& hypothe
 }
 
 int SelfSimilarity::copies_within(SessionId id, const std::vector<ScreeningResult>& screened, CloudSource& clouds) {
-  std::vector<Case> neighbours;  // of those that fit
+  std::vector<Case> neighbours;  // of the placements that fit
   std::vector<std::size_t> of;
   for (std::size_t i = 0; i < screened.size(); ++i) {
     const Pose& T = screened[i].place.registration.T_target_source;

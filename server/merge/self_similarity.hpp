@@ -1,34 +1,36 @@
 #pragma once
-// Copies that a mine shows of itself: a session is laid on itself elsewhere, and what fits there for 15 m and more
-// counts.
+// Copies within a mine: a session is placed on itself at other places; what fits there for 15 m or more counts as a
+// copy.
 
 #include "server/merge/screening.hpp"
 #include "server/session/self_likeness.hpp"
 
 namespace headframe {
 
-/// Owns what is known of it. Not thread safe.
+/// Keeps the results of all sessions. Not thread safe.
 class SelfSimilarity {
  public:
   SelfSimilarity(const MergeConfig& config, const SessionMap& sessions, HypothesisFinder& finder,
                  SessionSubmaps& submaps, const CloudRequests& requests)
       : judge_(judge_config(config)), sessions_(sessions), finder_(finder), submaps_(submaps), requests_(requests) {}
 
-  /// Looks for copies again when the session, or what is stored of its clouds, has grown by a quarter.
+  /// The session's copies and look-alikes within itself. Searches again when its path or its number of stored clouds
+  /// has grown by a quarter, when a complete session has grown at all, or when the requested clouds have arrived or can
+  /// no longer be obtained.
   const SelfLikeness& of(SessionId id, CloudSource& clouds);
-  /// False: of() would look.
+  /// Whether of() would return at once without searching.
   bool known(SessionId id, const CloudSource& clouds) const;
-  /// What was found last; nothing of a session that nobody asked about.
+  /// The last result; a default value for a session that was never searched.
   const SelfLikeness& last(SessionId id) const;
 
-  /// Sets what all sessions show of themselves so far: Evidence::repetition and mine_look_alikes. Of less than 500 m
-  /// of path little can be said of copies, of less than 200 m of look-alikes, and of sessions that have yet to be
-  /// looked at nothing.
+  /// Sets Evidence::repetition and mine_look_alikes, from the results of all sessions so far. Rates are computed over
+  /// at least 500 m of path for copies and 200 m for look-alikes, so short paths count little. The path of a session
+  /// counts once it was searched and no clouds are wanted for it.
   void tell_of_mine(Evidence& evidence) const;
 
-  /// What was found before a restart; of() looks no further while it still holds.
+  /// Restores results from before a restart; of() returns them while they are still valid.
   void restore(std::map<SessionId, SelfLikeness> known) { known_ = std::move(known); }
-  /// What was found since it was taken last.
+  /// The results found since the last call.
   std::map<SessionId, SelfLikeness> take_news() { return std::exchange(news_, {}); }
 
   void forget(SessionId id) {
@@ -37,12 +39,12 @@ class SelfSimilarity {
   }
 
  private:
-  /// At least so much path is taken to be known.
+  /// A sum over all sessions for each 100 m of path, taken over at least least_m of path.
   double per_100_m(double SelfLikeness::*counted, double least_m) const;
-  /// The same placement of a session on itself, looked at 15 m before and behind along its path.
+  /// The same placement of a session on itself, examined 15 m before and after along its path.
   std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const;
-  /// How many of these placements of a session on itself, other than where it lies, are copies 15 m long and more:
-  /// their first place looks right by itself, and so does one of those beside it.
+  /// How many of these placements of a session on itself, other than the identity, are copies at least 15 m long: they
+  /// fit at their first place and at one of the places beside it.
   int copies_within(SessionId id, const std::vector<ScreeningResult>& screened, CloudSource& clouds);
 
   const JudgeConfig judge_;

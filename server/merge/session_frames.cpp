@@ -10,7 +10,7 @@ namespace {
 constexpr double origin_step_m = 1000;
 constexpr int forgiven = 3;  // keyframes off the path
 
-/// Of the keyframe after `last`.
+/// Whether the keyframe plausibly follows `last`.
 bool sound(const Keyframe& last, const Keyframe& keyframe, std::span<const Keyframe> earlier, int left_out,
            std::string& why) {
   if (left_out > forgiven) return false;
@@ -24,7 +24,7 @@ Pose moved(const Eigen::Vector3d& to, Pose T, const Eigen::Vector3d& from) {
   return T;
 }
 
-/// origin_m: of a's frame as it becomes.
+/// Applies `move` to the alignment's poses, and adds origin_m to points of a's frame.
 Alignment with_poses(Alignment alignment, const Eigen::Vector3d& origin_m, const auto& move) {
   alignment.T_a_b = move(alignment.T_a_b);
   if (alignment.T_a_b_runner_up) alignment.T_a_b_runner_up = move(*alignment.T_a_b_runner_up);

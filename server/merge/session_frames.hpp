@@ -1,5 +1,5 @@
 #pragma once
-// Local origins: robots may count their metres from anywhere (a mine grid, UTM), the numeric rooms only near zero.
+// Local origins: robots may use large coordinates (a mine grid, UTM), but the numeric code needs small ones.
 
 #include <map>
 #include <span>
@@ -12,31 +12,31 @@
 
 namespace headframe {
 
-/// Translates between the frames of the robots and frames near each session's own first keyframe, which single
-/// precision can hold. An origin is that keyframe's position in whole kilometres, so that sessions that start near zero
-/// keep their numbers bit for bit. Pure values, doubles throughout. Not thread safe.
+/// Converts between the robots' frames and local frames near each session's first keyframe, which single precision can
+/// represent. An origin is that keyframe's position rounded to whole kilometres, so that sessions that start near zero
+/// keep their coordinates bit for bit. Computes in doubles. Not thread safe.
 class SessionFrames {
  public:
-  /// Farther from its session's first keyframe nothing is believed: float holds 2 mm there, and no tunnel is so long.
+  /// Keyframes farther from their session's first one are ignored: float resolves 2 mm there, and no tunnel is so long.
   static constexpr double farthest_m = 20e3;
 
-  /// The keyframe in its session's local frame. The session's first one sets the origin. A keyframe keeps its number
-  /// and nothing else (it stays where the one before it was, without walls, descriptor or cloud) when it lies beyond
-  /// farthest_m, or behind a jump of the odometry: what two robots see of each other across a jump would be joined by
-  /// nothing but the jump. Up to three keyframes off the path are forgiven, then all that follow are left out.
-  /// `earlier`: the session's keyframes so far, as they were taken in.
+  /// Returns the keyframe in its session's local frame; the session's first keyframe sets the origin. A keyframe beyond
+  /// farthest_m, or after a jump of the odometry, keeps only its number: it is put where the one before it was, without
+  /// walls, descriptor or cloud, because only the jump would connect what lies on both sides of it. If the path resumes
+  /// after at most three such keyframes, only those are left out, otherwise also all that follow. `earlier`: the
+  /// session's keyframes so far, as returned by this function.
   Keyframe taken_in(SessionId session, Keyframe keyframe, std::span<const Keyframe> earlier);
 
-  /// Its keyframes will come anew, from the first on, which sets the same origin again.
+  /// The session's keyframes will be added again, from the first on, which sets the same origin again.
   void come_anew(SessionId session);
 
-  /// Of the session's last keyframes.
+  /// Which of the session's last keyframes are left out, and why.
   SessionCut cut(SessionId session) const;
 
-  /// Of a session without keyframes: zero.
+  /// Zero for a session without keyframes.
   Eigen::Vector3d origin_m(SessionId session) const;
 
-  /// T_a_b between the local frames, from one between the robots' frames, and back.
+  /// local: T_a_b between the local frames from T_a_b between the robots' frames. given_out: the inverse.
   Pose local(SessionId a, SessionId b, const Pose& T_a_b) const;
   Pose given_out(SessionId a, SessionId b, const Pose& T_a_b) const;
 
@@ -47,9 +47,9 @@ class SessionFrames {
  private:
   struct Frame {
     Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
-    Eigen::Vector3d first_m = Eigen::Vector3d::Zero();  // local, as the last one
-    Keyframe last = {};                                 // that was taken; its descriptor and walls are left out
-    int left_out = 0;                                   // since then
+    Eigen::Vector3d first_m = Eigen::Vector3d::Zero();  // local, like `last`
+    Keyframe last = {};  // the last keyframe that was not left out; without descriptor and walls
+    int left_out = 0;    // number of keyframes left out since then
     std::string why = {};
   };
   std::map<SessionId, Frame> frames_;

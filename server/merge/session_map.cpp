@@ -12,7 +12,7 @@
 namespace headframe {
 namespace {
 
-/// Of all that was told of it but where it was (FNV-1a).
+/// Hash (FNV-1a) of all that is known of the keyframe except its pose.
 std::uint64_t fingerprint_of(const Keyframe& keyframe) {
   std::uint64_t hash = 14695981039346656037ULL;
   const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211ULL; };
@@ -22,16 +22,16 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
   return hash;
 }
 
-// What asks for more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
+// Limits of what demands more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
 constexpr double most_look_alikes = 4, most_doubt = 2;
 
-/// In log-odds, how far it is from beyond doubt.
+/// How far the probability is below beyond_doubt, in log-odds.
 double doubt(double probability) {
   const auto log_odds = [](double p) { return std::log(std::max(p, 1e-9) / std::max(1 - p, 1e-9)); };
   return std::max(0.0, log_odds(beyond_doubt) - log_odds(probability));
 }
 
-/// Path that the session came along after it last was within reach_m of the other's; nothing: it never was.
+/// Path that the session drove after it was last within reach_m of the other's path; nullopt if it never was.
 std::optional<double> path_since(const Session& session, const Session& other, const Pose& T_other_session,
                                  double reach_m) {
   for (std::size_t i = session.keyframes.size(); i-- > 0;) {
@@ -104,8 +104,8 @@ DescriptorAgreement SessionMap::descriptor_agreement(const OrderedPair& pair) co
 }
 
 // A robot that still drives has not shown what lies ahead of it: an exact copy of a tile looks right until the tile
-// ends. What convinces waits until both sessions have shown enough, and what was decided on half a session is decided
-// anew when it ends.
+// ends. So a convincing placement waits until both sessions have shown enough path, and a verdict on a part of a
+// session is renewed when the session ends.
 double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, const Evidence& evidence) const {
   const Session &a = at(pair.a), &b = at(pair.b);
   const double reach_m = JudgeConfig{}.meet_m, asked_m = path_asked_m(evidence, config_.shown_m);
@@ -142,7 +142,7 @@ double SessionMap::path_asked_m(const Evidence& evidence, double least_m) const 
          config_.shown_doubt_m * std::min(doubt(evidence.probability), most_doubt);
 }
 
-// Where one place looks like another, what tells a copy is that a third session comes to contradict it (consistency).
+// Where places look alike, a copy is recognised only when a third session contradicts it (ConsistencyCheck).
 double SessionMap::path_awaited_of_others_m(const OrderedPair& pair, double asked_m) const {
   double awaited_m = 0;
   for (const auto& [id, session] : sessions_) {

@@ -17,7 +17,7 @@ SessionSubmaps::SessionSubmaps(const MergeConfig& config, const SessionMap& sess
 
 SubmapConfig SessionSubmaps::far_config() {
   SubmapConfig config;
-  config.radius_m = 1;  // what a registration needs is kept small
+  config.radius_m = 1;  // little is needed for registration
   config.slack_m = 0;
   config.look_m = 25;
   config.look_leaf_m = 0.8F;
@@ -44,7 +44,7 @@ bool SessionSubmaps::prepare_next(SessionId id, CloudSource& clouds) {
   std::size_t& next = made_ahead_[id];
   if (next >= session.keyframes.size()) return false;
   const bool known = session.complete || session.path_to_m[next] + JudgeConfig{}.place.window_m < session.path_m();
-  if (!known) return false;  // the robot still drives through what the submap will hold
+  if (!known) return false;  // the robot still drives through what the submap will contain
   const SubmapRequest request = at(id, next++);
   near({&request, 1}, clouds);
   return true;

@@ -6,12 +6,12 @@
 
 namespace headframe {
 
-/// The submaps of all sessions, made when first asked for and kept while they fit. Not thread safe.
+/// The submaps of all sessions, built when first needed and kept within a memory limit. Not thread safe.
 class SessionSubmaps {
  public:
   SessionSubmaps(const MergeConfig& config, const SessionMap& sessions);
 
-  /// Of the far submaps, for the long-range check: free space alone, as far as the lidars see.
+  /// The configuration of the far submaps, for the long-range check: free space only, as far as the lidars see.
   static SubmapConfig far_config();
 
   SubmapRequest at(SessionId id, std::size_t keyframe) const;
@@ -22,19 +22,20 @@ class SessionSubmaps {
     return far_.get(requests, clouds);
   }
 
-  /// The session as the judge sees it, from these of its keyframes. It and `clouds` must outlive the scene.
+  /// The session as the judge sees it, restricted to these keyframes. `this` and `clouds` must outlive the scene.
   Scene scene(SessionId id, std::vector<KeyframePosition> positions, CloudSource& clouds);
 
-  /// Makes the cloud ready for registration ahead of the attempt that needs it.
+  /// Prepares the cloud for registration ahead of the attempt that needs it.
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) { clouds_.get(keyframe, clouds); }
 
-  /// Makes the next submap of the session's path ahead; false: all whose surroundings are known by now are made.
+  /// Builds the next submap along the session's path ahead of attempts; false: none is left whose surroundings are
+  /// complete.
   bool prepare_next(SessionId id, CloudSource& clouds);
 
-  /// None of the keyframes that are here by now are made ahead.
+  /// No submaps are built ahead for the session's present keyframes.
   void leave_for_attempts(SessionId id) { made_ahead_[id] = sessions_.at(id).keyframes.size(); }
 
-  /// Of a session that is still here. Clouds that are ready stay so: they lie in the frames of their sensors.
+  /// The session's keyframes change. Prepared clouds stay, because they are in the frames of their sensors.
   void forget(SessionId id) {
     made_ahead_.erase(id);
     near_.forget(id);
@@ -45,7 +46,7 @@ class SessionSubmaps {
   const SessionMap& sessions_;
   CloudCache clouds_;
   SubmapCache near_, far_;
-  std::map<SessionId, std::size_t> made_ahead_;  // keyframes whose submaps were
+  std::map<SessionId, std::size_t> made_ahead_;  // keyframes whose submaps were built ahead
 };
 
 }  // namespace headframe

@@ -9,7 +9,7 @@ namespace headframe {
 namespace {
 
 constexpr double step_m = 3;
-constexpr double farthest_m = 40;  // clouds from beyond add nothing to a submap
+constexpr double farthest_m = 40;  // clouds of keyframes beyond this add nothing to a submap
 
 std::size_t node_of(const SubmapRequest& r) {
   std::size_t node = r.keyframe;
@@ -67,7 +67,7 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
   return out;
 }
 
-/// Each once, however many submaps it is part of.
+/// Loads each cloud once, however many submaps use it.
 void SubmapCache::fetch_clouds(std::map<Key, Build>& builds, CloudSource& source) {
   std::map<KeyframeRef, std::shared_ptr<const PreparedCloud>> clouds;
   for (const auto& [key, build] : builds)

@@ -9,7 +9,7 @@
 
 namespace headframe {
 
-/// A session's path, and the keyframe whose surroundings are wanted.
+/// A session's path, and the keyframe around which the submap is wanted.
 struct SubmapRequest {
   SessionId session = 0;
   std::span<const Keyframe> keyframes;
@@ -17,18 +17,18 @@ struct SubmapRequest {
   std::size_t keyframe = 0;
 };
 
-/// The submaps of sessions, one for every 3 m of path, made when first asked for, made anew when more of their clouds
-/// have come, and kept while they fit, with the images of the sweeps that they look from: the least recently used go
-/// first. Not thread safe.
+/// The submaps of sessions, one for every 3 m of path. They are built when first needed, rebuilt when more of their
+/// clouds have arrived, and kept within a memory limit together with the sight images they use; the least recently used
+/// are discarded first. Not thread safe.
 class SubmapCache {
  public:
   SubmapCache(std::size_t capacity_bytes, int threads, const SubmapConfig& config, CloudCache& prepared)
       : capacity_bytes_(capacity_bytes), threads_(threads), config_(config), prepared_(prepared) {}
 
-  /// The submap nearest to each, in order. What it can not know, because clouds are missing, it leaves empty.
+  /// The submap nearest to each request, in order. Where clouds are missing, the submap is empty.
   std::vector<SubmapPtr> get(std::span<const SubmapRequest> requests, CloudSource& source);
 
-  /// Its keyframes will lie elsewhere.
+  /// The session's keyframes are about to move.
   void forget(SessionId session);
 
  private:
@@ -41,10 +41,10 @@ class SubmapCache {
     SubmapPtr submap;
     std::size_t clouds = 0;
   };
-  /// A submap that is to be made.
+  /// A submap that is being built.
   struct Build {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    std::vector<const Keyframe*> window;  // whose clouds are stored
+    std::vector<const Keyframe*> window;  // keyframes whose clouds are stored
     std::vector<PlacedCloud> clouds;
     SubmapPtr submap;
   };
@@ -58,7 +58,7 @@ class SubmapCache {
   CloudCache& prepared_;
   std::size_t bytes_ = 0;
   LruMap<Key, Entry> kept_;
-  std::map<const SightImage*, std::size_t> looked_from_;  // by so many of the submaps
+  std::map<const SightImage*, std::size_t> looked_from_;  // how many submaps use each image
 };
 
 }  // namespace headframe

@@ -17,23 +17,24 @@ namespace headframe {
 /// Why a session is tried.
 enum class Trigger {
   link,       // its robot has connected
-  travelled,  // ... has come far enough since the last try
+  travelled,  // ... has driven far enough since the last try
   request,    // ... asked for it
   goodbye,    // ... has ended the session
   command,    // the operator asked for it
-  restart,    // keyframes came before the server stopped that no attempt has seen
-  junction,   // its robot has come to a junction, and not just after the last try
+  restart,    // an earlier run of the server stored keyframes that no attempt has used
+  junction,   // its robot has reached a junction, some way after the last try
   rest,       // no keyframe has come for a while: it counts as complete until one does
-  localize,   // its robot asks where it is, and has come on since it was looked at last
-  awaited,    // others have waited long enough for what it comes to say
-  poses,      // its robot's SLAM moved its past
+  localize,   // its robot asks where it is, and has driven on since the last try
+  awaited,    // other sessions no longer wait for this one's evidence
+  poses,      // its robot's SLAM moved earlier keyframes
 };
 
 std::string_view to_string(Trigger trigger);
 
-/// Which session is tried next, and which attempts wait for clouds. Pure: times come in, no thread, no clock. Each
-/// session is queued once at most, so the queue is bounded by the number of sessions. Robots share the worker's time:
-/// whose sessions have taken the least of it comes first, so that nobody's sessions keep those of others waiting.
+/// Decides which session is tried next, and which attempts wait for clouds. Pure: times are passed in; no thread, no
+/// clock. Each session is queued at most once, so the queue is bounded by the number of sessions. Robots share the
+/// worker's time: the robot whose sessions have used the least of it comes first, so that none can keep the others
+/// waiting.
 class MergeSchedule {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -41,66 +42,68 @@ class MergeSchedule {
   struct Attempt {
     SessionId session = 0;
     Trigger trigger = Trigger::command;
-    Time triggered;         // of the first trigger that this attempt answers
+    Time triggered;         // of the first trigger that led to this attempt
     int round = 0;          // how often it has waited for clouds
-    bool leftover = false;  // of an attempt that had more to try
+    bool leftover = false;  // the rest of an attempt that had more to try
   };
 
   explicit MergeSchedule(const ScheduleConfig& config) : config_(config) {}
 
-  /// Whose session it is; of a session that nobody told it of, its own.
+  /// Sets the robot of a session. A session without one counts as a robot of its own.
   void belongs(SessionId session, const std::string& robot) { robots_[session] = robot; }
 
-  /// Joins an attempt that is queued already.
+  /// Queues an attempt; joins one of the session that is queued already.
   void trigger(SessionId session, Trigger trigger, Time now);
   void travelled(SessionId session, double metres, Time now);
-  /// Its robot is at a junction, where tunnels that look alike can be told apart. A try follows when the session has
-  /// come config.junction_m since its last one, now or later: of the keyframes at one junction one asks.
+  /// The session's robot is at a junction, where similar tunnels can be told apart. The session is tried once it has
+  /// driven config.junction_m since its last try, now or later; so only one of the keyframes at a junction causes a
+  /// try.
   void junction(SessionId session, Time now);
 
-  /// Its robot asks where it is, from now on or no more. The session is then tried at once, before others, and after
-  /// each asked_m. Two such tries never follow each other while others wait, and what a try left over has no
-  /// precedence, so that nobody keeps the others waiting by asking.
+  /// The session's robot starts or stops asking where it is. The session is then tried at once, before others, and
+  /// after each asked_m. Two such tries never follow each other while others wait, and the rest of a try has no
+  /// priority, so that asking cannot keep others waiting.
   void asks_where(SessionId session, bool asks, Time now);
 
-  /// A keyframe came, so the session grows; its robot asks for a merge; it has ended.
+  /// A keyframe came, so the session grows; its robot asked for a merge; the session ended.
   void grows(SessionId session, Time now);
   void asks(SessionId session, Time now);
   void ended(SessionId session);
-  /// Sessions that grew and came to rest since the last call: nothing came for config.rest_s, or for
-  /// config.asked_rest_s after their robot asked.
+  /// Growing sessions that have paused since the last call: without a keyframe for config.rest_s, or for
+  /// config.asked_rest_s after their robot asked for a merge.
   std::vector<SessionId> come_to_rest(Time now);
-  /// Sessions that grew, and for which the merges of others have waited since the last call as long as they may:
-  /// config.awaited_s from when the robot's first session grew. An hour after that its new sessions are awaited again.
+  /// Growing sessions that merges of others stop waiting for since the last call: these wait at most config.awaited_s
+  /// from when the robot's first session started to grow. An hour after that start, new sessions of the robot are
+  /// waited for again.
   std::vector<SessionId> waited_out(Time now);
 
-  /// Of the robots that ask where they are, then of all, whose turn it is: the attempt that was queued first. It counts
-  /// as the session's last try.
+  /// The next attempt: first of robots that ask where they are, then of all; of the robot that used the least time, and
+  /// of several the one queued first. Counts as the session's last try.
   std::optional<Attempt> next();
-  /// The worker's time that the session's attempt took.
+  /// Records the worker's time that an attempt for the session took.
   void spent(SessionId session, double seconds);
-  /// Behind what is queued: the attempt has more to try.
+  /// Queues the attempt again, behind all others, because it has more to try.
   void again(const Attempt& attempt);
 
-  /// The attempt waits until all these clouds have come or will not come, then it is queued again. Returns those that
-  /// have to be asked for now: the others are awaited already. After most_rounds the attempt is let go.
+  /// Lets the attempt wait until all these clouds have come or will not come; then it is queued again. Returns the
+  /// clouds that have to be requested now; the others were requested before. After most_rounds the attempt is dropped.
   std::vector<KeyframeRef> wait_for(Attempt attempt, const std::vector<KeyframeRef>& wanted, Time now);
   void cloud_came(const KeyframeRef& cloud, Time now);
   void cloud_will_not_come(const KeyframeRef& cloud);
   void robot_came(SessionId session);
   void robot_left(SessionId session);
-  /// Clouds that a robot has not sent for config.submap_s will not come.
+  /// Gives up on clouds that a robot has not sent for config.submap_s.
   void tick(Time now);
   std::optional<Time> next_deadline() const;
 
-  /// Asked for in vain since its robot connected last.
+  /// Whether the cloud was requested without success since its robot last connected.
   bool in_vain(const KeyframeRef& cloud) const { return in_vain_.contains(cloud); }
 
   std::size_t queued() const { return queue_.size(); }
   std::size_t awaited() const { return awaited_.size(); }
 
-  static constexpr double asked_m = 2;    // as travelled_m, while its robot asks where it is
-  static constexpr int most_rounds = 50;  // ten hypotheses one by one, more of the overlap, contacts one by one
+  static constexpr double asked_m = 2;    // like travelled_m, while its robot asks where it is
+  static constexpr int most_rounds = 50;  // for ten hypotheses, more of the overlap and contacts, one by one
 
  private:
   struct Waiting {
@@ -120,13 +123,13 @@ class MergeSchedule {
   std::deque<Attempt> queue_;
   std::map<SessionId, std::string> robots_;
   std::map<std::string, double> used_s_;  // by robot
-  double turn_s_ = 0;                     // what the robot had used whose turn was last: who idles saves up nothing
-  std::vector<Waiting> waiting_;          // one for each session at most
+  double turn_s_ = 0;                     // used_s_ of the robot whose turn was last; idle robots save up no time
+  std::vector<Waiting> waiting_;          // at most one for each session
   std::set<KeyframeRef> awaited_, in_vain_;
-  std::map<SessionId, Time> deadlines_;                     // of robots that owe clouds
-  std::map<SessionId, Time> rests_at_;                      // of sessions that grow
+  std::map<SessionId, Time> deadlines_;                     // of robots that have not yet sent requested clouds
+  std::map<SessionId, Time> rests_at_;                      // of growing sessions
   std::map<std::string, Time> first_grew_;                  // by robot, in this hour
-  std::map<SessionId, std::optional<Time>> awaited_until_;  // none: no more
+  std::map<SessionId, std::optional<Time>> awaited_until_;  // nullopt: no longer
   std::map<SessionId, double> travelled_m_;
   std::set<SessionId> at_junction_;  // since their last try
   std::set<SessionId> ask_where_;

@@ -43,7 +43,7 @@ void MergeWorker::stop() {
   turn_away();
 }
 
-/// Answers the orders that nobody will carry out.
+/// Fails the orders that will not be carried out.
 void MergeWorker::turn_away() {
   std::unique_lock lock(mutex_);
   const std::vector<Order> late = std::exchange(orders_, {});
@@ -53,7 +53,8 @@ void MergeWorker::turn_away() {
 }
 
 void MergeWorker::run() {
-  // Robots wait for acks, merges for nobody: its threads, and those it starts, yield. Harmless where it is refused.
+  // Robots wait for acknowledgements, but nobody for merges: this thread, and those it starts, run at low priority. If
+  // the system refuses that, nothing else changes.
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), merge_nice);
   const Cancellable cancellable(watch_.flag());
   Mailbox news;
@@ -86,7 +87,7 @@ void MergeWorker::run() {
   turn_away();
 }
 
-/// False: the work threw, or used up its budget, and its sessions are blamed.
+/// Returns false if the work threw or used up its budget; then its sessions are blamed.
 bool MergeWorker::tried(const char* what, const std::function<void()>& work) {
   try {
     work();
@@ -101,8 +102,8 @@ bool MergeWorker::tried(const char* what, const std::function<void()>& work) {
   return false;
 }
 
-/// While nothing waits: one part of what the next attempts will need, so that they pay for alignment alone. False:
-/// there is none left.
+/// While nothing waits: computes one piece of what the next attempts will need, so that they only have to register.
+/// Returns false if nothing is left.
 bool MergeWorker::prepare_ahead() {
   if (!unprepared_.empty()) {
     const KeyframeRef cloud = unprepared_.front();
@@ -116,7 +117,7 @@ bool MergeWorker::prepare_ahead() {
   return more;
 }
 
-/// Sleeps until there is something to do; false: stop.
+/// Sleeps until there is something to do; returns false to stop.
 bool MergeWorker::wait_for_news(Mailbox& news, std::vector<Order>& orders) {
   std::unique_lock lock(mutex_);
   const auto asked = [&] { return !mailbox_.empty() || !orders_.empty() || pending_.attempts > 0; };
@@ -155,7 +156,7 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   Known& known = known_[session];
   if (news.poses) take_in_poses(session);
   if (news.durable_keyframes > known.keyframes) {
-    feed(session, true, news.durable_keyframes);  // and none that the store has got since, for new poses may be between
+    feed(session, true, news.durable_keyframes);  // not those stored since, as new poses may come between
     schedule_.grows(session, now);
   }
   for (const std::uint64_t sequence : news.clouds_came) {
@@ -187,8 +188,8 @@ void MergeWorker::take(SessionId session, const SessionNews& news) {
   if (news.trigger && known.keyframes > 0) schedule_.trigger(session, news.trigger->first, news.trigger->second);
 }
 
-/// Nothing contradicts it by driving on, unless it stands there because it waits to be told where it is; should its
-/// robot drive on after all, it grows again.
+/// A session that has paused can no longer contradict a placement by driving on, unless it stands still because its
+/// robot waits to be told where it is. If its robot drives on after all, it grows again.
 void MergeWorker::come_to_rest(SessionId session) {
   if (is_aside(session) || known_[session].keyframes == 0 || known_[session].asks_where) return;
   pipeline_->complete_session(session);

@@ -16,38 +16,38 @@
 
 namespace headframe {
 
-/// What the worker knows, as of the last durable revision.
+/// What is known as of the last durable revision.
 struct MergeView {
   struct Session {
     double distance_m = 0;
     double trigger_to_transform_ms = -1;  // from the trigger of the attempt that placed it; -1: none has
-    std::string why_aside = {};           // it is not merged, and why; empty: it is
+    std::string why_aside = {};           // why it is set aside; empty: it is not
     bool deleted = false;
     bool archived = false, frozen = false;
     std::string site = {};
   };
-  Atlas atlas;  // every session is in it that is neither archived nor deleted
+  Atlas atlas;  // contains every session that is neither archived nor deleted
   std::vector<Alignment> alignments;
   std::map<SessionId, Session> sessions;
-  Corrections corrections = {};  // where the pose graph puts keyframes
+  Corrections corrections = {};  // the poses that the pose graph gives to keyframes
 };
 
-/// The one thread that owns the pipeline. It feeds durable keyframes from the store, tries sessions as the schedule
-/// says, stores what an attempt changed, and only then publishes it. One attempt at a time; a full disk holds merging
-/// up and nothing else; a database that can not be written ends it. Thread safe but for restore() and start().
+/// The one thread that owns the pipeline. It passes durable keyframes from the store to the pipeline, tries sessions in
+/// the order of the schedule, stores the changes of an attempt, and only then publishes them. One attempt at a time. A
+/// full disk delays merging only; a database that cannot be written ends merging. Thread safe, except restore() and
+/// start().
 class MergeWorker : public MergeNews, private CloudSource {
  public:
-  /// mark: where it notes what it works on; none: a death is blamed on nobody.
+  /// mark: where the sessions being worked on are recorded; without one a crash is not attributed to any session.
   MergeWorker(std::unique_ptr<Pipeline> pipeline, Store& store, const ScheduleConfig& config,
               std::optional<WorkMark> mark = std::nullopt);
   ~MergeWorker() override;  // stop()
 
-  /// Reads what the store holds; once, before start(). The atlas is there at once, as it was published last; the
-  /// keyframes are read by the worker, and pending() says so. Sessions with keyframes that no attempt has seen are then
-  /// tried.
+  /// Reads the store; once, before start(). The atlas is available at once, as last published; the worker reads the
+  /// keyframes later, meanwhile pending() counts them. Sessions with keyframes that no attempt has used are then tried.
   Result<void> restore();
   void start(Robots& robots);
-  /// Waits for the attempt that is running; what is queued is found again by restore().
+  /// Waits for the running attempt; restore() finds again what is queued.
   void stop();
 
   void session_added(SessionId session, const NewSession& added) override;
@@ -55,52 +55,53 @@ class MergeWorker : public MergeNews, private CloudSource {
   void poses_durable(SessionId session) override;
   void cloud_durable(const KeyframeRef& cloud) override;
   void clouds_unavailable(SessionId session, const std::vector<std::uint64_t>& sequences) override;
-  /// They were deleted so that others find room: nobody is asked for them again.
+  /// These clouds were deleted to make room for others, and are never requested again.
   void clouds_let_go(SessionId session, const std::vector<std::uint64_t>& sequences);
   void robot_came(SessionId session, bool answers) override;
   void robot_left(SessionId session) override;
   void trigger(SessionId session, Trigger trigger) override;
   void asks_where(SessionId session, bool asks) override;
 
-  /// Queues the operator's decision; `done` runs once: on the worker's thread when it is durable and the robots were
-  /// told, or with a failure. unavailable: too many wait already, or the server stops; and as MergePipeline::decide.
+  /// Queues the operator's decision. `done` is called once: on the worker's thread, when the decision is durable and
+  /// the robots were told, or with a failure. unavailable: too many orders wait already, or the server is stopping;
+  /// otherwise as MergePipeline::decide.
   void decide(AlignmentId alignment, Decision decision, std::function<void(const Result<void>&)> done);
 
-  /// Judges a placement that the operator made roughly (MergePipeline::place). `done` as decide()'s; what it asks of
-  /// robots is asked also when it fails.
+  /// Judges a placement that the operator made roughly (MergePipeline::place). `done` as for decide(). Clouds are
+  /// requested even if it fails.
   void place(SessionId a, SessionId b, const Pose& T_a_b, std::function<void(const Result<HandPlacement>&)> done);
 
-  /// Makes the session's frame that of its component; `done` as decide()'s. not_found: no such session.
+  /// Makes the session's frame the frame of its component; `done` as for decide(). not_found: no such session.
   void anchor(SessionId session, std::function<void(const Result<void>&)> done);
 
-  /// Asks the session's robot for all its clouds that are not here; `done` runs once with how many. not_found: no such
-  /// session; refused: its robot is away, or sends no clouds.
+  /// Requests all missing clouds from the session's robot; `done` is called once with their number. not_found: no such
+  /// session; refused: its robot is not connected, or sends no clouds.
   void request_clouds(SessionId session, std::function<void(const Result<std::size_t>&)> done);
 
-  /// The session is not merged any more, from now on and after a restart; what is stored of it stays. `done` as
-  /// decide()'s. not_found: no such session.
+  /// Stops merging the session, also after a restart; its stored data stays. `done` as for decide(). not_found: no such
+  /// session.
   void set_aside(SessionId session, const std::string& why, std::function<void(const Result<void>&)> done);
-  /// It is merged again. refused: it is not set aside.
+  /// The session is merged again. refused: it is not set aside.
   void release(SessionId session, std::function<void(const Result<void>&)> done);
-  /// Set aside, and all that is stored of it is deleted, for good.
+  /// Sets the session aside and deletes all its stored data, for good.
   void remove(SessionId session, std::function<void(const Result<void>&)> done);
-  /// archived: the session is kept and left out of everything, until it is said otherwise; it comes back as it was.
-  /// `done` as decide()'s; not_found: no such session; refused: it is so already.
+  /// archived: the session is kept but left out of everything, until it is brought back unchanged with archived =
+  /// false. `done` as for decide(); not_found: no such session; refused: it is in this state already.
   void archive(SessionId session, bool archived, std::function<void(const Result<void>&)> done);
-  /// frozen: nothing moves it any more (MergePipeline::freeze); until it is said otherwise. `done` as archive()'s;
-  /// refused also: it is archived or set aside.
+  /// frozen: nothing moves the session any more (MergePipeline::freeze), until it is thawed. `done` as for archive();
+  /// also refused if it is archived or set aside.
   void freeze(SessionId session, bool frozen, std::function<void(const Result<void>&)> done);
 
-  /// The session was driven at this site: it is merged with those there alone. `done` as archive()'s.
+  /// Sets the session's site: it is merged only with sessions of that site. `done` as for archive().
   void set_site(SessionId session, const std::string& site, std::function<void(const Result<void>&)> done);
 
   Pending pending() const;
-  /// What the operator asked for and the worker has not taken up.
+  /// Number of operator's orders that the worker has not started.
   std::size_t waiting_orders() const;
   std::shared_ptr<const MergeView> view() const;
-  /// What the worker works on at this moment; none: nothing.
+  /// What the worker works on now; nullopt: nothing.
   std::optional<WorkPiece> working_on_now() const { return watch_.piece(); }
-  /// Why merging counts as stuck; empty: it does not.
+  /// Why merging counts as stuck; empty if it does not.
   std::string stuck() const;
   /// Attempts since start(), and where their time went.
   MergeEffort effort() const;
@@ -118,14 +119,15 @@ class MergeWorker : public MergeNews, private CloudSource {
     std::optional<std::uint64_t> feeds_up_to =
         std::nullopt;  // new poses wait that later keyframes lie by; none: to all
     std::string site = {};
-    bool more_to_try = false;  // its last attempt has not looked at all that it could lie on
-    std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; none: nothing
+    bool more_to_try = false;                                      // its last attempt did not try everything
+    std::optional<SessionLocalization> told_where = std::nullopt;  // since its robot asked; nullopt: nothing yet
   };
 
-  /// What the operator asks for: run once, on the worker's thread, or with why it can not be carried out.
+  /// An operator's order: called once, on the worker's thread, with success or with the reason why it cannot be carried
+  /// out.
   using Order = std::function<void(const Result<void>& admitted)>;
   static constexpr std::size_t most_orders = 64, most_unprepared = 4096;
-  static constexpr auto look_again_after = std::chrono::milliseconds(200);  // for a store that is away
+  static constexpr auto look_again_after = std::chrono::milliseconds(200);  // while the store is unreachable
 
   template <class Change>
   void tell(SessionId session, Change change);
@@ -195,18 +197,18 @@ class MergeWorker : public MergeNews, private CloudSource {
   Robots* robots_ = nullptr;
   MergeSchedule schedule_;
   std::map<SessionId, Known> known_;
-  std::deque<KeyframeRef> unprepared_;  // clouds that came; the newest most_unprepared of them
+  std::deque<KeyframeRef> unprepared_;  // clouds that arrived; at most the newest most_unprepared
   std::map<SessionId, TroubleRecord> troubles_;
   std::set<SessionId> archived_, frozen_;
   std::optional<WorkMark> mark_;
   const double stuck_s_;
   WorkWatch watch_;  // any thread
-  Atlas atlas_;      // as published last
+  Atlas atlas_;      // as last published
   struct Stored {
     std::vector<SessionRecord> sessions;
     StoredMerge merge;
   };
-  std::optional<Stored> stored_;  // not yet brought back
+  std::optional<Stored> stored_;  // not yet passed to the pipeline
   MergeView draft_;
 
   struct Bell {
@@ -218,23 +220,24 @@ class MergeWorker : public MergeNews, private CloudSource {
   std::condition_variable& wake_ = bell_->wake;
   Mailbox mailbox_;
   std::vector<Order> orders_;
-  Pending pending_;  // of the schedule, when the worker looked last
+  Pending pending_;  // the schedule's, when the worker last looked
   MergeEffort effort_;
   bool busy_ = false, stopping_ = false;
-  bool ahead_ = false;                            // the worker's thread only: there is more to prepare
-  std::string stop_reason_ = "the server stops";  // written before stopping_ by the worker's thread alone
+  bool ahead_ = false;                            // used by the worker's thread only: there is more to prepare
+  std::string stop_reason_ = "the server stops";  // written before stopping_, by the worker's thread only
   std::shared_ptr<const MergeView> view_ = std::make_shared<MergeView>();
   std::thread thread_;
 };
 
-/// What was read; while the store is away it is read again and again, until it is back or the server stops.
+/// The result of a read from the store; while the store is unreachable, tries again until it is back or the server
+/// stops.
 template <class Read>
 auto MergeWorker::read_patiently(const Read& read) -> decltype(read()) {
   auto answer = read();
   const auto piece = watch_.piece();
   bool waited = false;
   for (bool stops = false; !answer && !stops && store_.is_away(); answer = read()) {
-    if (!waited) no_work();  // the database's time is not the sessions' fault
+    if (!waited) no_work();  // time spent waiting for the database does not count against the sessions
     waited = true;
     std::unique_lock lock(mutex_);
     stops = wake_.wait_for(lock, look_again_after, [&] { return stopping_; });

@@ -6,7 +6,7 @@
 
 namespace headframe {
 
-/// MergePipeline as the worker sees it, so that tests can script one. See merge_pipeline.hpp for the promises.
+/// The interface of MergePipeline that the worker uses, so that tests can replace it. See merge_pipeline.hpp.
 class Pipeline {
  public:
   virtual ~Pipeline() = default;

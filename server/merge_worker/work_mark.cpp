@@ -47,7 +47,7 @@ WorkMark::~WorkMark() {
 }
 
 void WorkMark::write(const Left& now) const {
-  (void)!::pwrite(file_, &now, sizeof now, 0);  // a full disk: nobody is blamed
+  (void)!::pwrite(file_, &now, sizeof now, 0);  // if the disk is full, no session is blamed
 }
 
 void WorkMark::died() {

@@ -8,22 +8,22 @@
 
 namespace headframe {
 
-/// Remembers beyond the end of the process which sessions it worked on: a file of a few bytes, not synced, for what was
-/// written stays when a process dies (after a power cut it may not: then nobody is blamed). One thread uses it, but for
-/// died().
+/// Records in a file which sessions are being worked on, so that the next process knows if this one dies. The file has
+/// a few bytes and is not synced: it survives the process, but perhaps not a power cut (then no session is blamed). For
+/// one thread only, except died().
 class WorkMark {
  public:
   enum class End {
     well,    // it worked on nothing
-    killed,  // from outside, or for want of memory
-    died,    // of what it did
+    killed,  // from outside, or because memory ran out
+    died,    // of a fault in what it did
   };
   struct Left {
-    SessionId a = 0, b = 0;  // the same where it worked on one alone
+    SessionId a = 0, b = 0;  // equal if it worked on a single session
     End end = End::well;
   };
 
-  /// Takes what the process before left in the file, and begins anew. unavailable: the file can not be written.
+  /// Reads what the last process left in the file, and starts afresh. unavailable: the file cannot be written.
   static Result<WorkMark> open(const std::filesystem::path& file);
   WorkMark(WorkMark&& other) noexcept;
   WorkMark& operator=(WorkMark&&) = delete;
@@ -33,9 +33,9 @@ class WorkMark {
   void on(SessionId a, SessionId b) { write({a, b, End::killed}); }
   void off() { write({}); }
 
-  /// This process ends by what it is doing now. Safe in a signal handler; speaks for the mark that was opened last.
+  /// Records that this process is dying of what it does now. Safe in a signal handler; applies to the mark opened last.
   static void died();
-  /// From here on the signals of a fault call died() before they end the process as they would have.
+  /// From now on the signals of a fault call died() before they end the process as usual.
   static void watch_for_faults();
 
  private:

@@ -13,17 +13,17 @@
 
 namespace headframe {
 
-/// One piece of the merge worker's work: on two sessions, or on one alone (twice the same).
+/// One piece of the merge worker's work: on two sessions, or on a single one (then a == b).
 struct WorkPiece {
   SessionId a = 0, b = 0;
   std::chrono::steady_clock::time_point began;
 };
 
-/// Why merging counts as stuck, for people; empty: it does not. Pure.
+/// Why merging counts as stuck, in words; empty if it does not. Pure.
 std::string why_stuck(const std::optional<WorkPiece>& piece, std::chrono::steady_clock::time_point now, double stuck_s);
 
-/// Sees to it that no piece of work takes for ever: a thread of its own raises the flag that work looks at
-/// (Cancellable) when a piece has used up its budget. The next piece begins with the flag down. Thread safe.
+/// Limits the time of each piece of work: a separate thread raises the flag that the work checks (Cancellable) when a
+/// piece has used up its budget. The next piece starts with the flag down. Thread safe.
 class WorkWatch {
  public:
   explicit WorkWatch(double budget_s);
@@ -32,7 +32,7 @@ class WorkWatch {
   void off();
   std::optional<WorkPiece> piece() const;
 
-  /// The flag is up for good: whatever is worked on, nobody waits for it any more.
+  /// Raises the flag for good: the current work is no longer wanted.
   void stop();
   bool stopped() const;
   const std::atomic<bool>& flag() const { return flag_; }
@@ -46,7 +46,7 @@ class WorkWatch {
   std::optional<WorkPiece> piece_;
   bool stopped_ = false;
   std::atomic<bool> flag_ = false;
-  std::jthread thread_;  // last: it uses what is above
+  std::jthread thread_;  // last, because it uses the members above
 };
 
 }  // namespace headframe

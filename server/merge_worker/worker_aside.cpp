@@ -1,5 +1,5 @@
-// Sessions that are set aside: by the operator, or because work on them ends the server again and again. All else goes
-// on without them; their robots are served as before, and nothing of theirs is lost until the operator deletes it.
+// Sessions that are set aside: by the operator, or because work on them repeatedly ended the server. Everything else
+// goes on without them; their robots are served as before, and no data is lost until the operator deletes it.
 
 #include <spdlog/spdlog.h>
 
@@ -43,7 +43,7 @@ bool MergeWorker::is_aside(SessionId session) const {
   return archived_.contains(session) || (found != troubles_.end() && !found->second.why_aside.empty());
 }
 
-/// What is stored, and what the process before died of.
+/// Reads the stored records, and blames the sessions that the last process died on.
 Result<void> MergeWorker::restore_troubles() {
   const auto stored = store_.troubles();
   if (!stored) return tl::unexpected(stored.error());
@@ -59,7 +59,7 @@ Result<void> MergeWorker::restore_troubles() {
   return {};
 }
 
-/// Of two that were worked on together the one is set aside that has the more on it, or else came later.
+/// Of two sessions that were worked on together, sets aside the one with more deaths, or else the later one.
 void MergeWorker::blame(const WorkMark::Left& left) {
   TroubleRecord* worst = &troubles_[left.a];
   for (const SessionId id : std::set<SessionId>{left.a, left.b}) {
@@ -77,7 +77,7 @@ void MergeWorker::blame(const WorkMark::Left& left) {
   for (const SessionId id : std::set<SessionId>{left.a, left.b}) (void)write_durably(PutTrouble{troubles_[id]});
 }
 
-/// Work that threw, or that used up its budget, counts against the sessions it was on.
+/// Work that threw or used up its budget counts against the sessions it was on.
 void MergeWorker::work_failed() {
   const auto piece = watch_.piece();
   if (!piece) return;
@@ -94,10 +94,10 @@ void MergeWorker::attempt_went_well(SessionId session) {
   (void)write_durably(PutTrouble{found->second});
 }
 
-/// Takes it out of the pipeline and the atlas; what is stored of it stays, but for what is written with that.
+/// Takes the session out of the pipeline and the atlas. Its stored data stays, except for what `write` changes.
 Result<void> MergeWorker::leave_out(SessionId session, PutMerge write) {
   const AttemptReport report = pipeline_->set_aside(session);
-  schedule_.robot_left(session);  // no cloud of it is awaited any more
+  schedule_.robot_left(session);  // no cloud of it is waited for any longer
   Known& known = known_[session];
   Known left;
   left.answers = known.answers;

@@ -1,4 +1,4 @@
-// Where the pipeline's clouds come from: the store, or the robots.
+// The pipeline's source of clouds: the store, or the robots.
 
 #include "common/cloud/cloud_codec.hpp"
 #include "server/merge_worker/merge_worker.hpp"

@@ -13,10 +13,10 @@ void MergeWorker::take_question(SessionId session, bool asks) {
   known.asks_where = asks;
   (void)pipeline_->ask_where(session, asks);
   schedule_.asks_where(session, asks, Clock::now());
-  if (!asks) schedule_.grows(session, Clock::now());  // from now on it may rest: while it asked it did not
+  if (!asks) schedule_.grows(session, Clock::now());  // from now on it may pause; while its robot asked, it could not
 }
 
-/// Of a session that is set aside; when it is released it asks again.
+/// For a session that is set aside; it asks again when it is released.
 void MergeWorker::take_question_aside(SessionId session, bool asks) {
   const auto known = known_.find(session);
   if (known == known_.end()) return;
@@ -26,8 +26,8 @@ void MergeWorker::take_question_aside(SessionId session, bool asks) {
     robots_->tell_localization(session, {.missing = "the session is set aside; the operator's page says why"});
 }
 
-/// Whoever asks hears of it when it is another answer than the last, and not in the middle of an attempt: what it finds
-/// next may be a rival. all: or only those that have heard none.
+/// Tells a robot that asks if its answer has changed, but not in the middle of an attempt, which may next find a rival.
+/// all: tells all that ask; else only those that have had no answer.
 void MergeWorker::tell_where(bool all) {
   for (auto& [session, known] : known_) {
     if (!known.asks_where || is_aside(session) || (known.told_where && (!all || known.more_to_try))) continue;

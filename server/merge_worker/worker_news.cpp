@@ -1,4 +1,4 @@
-// What other threads tell the worker, and what they may see of it.
+// What other threads tell the worker, and what they can see of it.
 #include <algorithm>
 
 #include "server/merge_worker/merge_worker.hpp"
@@ -118,7 +118,7 @@ Pending MergeWorker::pending() const {
   pending.attempts += (busy_ ? 1 : 0) + orders_.size();
   for (const auto& [session, news] : mailbox_) {
     pending.attempts += news.trigger ? 1 : 0;
-    pending.keyframes += 1;  // at least: how many the worker will know when it looks
+    pending.keyframes += 1;  // a lower bound; the worker will know the number when it looks
   }
   return pending;
 }

@@ -1,5 +1,5 @@
-// Where keyframes lie that a robot's SLAM moved: what its robot said waits in the store until it is taken in here, with
-// the alignments that it moves, in one write. So what is stored fits together whenever the server is killed.
+// Keyframes that a robot's SLAM moved. The new poses wait in the store until they are taken over here, together with
+// the alignments that move, in one write; so the stored data is consistent whenever the server is killed.
 #include <spdlog/spdlog.h>
 
 #include "server/merge_worker/merge_worker.hpp"
@@ -7,7 +7,7 @@
 namespace headframe {
 namespace {
 
-/// Those up to the `last` that the pipeline has, where they lie now.
+/// The keyframes up to `last`, which the pipeline has, with their new poses.
 Result<std::vector<Keyframe>> keyframes_now(Store& store, SessionId session, std::uint64_t last,
                                             const std::vector<KeyframePose>& poses) {
   std::vector<Keyframe> keyframes;
@@ -24,7 +24,8 @@ Result<std::vector<Keyframe>> keyframes_now(Store& store, SessionId session, std
 
 }  // namespace
 
-/// Before the pipeline gets keyframes that came after it. Those of a frozen session wait until it is thawed.
+/// Called before the pipeline gets keyframes that came after the new poses. Those of a frozen session wait until it is
+/// thawed.
 void MergeWorker::take_in_poses(SessionId session) {
   Known& known = known_[session];
   const auto waiting = read_patiently([&] { return store_.new_poses(session); });
@@ -45,12 +46,12 @@ void MergeWorker::take_in_poses(SessionId session) {
   if (!tried("taking in new poses", [&] { report = pipeline_->move_session(session, *now); })) return;
   PutMerge write;
   write.moved = MovedPoses{session, waiting->number, {}};
-  const bool later_ones = waiting->poses.back().sequence > known.keyframes;  // which others may have read meanwhile
+  const bool later_ones = waiting->poses.back().sequence > known.keyframes;  // others may have read these meanwhile
   if (report.atlas_changed || later_ones) write.moved->poses = waiting->poses;
   if (!commit(std::move(write), report, nullptr)) return;
   known.feeds_up_to.reset();
   if (report.atlas_changed || later_ones) note_moved(session, path);
-  if (!report.atlas_changed) return;  // nothing that merging knows has moved
+  if (!report.atlas_changed) return;  // nothing that merging uses has moved
   spdlog::info("session {}: its robot moved {} keyframes (update {}); revision {}", session, waiting->poses.size(),
                waiting->number, atlas_.revision);
   schedule_.trigger(session, Trigger::poses, Clock::now());
@@ -70,7 +71,7 @@ void MergeWorker::note_moved(SessionId session, const std::vector<Eigen::Vector3
   update_view();
 }
 
-/// Of a session that the pipeline has just got as it was before.
+/// Takes over new poses of a session that the pipeline has just read with its old ones.
 void MergeWorker::catch_up(SessionId session, bool complete) {
   if (!known_[session].feeds_up_to || is_aside(session)) return;
   take_in_poses(session);

@@ -1,4 +1,4 @@
-// What attempts and the operator changed: on disk first, then told.
+// The changes of attempts and of the operator: first stored, then published.
 
 #include <spdlog/spdlog.h>
 
@@ -13,7 +13,7 @@
 namespace headframe {
 namespace {
 
-constexpr auto retry_after = std::chrono::seconds(1);  // a write that failed: the disk may have room again
+constexpr auto retry_after = std::chrono::seconds(1);  // after a failed write: the disk may have room again
 
 }  // namespace
 
@@ -22,7 +22,7 @@ Result<void> MergeWorker::carry_out(AlignmentId id, Decision decision) {
   if (!report) return tl::unexpected(report.error());
   if (!commit({}, *report, nullptr)) return failure(ErrorCode::unavailable, stop_reason_);
   spdlog::info("the operator's decision on alignment {}: {}; revision {}", id, to_string(decision), atlas_.revision);
-  for (const Alignment& alignment : report->changed)  // what a decision had suppressed is found again
+  for (const Alignment& alignment : report->changed)  // results that a decision had suppressed can be found again
     if (decision == Decision::undo && alignment.id == id)
       schedule_.trigger(alignment.b, Trigger::command, std::chrono::steady_clock::now());
   return {};
@@ -36,8 +36,8 @@ Result<void> MergeWorker::carry_out_anchor(SessionId session) {
   return {};
 }
 
-/// attempt: what led to it; null: the operator's decision, or a robot's SLAM that moved its past (write.moved). False:
-/// the server stops.
+/// attempt: the cause of the change; null if it was the operator's decision, or a robot's SLAM (write.moved). Returns
+/// false if the server stops.
 bool MergeWorker::commit(PutMerge write, const AttemptReport& report, const MergeSchedule::Attempt* attempt) {
   write.changed = report.changed;
   write.decided = report.decided;
@@ -82,7 +82,7 @@ void MergeWorker::published(const AttemptReport& report, const MergeSchedule::At
                atlas_.revision, attempt->session, ms, to_string(attempt->trigger), changed.size());
 }
 
-/// What the view still shows as published, and the report does not.
+/// Alignments that the view still shows as published and that the report withdraws.
 std::vector<Withdrawal> MergeWorker::withdrawn_by(const AttemptReport& report) const {
   std::vector<Withdrawal> withdrawn;
   for (const Alignment& now : report.changed) {
@@ -101,7 +101,7 @@ std::string MergeWorker::why_withdrawn_of(const Alignment& now) const {
   return why_withdrawn(now);
 }
 
-/// A robot may have driven by it: nothing is worse, so it is never passed over in silence.
+/// A robot may have relied on it, so a withdrawal is always logged.
 void MergeWorker::note_withdrawn(const std::vector<Withdrawal>& withdrawn) {
   for (const Withdrawal& w : withdrawn) {
     spdlog::error("a published merge is withdrawn: sessions {} and {}: {}", w.a, w.b, w.reason);
@@ -110,10 +110,10 @@ void MergeWorker::note_withdrawn(const std::vector<Withdrawal>& withdrawn) {
   }
 }
 
-/// Blocks until the write is on disk, trying again while the disk is full or slow; false: the server stops, or the
-/// write can not be made at all, and merging stops.
+/// Blocks until the write is durable, trying again while the disk is full or slow. Returns false if the server stops,
+/// or if the write is impossible; then merging stops.
 bool MergeWorker::write_durably(const Write& write) {
-  no_work();  // the disk's time is not the sessions' fault
+  no_work();  // time spent on the disk does not count against the sessions
   while (true) {
     auto result = std::make_shared<std::optional<Result<void>>>();
     store_.write(write, [bell = bell_, result](const Result<void>& done) {
@@ -126,7 +126,7 @@ bool MergeWorker::write_durably(const Write& write) {
     if (!result->has_value()) return false;
     if (result->value()) return true;
     const Error& why = result->value().error();
-    if (why.code != ErrorCode::unavailable) {  // as often as it is tried
+    if (why.code != ErrorCode::unavailable) {  // would fail again each time
       stop_reason_ = "merging has stopped until the server is started anew: " + why.message;
       spdlog::error("{}", stop_reason_);
       stopping_ = true;

@@ -1,6 +1,6 @@
-// From the store into the pipeline: what has come, and a start on a database that holds something. What the operator
-// sees, and the robots are told, is there at once then; the pipeline takes a while to read all keyframes of some years,
-// and robots are served meanwhile.
+// Passes stored data to the pipeline, also at a start with an existing database. The operator and the robots see the
+// last atlas at once; the pipeline then takes a while to read the keyframes of several years, and robots are served
+// meanwhile.
 #include <spdlog/spdlog.h>
 
 #include "server/merge_worker/merge_worker.hpp"
@@ -32,7 +32,7 @@ Result<void> MergeWorker::restore() {
   return {};
 }
 
-/// What the store holds, into the pipeline; on the worker's thread, before anything else.
+/// Passes the content of the store to the pipeline; on the worker's thread, before anything else.
 void MergeWorker::bring_back() {
   if (!stored_) return;
   const auto start = Clock::now();
@@ -67,12 +67,12 @@ void MergeWorker::bring_back() {
     spdlog::info("{} sessions with {} keyframes are back, {:.1f} s after the start", sessions, keyframes, s);
 }
 
-/// It rested when the server ended, and had been tried as it is: nothing is to be done until its robot drives on.
+/// It had paused when the server ended and had been tried as it is, so nothing is to be done until its robot drives on.
 bool MergeWorker::settled(const SessionRecord& session) {
   return session.attempted_whole && known_[session.id].keyframes == session.attempted_keyframes;
 }
 
-/// A stored session, into the pipeline. One that can not be read, or that is too much, costs itself.
+/// Passes a stored session to the pipeline. If it cannot be read, or takes too much, only this session suffers.
 void MergeWorker::bring_in(const SessionRecord& session) {
   working_on(session.id, session.id);
   try {
@@ -81,7 +81,7 @@ void MergeWorker::bring_in(const SessionRecord& session) {
     if (const auto waiting = read_patiently([&] { return store_.new_poses(session.id); }); !waiting)
       spdlog::error("new poses of session {} can not be read: {}", session.id, waiting.error().message);
     else if (waiting->number > 0)
-      known_[session.id].feeds_up_to = waiting->keyframes;  // what is known of its alignments is as it lay
+      known_[session.id].feeds_up_to = waiting->keyframes;  // the stored alignments refer to the old poses
     feed(session.id, false);
     if (session.complete || settled(session)) pipeline_->complete_session(session.id);
     if (const auto clouds = read_patiently([&] { return store_.cloud_sequences(session.id); }); clouds)
@@ -99,7 +99,7 @@ void MergeWorker::bring_in(const SessionRecord& session) {
   }
 }
 
-/// Gives the pipeline what the store has and it has not. counts: distance and junctions trigger attempts.
+/// Passes keyframes that are stored and new to the pipeline. counts: whether distance and junctions trigger attempts.
 void MergeWorker::feed(SessionId session, bool counts, std::uint64_t up_to) {
   Known& known = known_[session];
   if (known.feeds_up_to) up_to = std::min(up_to, *known.feeds_up_to);
@@ -113,7 +113,7 @@ void MergeWorker::feed(SessionId session, bool counts, std::uint64_t up_to) {
     junction |= keyframe.descriptor.place_class == PlaceClass::junction;
     if (keyframe.point_count == 0) known.without_cloud.insert(keyframe.sequence);
     pipeline_->add_keyframe(session, std::move(keyframe));
-    if (pipeline_->cut(session).from != 0) return;  // nobody drove there from where the last one was
+    if (pipeline_->cut(session).from != 0) return;  // after a jump: the distance from the last keyframe was not driven
     if (!first) metres += (here_m - known.last_m).norm();
     known.last_m = here_m;
   };

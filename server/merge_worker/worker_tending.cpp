@@ -1,5 +1,5 @@
-// What an operator makes of sessions over the years: archived ones are kept and left out of everything, frozen ones are
-// reference.
+// What an operator does with sessions over the years: archived ones are kept but left out of everything, frozen ones
+// serve as reference.
 
 #include <spdlog/spdlog.h>
 
@@ -9,7 +9,7 @@
 
 namespace headframe {
 
-/// A session that was left out, as it was: what is known of it stands again, in one write with what takes it back.
+/// Brings back a session that was left out; its alignments apply again, all in one write.
 Result<void> MergeWorker::bring_in_again(SessionId session, PutMerge write) {
   const auto sessions = store_.sessions();
   if (!sessions) return tl::unexpected(sessions.error());
@@ -43,7 +43,7 @@ Result<void> MergeWorker::put_archived(SessionId session, bool archived) {
   PutMerge write;
   write.archived = PutArchived{session, archived};
   if (!archived) archived_.erase(session);
-  const bool stays_out = is_aside(session);  // of another cause
+  const bool stays_out = is_aside(session);  // for another reason
   if (archived) archived_.insert(session);
   Result<void> done;
   if (stays_out)

@@ -92,7 +92,7 @@ const DescriptorAgreement::Spot* DescriptorAgreement::nearest(const Eigen::Vecto
 Agreement DescriptorAgreement::at(const Pose& T_a_b, Heights heights, std::span<const Unlike> without) const {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   Agreement out;
-  if (!(usual_ > 0)) return out;  // all the same: they tell nothing
+  if (!(usual_ > 0)) return out;  // all vectors are equal, so they tell nothing
   for (const Spot& b : b_) {
     const Spot* a = nearest(T * b.place, heights);
     const auto unlike = [&](const Unlike& u) { return (a->place - u.p_a.cast<float>()).norm() < u.reach_m; };

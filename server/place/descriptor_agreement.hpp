@@ -7,30 +7,30 @@
 
 namespace headframe {
 
-/// How alike the place vectors are where one path lies on the other: for each of b's keyframes that comes within 3 m of
-/// one of a's, 1 less the squared distance of the two, in units of that between any two of the sessions (the median);
-/// 0 at least. At right placements of learned .68 to .97 (most above .8), at wrong ones mostly .2 to .75; copies reach
-/// .97.
+/// How similar the place vectors are along the overlap. For each keyframe of b within 3 m of one of a's: 1 minus the
+/// squared distance of their place vectors divided by the median squared distance between the two sessions; 0 at least.
+/// With `learned` the mean is .68 to .97 at right placements (mostly above .8) and mostly .2 to .75 at wrong ones;
+/// copies reach .97.
 struct Agreement {
   double sum = 0, count = 0;
 
   double mean() const { return count > 0 ? sum / count : 0; }
-  /// The mean with one more keyframe that is half alike: few say little, none says 0.5.
+  /// The mean with one more keyframe of similarity 0.5, because few keyframes say little; 0.5 if there are none.
   double cautious() const { return (sum + 0.5) / (count + 1); }
-  /// Grows with the overlap where more is alike than not.
+  /// Grows with the overlap if the mean is above 0.5.
   double support() const { return sum - 0.5 * count; }
 };
 
-/// A spot in a's frame about which keyframes say nothing: the mine looks different there since.
+/// A spot in a's frame around which keyframes are not compared, because the mine has changed there.
 struct Unlike {
   Eigen::Vector3d p_a = Eigen::Vector3d::Zero();
   double reach_m = 0;
 };
 
-enum class Heights { as_placed, any };  // any: keyframes meet whatever lies between their heights
+enum class Heights { as_placed, any };  // any: keyframes are compared whatever their difference in height
 
-/// Compares the descriptors of two sessions under placements. One neighbour among thousands is easily a look-alike; a
-/// whole stretch of path is not. Holds views of the keyframes; thread safe.
+/// Compares the descriptors of two sessions under given placements. A single similar keyframe among thousands is easily
+/// a look-alike; a whole stretch of path is not. The keyframes must outlive this object. Thread safe.
 class DescriptorAgreement {
  public:
   DescriptorAgreement(std::span<const Keyframe> a, std::span<const Keyframe> b);
@@ -44,11 +44,12 @@ class DescriptorAgreement {
   };
   static std::vector<Spot> spots(std::span<const Keyframe> keyframes, std::size_t q_size);
   void sort_into_cells();
-  const Spot* nearest(const Eigen::Vector3f& p, Heights heights) const;  // of a's, within 3 m
+  const Spot* nearest(const Eigen::Vector3f& p, Heights heights) const;  // the nearest of a's within 3 m
 
   std::vector<Spot> a_, b_;
   float usual_ = 0;
-  // Seen from above, a's spots lie in cells of 3 m or more, row by row: those of cell i are [cells_[i], cells_[i + 1]).
+  // Seen from above, a's spots are sorted into cells of 3 m or more, row by row; those of cell i are [cells_[i],
+  // cells_[i + 1]).
   Eigen::Vector2f low_ = Eigen::Vector2f::Zero();
   float cell_m_ = 0;
   Eigen::Index columns_ = 0, rows_ = 0;

@@ -25,8 +25,8 @@ float least(const float* panel) {
   return std::min(std::min(v[0], v[1]), std::min(v[2], v[3]));
 }
 
-/// A distance that at least k vectors do not exceed: the k-th smallest of the least of groups of panels, about twice as
-/// many groups as wanted. Infinite with fewer panels.
+/// A bound that at least k vectors do not exceed: panels are combined to about 2 k groups, and the k-th smallest of the
+/// groups' minima is taken. Infinite if there are fewer panels than k.
 float bound(const std::vector<float>& least_of_panel, std::size_t k) {
   const std::size_t panels = least_of_panel.size(), together = std::max<std::size_t>(1, panels / (2 * k));
   if (k > panels) return std::numeric_limits<float>::infinity();
@@ -71,7 +71,8 @@ class ExactIndex : public DescriptorIndex {
  private:
   using Candidate = std::pair<float, std::size_t>;
 
-  /// The few that may be among the k nearest are compared again, so that the order depends on no processor.
+  /// The few candidates for the k nearest are compared again exactly, so that the order does not depend on the
+  /// processor.
   std::vector<PlaceNeighbour> select(const float* distances, std::span<const float> q, std::size_t k) const {
     std::vector<float> least_of_panel(store_.panels());
     for (std::size_t p = 0; p < least_of_panel.size(); ++p)

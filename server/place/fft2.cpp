@@ -83,7 +83,8 @@ struct Twiddle {
   }
 }
 
-/// All stages on a strip of columns of n numbers; the strips take turns. Where the result lies.
+/// Runs all stages on a strip of columns of n numbers, alternating between two buffers. Returns the one with the
+/// result.
 HEADFRAME_WIDE ComplexGrid* transform_strip(ComplexGrid* from, ComplexGrid* to, std::size_t n, const float* cos,
                                             const float* sin) {
   std::size_t run = strip;
@@ -124,7 +125,7 @@ std::size_t Fft2::size_for(std::size_t cells) {
   return n >= 4 * strip && n / 4 * 3 >= cells ? n / 4 * 3 : n;
 }
 
-/// Transforms along y and writes the result turned over: value (ky, x) to row x, column ky.
+/// Transforms along y and writes the result transposed: value (ky, x) to row x, column ky.
 void Fft2::columns_transposed(const ComplexGrid& in, ComplexGrid& out) {
   for (std::size_t first = 0; first < n_; first += strip) {
     for (std::size_t y = 0; y < n_; ++y) {
@@ -132,7 +133,7 @@ void Fft2::columns_transposed(const ComplexGrid& in, ComplexGrid& out) {
       std::copy_n(&in.im[y * n_ + first], strip, &from_.im[y * strip]);
     }
     const ComplexGrid& done = *transform_strip(&from_, &to_, n_, cos_.data(), sin_.data());
-    // Tile by tile: a power of two between rows would push them out of the cache one by one.
+    // In tiles, because rows at a distance of a power of two would evict each other from the cache.
     for (std::size_t y = 0; y < n_; y += strip)
       for (std::size_t x = 0; x < strip; ++x)
         for (std::size_t k = y; k < y + strip; ++k) {

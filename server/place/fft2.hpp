@@ -5,15 +5,15 @@
 
 namespace headframe {
 
-/// Complex numbers of a row-major grid, real and imaginary parts apart so that whole rows are one vector loop.
+/// Complex numbers of a row-major grid, with real and imaginary parts separate so that rows can be vectorised.
 struct ComplexGrid {
   explicit ComplexGrid(std::size_t size) : re(size), im(size) {}
   std::vector<float> re, im;
 };
 
-/// Complex 2D transform of n x n grids, n = 16 * 2^i, or 16 * 3 * 2^i; unscaled. Ours because a wall search is 135 of
-/// them for each pair of levels and was most of a merge's time with KissFFT; FFTW is GPL. Not thread safe: it holds
-/// scratch memory.
+/// Complex 2D FFT of n x n grids, n = 16 * 2^i or 16 * 3 * 2^i, unscaled. Our own, because a wall search needs 135 of
+/// them for each pair of levels, which took most of a merge's time with KissFFT, and FFTW is GPL. Not thread safe: it
+/// holds scratch memory.
 class Fft2 {
  public:
   explicit Fft2(std::size_t n);
@@ -21,7 +21,7 @@ class Fft2 {
   void forward(ComplexGrid& grid) { transform(grid); }
   void inverse(ComplexGrid& spectrum);
 
-  static std::size_t size_for(std::size_t cells);  // the smallest that is no less
+  static std::size_t size_for(std::size_t cells);  // the smallest n that is not smaller
 
  private:
   void transform(ComplexGrid& grid);

@@ -29,7 +29,7 @@ double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const 
   return height;
 }
 
-/// Where the walls of the part met, at the height of the nearest keyframe.
+/// The middle of the walls of the part that met, at the height of the nearest keyframe.
 Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
   Eigen::Vector3d out = position(part[part.size() / 2]);
   if (lead.fit.met == 0) return out;
@@ -75,7 +75,7 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
   for (const Lead& lead : leads) {
     const auto part = [](const Piece& p, std::span<const Keyframe> of) { return of.subspan(p.begin, p.end - p.begin); };
     const auto part_a = part(lead.a->piece, a.keyframes), part_b = part(lead.part->piece, b.keyframes);
-    const bool itself = a.id == b.id;  // of a copy the middle of the path is asked: an end of it is alike more often
+    const bool itself = a.id == b.id;  // a copy is judged at the middle of its path: ends look alike more often
     Hypothesis h{flat_placement(lead.match), lead.fit.score(),
                  itself ? position(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
     h.source = lead.source;

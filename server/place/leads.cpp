@@ -17,10 +17,10 @@ using Leads = std::vector<Lead>;
 
 constexpr std::size_t laid_whole = 5;     // pieces: 360 m of path
 constexpr std::size_t pairs_tried = 128;  // matched pairs of keyframes, the rarest and nearest first
-constexpr std::size_t spare = 2;          // times the seats are refined to half a cell
+constexpr std::size_t spare = 2;          // refined to half a cell: this many times the quota
 constexpr double place_radius_m = 25;
 
-/// Squared: of two that fit the walls, the descriptors' agreement is the better judge.
+/// The agreement is squared because it separates placements with fitting walls better than the walls do.
 double by_promise(const Lead& lead) { return lead.promise; }
 double by_coherence(const Lead& lead) { return lead.fit.strict(); }
 
@@ -28,7 +28,7 @@ WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0
 
 Eigen::Vector3d middle_of(const Lead& lead) { return {lead.fit.middle.x(), lead.fit.middle.y(), 0}; }
 
-/// The part of b's level that bears the placement best.
+/// The part of b's level that supports the placement most.
 Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match) {
   Lead best{&a, nullptr, match, {}};
   double most = std::numeric_limits<double>::lowest();
@@ -40,7 +40,8 @@ Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const
   return best;
 }
 
-/// What the descriptors propose may fit the walls nowhere near: then it stays, instead of going where none are.
+/// A placement proposed by descriptors may fit no walls nearby; then it stays where it is instead of moving to where
+/// there are none.
 void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agreement, int threads) {
   for_blocks(leads.size(), 4, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -83,7 +84,7 @@ Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seat
           found.push_back(best_part(level_a, level_b, m));
         continue;
       }
-      // Over hundreds of metres half a step of a turn, and drift, put a right placement's ends off the walls.
+      // Over hundreds of metres, drift and half a rotation step move the ends of a right placement off the walls.
       for (const auto& part : level_b.parts)
         for (const WallMatch& m :
              search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads))
@@ -93,7 +94,7 @@ Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seat
   return found;
 }
 
-/// Matched pairs of keyframes that say most: near in the descriptors, and not near to everything.
+/// The most informative pairs of keyframes: similar to each other, and not similar to everything.
 std::vector<MatchedPair> rarest(std::vector<MatchedPair> matches, std::size_t keyframes_a) {
   std::vector<float> popular(keyframes_a, 0);
   for (const MatchedPair& m : matches) ++popular[m.a];

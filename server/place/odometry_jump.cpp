@@ -10,7 +10,8 @@ namespace {
 
 constexpr double farthest_m = 25, fastest_m_s = 30, least_fast_m = 8;
 constexpr double least_climb_m = 4, most_climb_m = 10, slowest_climb_m_s = 0.3, fastest_climb_m_s = 5;  // of a drone
-// The selection makes no keyframe within 10 m of another, or less in narrow tunnels, and a scan later there is one.
+// KeyframeSelector makes no keyframe within 10 m of another (less in narrow tunnels), but makes one at the next scan
+// beyond.
 constexpr double beside_m = 12;
 constexpr double sees_the_same = 0.65;  // of the walls: less is a scan from elsewhere (sanity.cpp)
 
@@ -22,7 +23,7 @@ bool flown(double climb_m, double time_s) {
   return climb_m <= most_climb_m && climb_m >= slowest_climb_m_s * time_s && climb_m <= fastest_climb_m_s * time_s;
 }
 
-/// Whether the robot came back to its own path before: beside a keyframe that saw the same walls.
+/// Whether the robot came back to its own path: beside an earlier keyframe that saw the same walls.
 bool beside_one_of(std::span<const Keyframe> earlier, const Keyframe& after) {
   return std::any_of(earlier.begin(), earlier.end(), [&](const Keyframe& k) {
     const Eigen::Vector3d step = after.T_local_sensor.translation() - k.T_local_sensor.translation();

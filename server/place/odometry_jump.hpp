@@ -8,12 +8,12 @@
 
 namespace headframe {
 
-/// Whether no robot drives from one keyframe to the next, and why, for people; nothing: it may well. Beyond 25 m apart
-/// two keyframes need not have seen the same rock; nobody drives 30 m in a second; and no ramp goes up steeper than 45
-/// degrees: only a drone does, by at most 10 m from one keyframe to the next, and neither at once nor at leisure. What
-/// lies on both sides of a jump is held together by no odometry. `earlier`: the session's keyframes so far. A robot
-/// that drives back over its own path makes no keyframes there, so the next one may lie anywhere beside that path, as
-/// long as it sees what the keyframe beside it saw. Pure.
+/// Whether no robot can have driven from one keyframe to the next; if so, returns the reason in words, else nullopt. A
+/// jump is a distance of more than 25 m, over which two keyframes need not have seen the same rock; a speed of more
+/// than 30 m/s; or a climb steeper than 45 degrees, unless it could be a drone's (up to 10 m, neither too fast nor too
+/// slow). Odometry says nothing about how the two sides of a jump lie. `earlier`: the session's keyframes so far. A
+/// robot that drives back along its own path makes no keyframes there, so a keyframe beside an earlier one that saw the
+/// same walls is not a jump of distance or climb. Pure.
 std::optional<std::string> jump_between(const Keyframe& before, const Keyframe& after,
                                         std::span<const Keyframe> earlier = {});
 

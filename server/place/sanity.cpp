@@ -14,10 +14,10 @@ namespace {
 constexpr double reach_m = 20, farthest_neighbour_m = 25;
 constexpr double slack_m = 0.8, slack_share = 0.1;  // a profile's sector is 2 deg wide, and walls are rough
 constexpr int least_asked = 15;
-// Of what the neighbours agree on with each other, over simulated mines and recordings: underground, where they agree
-// well, a sound keyframe has 0.72 or more, a scan from elsewhere mostly less than 0.65; in the open one in ten sound
-// ones has less than 0.65 and one in forty less than 0.35. Noise is found underground, and in the open three times in
-// four.
+// Limits for the agreement with neighbours, relative to that of the neighbours with each other; set on simulated mines
+// and recordings. Underground, where neighbours agree well, a sound keyframe has 0.72 or more, and a scan from
+// elsewhere mostly less than 0.65. In the open one in ten sound keyframes has less than 0.65, and one in forty less
+// than 0.35. Noise is always found underground, and in the open three times in four.
 constexpr double agree_well = 0.7, least_share_underground = 0.65, least_share_open = 0.35;
 
 /// Directions of the middles of the sectors.
@@ -61,7 +61,7 @@ std::optional<double> agreement(const Keyframe& a, const Keyframe& b) {
 
 namespace {
 
-/// The worse of both ways.
+/// The lower value of both directions.
 std::optional<double> mutual(const Keyframe& a, const Keyframe& b) {
   if ((a.T_local_sensor.translation() - b.T_local_sensor.translation()).norm() > farthest_neighbour_m)
     return std::nullopt;
@@ -70,7 +70,7 @@ std::optional<double> mutual(const Keyframe& a, const Keyframe& b) {
   return std::min(*there, *back);
 }
 
-/// One odd neighbour condemns nobody.
+/// A single outlier among the neighbours does not condemn a keyframe.
 double second_best(std::vector<double> values) {
   std::sort(values.begin(), values.end(), std::greater<>());
   return values[std::min<std::size_t>(1, values.size() - 1)];
@@ -86,7 +86,7 @@ bool fits_neighbours(std::span<const Keyframe> keyframes, std::size_t i) {
       if (const auto said = mutual(keyframes[k], keyframes[i])) with_it.push_back(*said);
   if (with_it.size() < 2) return true;
   const double own = second_best(with_it);
-  if (own >= least_share_underground) return true;  // whatever the others say of each other
+  if (own >= least_share_underground) return true;  // however well the others agree with each other
   std::vector<double> without;
   for (std::size_t k = first; k < last; ++k)
     for (std::size_t l = k + 1; l < last; ++l)

@@ -15,16 +15,16 @@ struct Piece {
   auto operator<=>(const Piece&) const = default;
 };
 
-/// Pieces of piece_m of path, each half over the one before: short enough that drift does not bend them, long enough to
-/// be told apart.
+/// Cuts the path into pieces of length piece_m that overlap by half: short enough that drift does not bend them, long
+/// enough to be distinguishable.
 std::vector<Piece> cut_pieces(std::span<const Keyframe> keyframes, double piece_m);
 
-/// Stretches without a place that lies above or below another of the same stretch: a ramp, or levels of a mine, give
-/// several maps instead of one with all levels on each other. Also cut where a map would grow beyond 500 m.
+/// Cuts the path into stretches that never pass above or below themselves, so that a ramp, or the levels of a mine,
+/// become several maps instead of one in which all levels overlap. Also cuts where a map would grow beyond 500 m.
 std::vector<Piece> cut_levels(std::span<const Keyframe> keyframes);
 
-/// The walls of a session drawn for the search: its levels whole, as what is searched in, and in pieces of 120 m, which
-/// are laid on others. Immutable.
+/// The wall maps of a session for the search: whole levels, which are searched, and pieces of 120 m, which are placed
+/// on other sessions' levels. Immutable.
 struct SessionWalls {
   struct Part {
     Piece piece;

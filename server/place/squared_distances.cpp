@@ -8,10 +8,10 @@ namespace headframe {
 namespace {
 
 constexpr std::size_t width = PanelStore::width;
-constexpr std::size_t together = 6;  // queries: as many sums as there are registers for
+constexpr std::size_t together = 6;  // queries: as many sums as fit into the registers
 constexpr float far_away = 1e30F;    // squared length of the vectors that fill up the last panel
 
-// The compiler's own vectors (GCC, clang). Unaligned ones are for memory.
+// The compiler's own vector types (GCC, clang). The unaligned ones are for loading from memory.
 struct Four {
   using Vector = float __attribute__((vector_size(16)));
   using InMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
@@ -29,14 +29,15 @@ float squared_length(std::span<const float> vector) {
 
 using Queries = std::array<const float*, together>;
 
-/// What is compared: panels of vectors, and the squared length of each vector.
+/// The stored data: panels of vectors, and the squared length of each vector.
 struct Panels {
   const float *values, *squared_lengths;
   std::size_t panels, length;
-  std::size_t used;  // numbers of each vector: beyond them all are zero
+  std::size_t used;  // used length of each vector; beyond, all are zero
 };
 
-/// Of the first `count` queries from all panels: |a|^2 + |q|^2 - 2 a.q, one operation a number instead of two.
+/// The distances of the first `count` queries from all panels as |a|^2 + |q|^2 - 2 a.q, which needs one operation per
+/// number instead of two.
 template <class Lanes, std::size_t count>
 [[gnu::always_inline]] inline void compare(const Panels& all, const Queries& queries,
                                            const std::array<float, together>& squared_lengths, float* out) {

@@ -12,7 +12,7 @@ namespace headframe {
 namespace {
 
 constexpr int block = 8;                   // cells: 4 m, about as far as a refinement moves a cell
-constexpr std::size_t coarse_cells = 300;  // of b, at most, that a coarse refinement asks
+constexpr std::size_t coarse_cells = 300;  // limit of b's cells that a coarse refinement uses
 constexpr int rim = 14;  // empty cells around a field: twice the widest window of a refinement, and a wall's smear
 
 }  // namespace
@@ -67,7 +67,7 @@ void WallField::mark_reach() {
     }
 }
 
-/// The cells of b that the guess brings near to something that the field knows.
+/// The cells of b that the guess brings near to non-empty cells of the field.
 WallMap WallField::near_part(const WallMap& b, const WallMatch& guess,
                              const std::optional<Surroundings>& within) const {
   const Eigen::Matrix2f R = Eigen::Rotation2Df(static_cast<float>(guess.yaw_rad)).toRotationMatrix() / cell_m_;
@@ -93,12 +93,12 @@ WallMap WallField::near_part(const WallMap& b, const WallMatch& guess,
   return out;
 }
 
-/// Shifts by whole cells: each cell of b is placed once and read at all of them.
+/// Shifts are whole cells: each cell of b is transformed once and looked up at all of them.
 WallField::Best WallField::best_within(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift,
                                        Window window, std::size_t every) const {
   const Eigen::Matrix2f R = turn / cell_m_;
   const Eigen::Vector2f t = (shift - low_) / cell_m_;
-  const auto margin = static_cast<float>(window.reach);  // nearer to the edge all cells of the window are empty
+  const auto margin = static_cast<float>(window.reach);  // nearer to the edge, all cells of the window are empty
   const float width = static_cast<float>(columns_) - margin, height = static_cast<float>(rows_) - margin;
   const int side = 2 * window.reach / window.stride + 1;
   std::vector<int> scores(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
@@ -154,7 +154,7 @@ WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step,
   const WallMap part = near_part(b, guess, within);
   const std::size_t cells = part.walls.size() + part.free.size();
   if (cells == 0) return {guess.yaw_rad, guess.shift_m, 0};
-  // Turns are about the middle of what meets, so that they do not shift it.
+  // Rotations are about the middle of the matching cells, so that they do not shift these.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const auto* list : {&part.walls, &part.free})
     for (const auto& p : *list) middle += p.cast<double>() / static_cast<double>(cells);
@@ -163,7 +163,7 @@ WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step,
     Window window;
     int turns;
     double turn_deg;
-    bool between;  // half a cell off as well
+    bool between;  // whether to try half cells too
   };
   static constexpr std::array coarse{Round{{6, 2}, 2, 2, false}};
   static constexpr std::array fine{Round{{2, 1}, 1, 1, false}, Round{{0, 1}, 1, 1, true}};

@@ -15,7 +15,8 @@ constexpr float wall_reach_m = 30;
 constexpr float free_reach_m = 20;
 constexpr int tile_cells = 32;
 
-/// How often rays ended in a cell, and how often they went through. Cells come in tiles, made when first touched.
+/// Counts how often rays ended in a cell and how often they passed through. Cells are stored in tiles, created when
+/// first used.
 class Canvas {
  public:
   explicit Canvas(float cell_m) : cell_m_(cell_m) {}
@@ -26,7 +27,7 @@ class Canvas {
     if (range_m < wall_reach_m) ++at(origin + range_m * direction).wall;
   }
 
-  /// Free cells beside a wall are left out: turned onto another map by half a cell they would stand on its walls.
+  /// Free cells beside a wall are left out, because half a cell of misalignment would put them on another map's walls.
   WallMap map() const {
     WallMap map;
     map.cell_m = cell_m_;

@@ -14,7 +14,7 @@ namespace headframe {
 namespace {
 
 constexpr float clear_m = 1;        // free ground nearer to a wall says nothing in cells of 1.5 m
-constexpr float side_share = 0.6F;  // of the grid, against both maps side by side
+constexpr float side_share = 0.6F;  // size of the grid as a share of both maps side by side
 
 float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
   float r2 = 0;
@@ -23,7 +23,7 @@ float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
   return std::sqrt(r2);
 }
 
-/// The map with only the free cells that lie clear of its walls: half a coarse cell of misfit puts none on a wall.
+/// The map without free cells near its walls, so that being half a coarse cell off puts no free cell on a wall.
 WallMap clear_of_walls(const WallMap& map) {
   const WallBox box(map);
   const Eigen::Vector2f low = box.low.array() - clear_m - map.cell_m;
@@ -51,7 +51,7 @@ WallMap every_fourth(const WallMap& map) {
   return out;
 }
 
-/// Keeps the best first of those that are different placements (same_wall_peak).
+/// Keeps the best of those that are different placements (same_wall_peak).
 void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
   std::stable_sort(matches.begin(), matches.end(), [](const auto& m, const auto& n) { return m.score > n.score; });
   if (matches.size() > 4 * most) matches.resize(4 * most);
@@ -71,9 +71,10 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
   matches = std::move(kept);
 }
 
-/// Correlates b, turned, with a for all shifts at once. Grids are cyclic, b's middle lies in cell (0, 0), so that a
-/// quarter turn of the drawing is an exact exchange of cells, in the spectrum as well: one transform serves four turns.
-/// Walls and free ground travel as real and imaginary part, and two turns share each way back.
+/// Correlates a rotated b with a for all shifts at once. Grids are cyclic and b's middle lies in cell (0, 0), so that a
+/// quarter turn of the drawing is an exact exchange of cells, also in the spectrum: one transform serves four
+/// rotations. Walls and free ground are the real and the imaginary part, and two rotations share each inverse
+/// transform.
 class Correlator {
  public:
   Correlator(const WallMap& a, const WallMap& b, const WallSearchSteps& steps)
@@ -89,7 +90,7 @@ class Correlator {
         free_(n_ * n_) {
     ComplexGrid grid(n_ * n_);
     draw(a, middle_a_, 0, grid);
-    ComplexGrid worth(n_ * n_);  // real: to a wall of b that falls there; imaginary: to a free cell of b
+    ComplexGrid worth(n_ * n_);  // real: score of a wall of b that falls there; imaginary: of a free cell of b
     for (std::size_t y = 0; y < n_; ++y)
       for (std::size_t x = 0; x < n_; ++x) {
         const std::size_t i = y * n_ + x;
@@ -109,8 +110,8 @@ class Correlator {
 
   Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
 
-  /// Of all placements that fall on the same cell of the cyclic grid, the one that brings most walls together.
-  /// Contradictions count little: half a coarse cell off, a right placement has many.
+  /// Of all placements that fall on the same cell of the cyclic grid, the one under which most walls meet.
+  /// Contradictions count little here: half a coarse cell off, a right placement has many.
   WallMatch unfolded(const WallMatch& m, const WallField& field) const {
     const double side = static_cast<double>(n_) * static_cast<double>(steps_.cell_m);
     const Eigen::Vector2d from_middle = middle_at(m, middle()) - middle_a_.cast<double>();
@@ -128,7 +129,7 @@ class Correlator {
     return best;
   }
 
-  /// Appends the best peaks of a turn in the first quarter and of the three that lie right angles further.
+  /// Appends the best peaks for a rotation in the first quarter and for the three rotations at right angles to it.
   void search(std::size_t turn, std::vector<WallMatch>& found) const {
     Fft2 fft(n_);
     ComplexGrid spectrum(n_ * n_), product(n_ * n_);
@@ -178,7 +179,7 @@ class Correlator {
     return std::min(1.0F, sum);
   }
 
-  /// b's spectrum, taken apart into walls and free ground.
+  /// b's spectrum, separated into walls and free ground.
   struct Spectrum {
     ComplexGrid wall, free;
   };
@@ -195,8 +196,8 @@ class Correlator {
     return out;
   }
 
-  /// a's worth times the conjugate of b, summed over walls and free ground, b turned by two neighbouring right angles:
-  /// the scores of the first come out as the real part, those of the second as the imaginary one.
+  /// a's scores times the conjugate of b, summed over walls and free ground, with b at two rotations a right angle
+  /// apart: the real part gives the scores of the first, the imaginary part those of the second.
   void multiply(const Spectrum& b, int quarters, ComplexGrid& out) const {
     for (std::size_t y = 0; y < n_; ++y)
       for (std::size_t x = 0; x < n_; ++x) {

@@ -1,23 +1,23 @@
 #pragma once
-// Where could one stretch of walls lie on another, over all shifts and turns? Coarse by FFT; WallField refines what is
-// worth it.
+// Searches over all shifts and rotations for placements of one wall map on another, coarsely by FFT. WallField refines
+// promising results.
 
 #include "server/place/wall_field.hpp"
 
 namespace headframe {
 
-/// How closely all placements are tried.
+/// The resolution of the search.
 struct WallSearchSteps {
-  float cell_m = 1.5F;             // of the maps as they are redrawn
-  std::size_t quarter_turns = 45;  // turns in a right angle: the four quarters share their drawings
-  std::size_t peaks = 200;         // kept of each turn: a mine of parallel galleries fits at scores of shifts
+  float cell_m = 1.5F;             // of the maps as redrawn for the search
+  std::size_t quarter_turns = 45;  // rotations per right angle; the four quarters share their drawings
+  std::size_t peaks = 200;         // kept for each rotation: in a mine of parallel galleries many shifts fit
 };
 
-/// The best `most` distinct placements (4 m or 12 deg apart), best first, over all shifts and turns. Scores are of the
-/// maps as they are redrawn. The grid is cyclic and smaller than both maps side by side:
-/// of the shifts that fall on one cell, most of which hardly bring the maps together, the one that `field` of a scores
-/// best counts. Independent of the thread count. After correlative scan matching (Olson, ICRA 2009), with free space
-/// held against walls.
+/// The best `most` distinct placements (4 m or 12 deg apart) over all shifts and rotations, best first. Scores refer to
+/// the redrawn maps. The grid is cyclic and smaller than both maps side by side, so several shifts share a cell; of
+/// these, most of which hardly make the maps overlap, the one that `field` of a scores best is used. Independent of the
+/// thread count. Based on correlative scan matching (Olson, ICRA 2009); in addition, free space that meets walls counts
+/// against a placement.
 std::vector<WallMatch> search_walls(const WallMap& a, const WallField& field, const WallMap& b, std::size_t most,
                                     const WallSearchSteps& steps, int threads);
 

@@ -16,8 +16,8 @@ double quantile(std::vector<float>& values, double share) {
   return static_cast<double>(values[static_cast<std::size_t>(at)]);
 }
 
-/// How rotations about axes through the centre are held: their stiffness, over what it were if every normal stood along
-/// the way its point would move.
+/// Finds rotations about axes through the centre that are hardly held: their stiffness relative to what it would be if
+/// every normal pointed in the direction in which its point would move.
 void add_free_rotations(const NormalEquations& sums, double below, std::vector<FreeDirection>& out) {
   const double stiffness = sums.H.bottomRightCorner<3, 3>().trace() / std::max(1.0, sums.inliers);
   const Eigen::Matrix3d most = stiffness * (sums.levers.trace() * Eigen::Matrix3d::Identity() - sums.levers) +

@@ -6,7 +6,8 @@
 
 namespace headframe {
 
-/// Fills everything of the result but its pose, status and iterations. `distances_m`: of the inliers.
+/// Sets all of the result except its pose, status and iterations. `distances_m`: the inliers' distances from their
+/// planes.
 void report_fit(Registration& result, const NormalEquations& sums, double source_points, double degenerate_below,
                 std::vector<float> distances_m);
 

@@ -9,11 +9,11 @@
 namespace headframe {
 namespace {
 
-constexpr double wildest_step = 20;  // rad and m: farther, and the equations held nothing
+constexpr double wildest_step = 20;  // rad and m; a larger step means that the equations were nearly singular
 
-/// Both local frames have z along gravity, so T may hardly tilt: until the last stage a spring pulls R z back to z, as
-/// stiff as a part of what the points say of rotation. The last stage is free, and tells by its tilt whether the fit is
-/// honest.
+/// Both local frames have z along gravity, so T should hardly tilt: until the last stage a spring pulls R z back to z,
+/// with a stiffness relative to that of the points' rotation. The last stage is free, so its tilt shows whether the fit
+/// is right.
 void add_gravity(NormalEquations& sums, const Pose& T, double stiffness) {
   const Eigen::Vector3d z = T.linear().col(2);
   Eigen::Matrix<double, 2, 6> J = Eigen::Matrix<double, 2, 6>::Zero();
@@ -23,7 +23,7 @@ void add_gravity(NormalEquations& sums, const Pose& T, double stiffness) {
   sums.b += weight * J.transpose() * z.head<2>();
 }
 
-/// The increment turns about `centre`, so that rotation and translation hardly mix.
+/// Applies an increment that rotates about `centre`, so that rotation and translation are nearly independent.
 Pose apply(const Vector6d& d, const Eigen::Vector3d& centre, const Pose& T) {
   return Eigen::Translation3d(centre) * se3_exp(d) * Eigen::Translation3d(-centre) * T;
 }

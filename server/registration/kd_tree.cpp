@@ -42,8 +42,8 @@ Box KdTree::box_of(const Entry* begin, const Entry* end) {
   return box;
 }
 
-/// A subtree over consecutive leaves, all full but the cloud's last: so where its nodes lie is known beforehand, and
-/// both halves may be built at once.
+/// Builds a subtree over consecutive leaves, which are all full except the cloud's last. So the positions of its nodes
+/// are known in advance, and both halves can be built in parallel.
 void KdTree::build(std::uint32_t node, std::size_t first_leaf, std::size_t leaf_count, std::vector<Entry>& entries,
                    int threads) {
   Entry* begin = entries.data() + first_leaf * leaf_points;
@@ -141,7 +141,7 @@ void KdTree::nearest_k(const Eigen::Vector3f& query, std::size_t k, std::vector<
     out.insert(std::upper_bound(out.begin(), out.end(), n, nearer), n);
     if (out.size() < k) return;
     const float farthest = out.back().squared_m;
-    reach_squared = farthest > 0 ? farthest : -1;  // nothing is nearer: of many at one place not all are looked at
+    reach_squared = farthest > 0 ? farthest : -1;  // nothing can be nearer: of coinciding points not all are visited
   });
 }
 
@@ -151,7 +151,7 @@ bool KdTree::has_within(const Eigen::Vector3f& query, float reach_m, std::size_t
   std::size_t found = 0;
   search(query, reach_squared, [&](const Neighbour& n) {
     if (n.index == nobody || n.squared_m >= squared_m || ++found < count) return;
-    reach_squared = -1;  // no more are needed
+    reach_squared = -1;  // enough were found
   });
   return found >= count;
 }

@@ -6,8 +6,8 @@
 namespace headframe {
 namespace {
 
-constexpr float unbounded = 0.01F * KdTree::far_away * KdTree::far_away;  // nearer than any empty place
-constexpr int loose = 8;                                                  // a first bound need not be sharp
+constexpr float unbounded = 0.01F * KdTree::far_away * KdTree::far_away;  // nearer than any empty slot
+constexpr int loose = 8;                                                  // a first bound need not be tight
 
 Eigen::Vector3f point_of(const KdTree::Leaf& leaf, std::size_t i) {
   return {leaf.x[i / 4][i % 4], leaf.y[i / 4][i % 4], leaf.z[i / 4][i % 4]};
@@ -41,7 +41,8 @@ std::array<Neighbourhood, KdTree::leaf_points> NeighbourhoodFinder::find(std::si
   return out;
 }
 
-/// An upper bound of the squared distance to the k-th neighbour: among the leaves next in the tree, which hold enough.
+/// An upper bound of the squared distance to the k-th neighbour, from the next leaves in the tree, which hold enough
+/// points.
 float NeighbourhoodFinder::first_bound(std::size_t leaf, const Eigen::Vector3f& query) {
   const auto& leaves = tree_.leaves();
   const std::size_t wanted = static_cast<std::size_t>(k_) / KdTree::leaf_points + 2;
@@ -52,8 +53,8 @@ float NeighbourhoodFinder::first_bound(std::size_t leaf, const Eigen::Vector3f& 
   return kth_squared(bound, loose);
 }
 
-/// Keeps the groups of four that have a point within the bound. Lowers the bound when there is no room left; points as
-/// far as the k-th that find no room even then are left out: false.
+/// Keeps the groups of four that have a point within the bound. If the buffer is full, lowers the bound; if it is still
+/// full, returns false and leaves points as far as the k-th out.
 bool NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound) {
   if (group_count_ + KdTree::leaf_groups > most_groups) {
     bound = kth_squared(bound);
@@ -72,8 +73,9 @@ bool NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f
   return true;
 }
 
-/// Squared distance that k to k + slack points do not exceed, or more when several are as far as the k-th: the bound
-/// when it has no more. Found by interpolation between counts, and by halving when that is slow.
+/// A squared distance that k to k + slack points do not exceed, or more points if several are exactly as far as the
+/// k-th; `bound` if no more than k + slack points are within it. Found by interpolation between counts, with bisection
+/// steps if that is slow.
 float NeighbourhoodFinder::kth_squared(float bound, int slack) const {
   const std::span groups(groups_.data(), group_count_);
   const auto count = [&](float squared_m) {

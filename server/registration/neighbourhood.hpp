@@ -8,19 +8,20 @@
 
 namespace headframe {
 
-/// How the points around a point are spread.
+/// The spatial distribution of the points around a point.
 struct Neighbourhood {
-  float count = 0;        // neighbours, the point itself among them
+  float count = 0;        // number of neighbours, including the point itself
   Symmetric3f scatter{};  // sum of (p - mean) (p - mean)^T, m^2
 };
 
-/// Finds the k nearest of all points of a leaf together: what leaves are near is asked once for the sixteen. Neighbours
-/// as far as the k-th are all taken, so nothing depends on an order. Keeps its buffers: one object a thread.
+/// Finds the k nearest neighbours of all sixteen points of a leaf together, so that nearby leaves are looked up only
+/// once. Includes all neighbours as near as the k-th, so the result does not depend on an order. Reuses its buffers:
+/// use one object for each thread.
 class NeighbourhoodFinder {
  public:
   NeighbourhoodFinder(const KdTree& tree, std::size_t k) : tree_(tree), k_(static_cast<int>(k)) {}
 
-  /// Of the points of the leaf, by their place in it; count is 0 in empty places.
+  /// One result for each slot of the leaf; count is 0 for empty slots.
   std::array<Neighbourhood, KdTree::leaf_points> find(std::size_t leaf);
 
  private:
@@ -34,7 +35,7 @@ class NeighbourhoodFinder {
 
   const KdTree& tree_;
   int k_;
-  static constexpr std::size_t most_groups = 256;  // more only when very many points lie as far as the k-th
+  static constexpr std::size_t most_groups = 256;  // exceeded only if very many points are exactly as far as the k-th
   std::array<Group, most_groups> groups_;
   std::size_t group_count_ = 0;
   std::vector<std::uint32_t> near_;

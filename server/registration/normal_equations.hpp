@@ -9,24 +9,24 @@
 
 namespace headframe {
 
-/// What one pass over the source points gives: Gauss-Newton's normal equations for a left increment about a centre,
-/// and the figures of the fit. Rotation first.
+/// The result of one pass over the source points: the normal equations of Gauss-Newton for a left increment about a
+/// centre, rotation first, and measures of the fit.
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
   double inliers = 0;
   double squared_plane_m2 = 0;
   Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();  // sum of the partners' N
-  Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();   // sum of q q^T; q: from the centre
+  Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();   // sum of q q^T; q: relative to the centre
   NormalEquations& operator+=(const NormalEquations& o);
 };
 
-/// What a pair of points is taken to say.
+/// Model of the error of a pair of points.
 struct FactorModel {
-  /// Variance along the normal over the variance along the plane: how rough the rock is against how far apart the
-  /// points are, squared. Larger values tell less of planes and hold a slide back.
+  /// Variance along the normal divided by the variance within the plane: the squared ratio of the rock's roughness to
+  /// the distance between points. Larger values rely less on planes and resist sliding.
   double plane_epsilon = 1e-3;
-  /// A plane distance of this part of the reach quarters a pair's weight: far partners guide, near ones decide.
+  /// A plane distance of this share of the reach quarters a pair's weight: far partners guide, near ones decide.
   double kernel_share = 0.2;
 };
 
@@ -34,17 +34,17 @@ struct FactorModel {
 using Symmetric3f = std::array<float, 6>;
 Symmetric3f outer(const Eigen::Vector3f& n);
 
-/// Pairs of a source point and its partner, kept by component so that four are worked on at once. Shapes are planes:
-/// N is the outer product of the normal, or the mean of such products over a voxel; a covariance is I - (1 - eps) N.
-/// All in the target frame; source points relative to a centre.
+/// Pairs of a source point and its partner, stored by component so that four can be processed at once. Surfaces are
+/// planes: N is the outer product of the normal, or the mean of such products over a voxel, and the covariance is I -
+/// (1 - eps) N. All in the target frame; source points relative to a centre.
 class FactorBlock {
  public:
   static constexpr std::size_t capacity = 256;
   void clear() { count_ = 0; }
   std::size_t size() const { return count_; }
 
-  /// At most `capacity` between two clears. q: the moved source point less the centre; e: the moved source point less
-  /// its partner; n_s: the source's unit normal.
+  /// Add at most `capacity` pairs between two calls of clear(). q: the transformed source point minus the centre; e:
+  /// the transformed source point minus its partner; n_s: the source's unit normal.
   void add(const Eigen::Vector3f& q, const Eigen::Vector3f& e, const Symmetric3f& N_t, const Eigen::Vector3f& n_s) {
     for (std::size_t a = 0; a < 3; ++a) {
       q_[a][count_] = q[static_cast<Eigen::Index>(a)];
@@ -55,11 +55,11 @@ class FactorBlock {
     ++count_;
   }
 
-  /// The sum of e^T (C_t + C_s)^-1 e under a Geman-McClure weight, without the pairs whose normals differ by over 60
-  /// deg.
+  /// The sum of e^T (C_t + C_s)^-1 e with Geman-McClure weights; pairs whose normals differ by more than 60 deg are
+  /// ignored.
   NormalEquations sum(const FactorModel& model, double reach_m);
 
-  /// Appends the distances of the pairs from their partners' planes, m, leaving out the same pairs.
+  /// Appends the pairs' distances from their partners' planes, in m, ignoring the same pairs.
   void append_distances(std::vector<float>& distances_m) const;
 
  private:
@@ -69,8 +69,8 @@ class FactorBlock {
   std::size_t count_ = 0;
 };
 
-/// The factors of `count` source points, which `add` puts into a block for those from begin to end, summed up. Their
-/// distances are appended to distances_m unless it is null. The result does not depend on the number of threads.
+/// The sum over `count` source points; `add` puts the pairs of points begin to end into a block. Distances are appended
+/// to distances_m unless it is null. The result does not depend on the number of threads.
 NormalEquations sum_factors(std::size_t count, int threads, const FactorModel& model, double reach_m,
                             const std::function<void(std::size_t begin, std::size_t end, FactorBlock&)>& add,
                             std::vector<float>* distances_m);

@@ -12,7 +12,7 @@ constexpr double reach_m = 1;
 pcl::PointCloud<pcl::PointXYZ>::Ptr to_pcl(const Points& points) {
   auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   cloud->reserve(points.size());
-  for (const auto& p : finite_points(points, 0)) cloud->emplace_back(p.x(), p.y(), p.z());  // it aborts at others
+  for (const auto& p : finite_points(points, 0)) cloud->emplace_back(p.x(), p.y(), p.z());  // PCL aborts on others
   return cloud;
 }
 
@@ -33,7 +33,7 @@ Pose pcl_gicp(const Points& target, const Points& source, const Pose& T_target_s
     Pose T = Pose::Identity();
     T.matrix() = gicp.getFinalTransformation().cast<double>();
     if (T.matrix().allFinite()) return orthonormalised(T);
-  } catch (const std::exception&) {  // PCL throws where its optimiser can not go on
+  } catch (const std::exception&) {  // PCL throws if its optimiser cannot proceed
   }
   return T_target_source_0;
 }

@@ -2,7 +2,7 @@
 
 namespace headframe {
 
-/// What registers one submap on another.
+/// The method that registers one submap on another.
 enum class RegistrationEngine {
   vgicp,     // our own voxelized GICP
   pcl_gicp,  // PCL's Generalized-ICP: some twenty times slower, for comparison

@@ -9,7 +9,7 @@ namespace headframe {
 namespace {
 
 constexpr float fewest_neighbours = 6;
-constexpr float flattest_line = 0.02F;  // middle / largest eigenvalue below this: a line, whose normal is arbitrary
+constexpr float flattest_line = 0.02F;  // middle / largest eigenvalue; a line has less, and an arbitrary normal
 constexpr std::size_t block_leaves = 16;
 
 bool plane_normal(const Neighbourhood& around, Eigen::Vector3f& normal) {

@@ -7,17 +7,17 @@
 
 namespace headframe {
 
-/// A cloud made ready for registration: points, the normal of the surface around each, and a tree. All in one frame.
+/// A cloud prepared for registration: points, the surface normal at each, and a tree. All in one frame.
 struct Surfels {
   Points points;
-  Points normals;  // unit; their sign carries no meaning
+  Points normals;  // unit length, arbitrary sign
   KdTree tree;
   std::size_t size() const { return points.size(); }
 };
 
-/// Normals from the `neighbours` nearest points. Points whose surroundings are a line, a dot or too few are dropped:
-/// they have no plane to hold on to. May end up empty. Surfels come in the order of the tree: neighbours in the list
-/// are often neighbours in space. Independent of the number of threads.
+/// Computes normals from the `neighbours` nearest points. Drops points whose neighbours form a line or a dot, or are
+/// too few: they define no plane. The result may be empty. Surfels are in the order of the tree, so neighbours in the
+/// list are often neighbours in space. Independent of the number of threads.
 Surfels make_surfels(const Points& points, std::size_t neighbours = 20, int threads = 1);
 
 }  // namespace headframe

@@ -4,14 +4,14 @@ namespace headframe {
 namespace {
 
 constexpr float farthest_cell = 1e6F;
-constexpr float far_away = 1e18F;  // its square is still a float
+constexpr float far_away = 1e18F;  // its square still fits a float
 
 int floored(float v) {
   const int i = static_cast<int>(v);
   return i - static_cast<int>(v < static_cast<float>(i));
 }
 
-/// False when p is not finite or too far.
+/// Returns false if p is not finite or too far away.
 bool cell_of(const Eigen::Vector3f& p, float per_m, float shift, Eigen::Vector3i& cell) {
   for (int a = 0; a < 3; ++a) {
     const float v = p[a] * per_m - shift;
@@ -65,7 +65,7 @@ std::uint32_t& VoxelMap::voxel_at(const Eigen::Vector3i& cell) {
   return brick_at(brick).voxels[offset(local)];
 }
 
-/// Writes the voxel into its own brick and into those before it that see it as their next layer.
+/// Writes the voxel into its own brick and into the preceding ones that contain it as their next layer.
 void VoxelMap::share(const Eigen::Vector3i& cell, std::uint32_t voxel) {
   const Eigen::Vector3i brick = brick_of(cell), local = cell - own * brick;
   for (int corner = 0; corner < 8; ++corner) {

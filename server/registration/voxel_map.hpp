@@ -10,26 +10,26 @@
 
 namespace headframe {
 
-/// What a voxel knows of the surface in it: the mean of its points, and the mean of the outer products of their
-/// normals. A flat piece of wall has N = n n^T; the more it bends, the less N claims to know any direction.
+/// The surface in a voxel: the mean of its points, and the mean of the outer products of their normals. For a flat
+/// piece of wall N = n n^T; the more the surface bends, the less N favours one direction.
 struct Voxel {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   float count = 0;
   Symmetric3f N{};
 };
 
-/// Surfels summed up by cubes of leaf_m. One pass to build, no neighbour search. The same surfels in the same order
-/// give the same map. Queries are thread safe.
+/// Surfels averaged over cubes of leaf_m. Built in one pass without neighbour search. The same surfels in the same
+/// order give the same map. Queries are thread safe.
 class VoxelMap {
  public:
   VoxelMap() = default;
 
-  /// Points and unit normals of one frame, one normal a point; leaf_m > 0. Points that are not finite or lie more than
-  /// a million leaves from the origin are left out.
+  /// Points and unit normals in one frame, one normal for each point; leaf_m > 0. Points that are not finite or more
+  /// than a million leaves from the origin are ignored.
   VoxelMap(const Points& points, const Points& normals, float leaf_m);
 
-  /// The voxel whose mean is nearest, of the eight whose centres surround p: it is found when one lies within half a
-  /// leaf, and is never farther than 1.5 leaves on an axis. Null when all eight are empty.
+  /// Of the eight voxels whose centres surround p, the one with the nearest mean. A voxel mean within half a leaf of p
+  /// is always found; the result is never farther than 1.5 leaves on an axis. Null if all eight are empty.
   const Voxel* nearest(const Eigen::Vector3f& p) const;
 
   float leaf_m() const { return leaf_m_; }
@@ -41,8 +41,8 @@ class VoxelMap {
   std::span<const Voxel> voxels() const { return std::span(voxels_).subspan(1); }
 
  private:
-  /// Voxels are kept by bricks of 4 x 4 x 4 and the next layer on the far sides, so that eight neighbours always lie in
-  /// one brick, and one look into the hash finds them.
+  /// Voxels are stored in bricks of 4 x 4 x 4, plus the next layer on the far sides, so that eight neighbours always
+  /// lie in one brick and a single hash lookup finds them.
   static constexpr int own = 4, edge = own + 1;
   struct Brick {
     std::array<std::uint32_t, edge * edge * edge> voxels{};  // 0: empty
@@ -61,7 +61,7 @@ class VoxelMap {
   void grow();
 
   float leaf_m_ = 1;
-  std::vector<Voxel> voxels_;  // the first stands for "empty", far away
+  std::vector<Voxel> voxels_;  // the first one is a dummy for empty cells, far away
   std::vector<Brick> bricks_;
   std::vector<Slot> slots_;  // open addressing, a power of two, at most half full
 };

@@ -17,7 +17,7 @@ std::string key_of(const boost::asio::ip::address& from) {
 
 void AttemptLimiter::forgive(Entry& entry, Time now) const {
   const double passed_s = std::chrono::duration<double>(now - entry.seen).count();
-  if (passed_s <= 0) return;  // another thread's clock reading was later
+  if (passed_s <= 0) return;  // another thread read the clock later
   entry.failures = std::max(0.0, entry.failures - passed_s * limits_.forgiven_per_s);
   entry.seen = now;
 }

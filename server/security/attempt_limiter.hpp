@@ -10,22 +10,21 @@
 
 namespace headframe {
 
-/// How often an address may fail (or ask, where every request counts); defaults live only here.
+/// How often an address may fail (or send requests, if each one counts); defaults live only here.
 struct AttemptLimits {
-  double failures = 10;             // in a row; then it has to wait
+  double failures = 10;             // in a row; then the address has to wait
   double forgiven_per_s = 1.0 / 6;  // one failure is forgotten every 6 s
-  std::size_t addresses = 4096;     // remembered; beyond, the one that failed longest ago is forgotten
+  std::size_t addresses = 4096;     // remembered; beyond, the one whose last failure is oldest is forgotten
 };
 
-/// Counts failed attempts to get in, by address (of IPv6 the /64: whoever has one address there has them all).
-/// Thread safe.
+/// Counts failed attempts by address (for IPv6 by /64, as whoever has one address of it has all). Thread safe.
 class AttemptLimiter {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   explicit AttemptLimiter(const AttemptLimits& limits = {}) : limits_(limits) {}
 
-  /// Whether this address may try at `now`.
+  /// Whether this address may try now.
   bool allowed(const boost::asio::ip::address& from, Time now);
   void failed(const boost::asio::ip::address& from, Time now);
 
@@ -37,7 +36,7 @@ class AttemptLimiter {
     double failures = 0;
     Time seen;
   };
-  using Entries = std::list<Entry>;  // the one that failed last in front
+  using Entries = std::list<Entry>;  // the one with the latest failure first
 
   void forgive(Entry& entry, Time now) const;
 

@@ -106,7 +106,7 @@ std::optional<OperatorIdentity> OperatorRegistry::find(std::string_view token) c
   const std::string digest = sha256(token);
   const std::lock_guard lock(mutex_);
   std::optional<OperatorIdentity> found;
-  for (const auto& [name, entry] : entries_)  // all of them, whoever it is
+  for (const auto& [name, entry] : entries_)  // compares with all of them, so that the time taken reveals nothing
     if (same_secret(digest, entry.digest)) found = entry.who;
   return found;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Operators by name: what each may do, and for how long.
+// Named operators: what each may do, and until when.
 
 #include <filesystem>
 #include <map>
@@ -14,8 +14,8 @@
 
 namespace headframe {
 
-/// Each may do what those before it may. view: looks and exports; operate: decides on merges, names, surveys and
-/// notes; administer: says which robots and operators come in, and deletes sessions.
+/// Each role includes those before it. view: looks and exports; operate: decides on merges, names, surveys and notes;
+/// administer: decides which robots and operators have access, and deletes sessions.
 enum class Role { view, operate, administer };
 
 std::string_view to_string(Role role);
@@ -23,30 +23,30 @@ std::string_view to_string(Role role);
 std::optional<Role> role_from(std::string_view text);
 
 struct OperatorIdentity {
-  std::string name;  // empty: who shows the server's own token, or anybody where none is asked for
+  std::string name;  // empty: the server's own token, or no token is required
   Role role = Role::administer;
   double expires_s = 0;  // since the epoch; 0: never
 };
 
-/// Named operators in DATA/operators.json (mode 0600). Tokens are 32 random bytes; only their digests are kept. What
-/// add() and revoke() return well is on the disk; they wait for it. Times are seconds since the epoch. Thread safe.
+/// Named operators in DATA/operators.json (mode 0600). Tokens are 32 random bytes, of which only digests are stored.
+/// add() and revoke() block until their change is on the disk. Times are seconds since the epoch. Thread safe.
 class OperatorRegistry {
  public:
   static constexpr std::size_t most_operators = 100;
   static constexpr double most_lifetime_s = 3650.0 * 86400;
 
-  /// Errors are those of read_private_file, but not_found; bad_input: the file is damaged.
+  /// Fails like read_private_file, except not_found; bad_input: the file is damaged.
   static Result<std::unique_ptr<OperatorRegistry>> open(const std::filesystem::path& file);
 
-  /// The token, 64 hexadecimal digits, which is told this once. An operator who is known gets another role and token,
-  /// and the old one ends. invalid_argument: no name, or no lifetime; refused: there are too many.
+  /// Returns the token, 64 hexadecimal digits, which is not stored. For an existing operator it replaces role and
+  /// token. invalid_argument: an invalid name or lifetime; refused: there are too many operators.
   Result<std::string> add(const std::string& name, Role role, double lifetime_s, double now_s);
-  /// not_found: there is no such operator.
+  /// not_found: no such operator.
   Result<void> revoke(const std::string& name);
   std::vector<OperatorIdentity> operators() const;  // by name
-  /// Whose token this is, also one that has expired.
+  /// The operator with this token, even if it has expired.
   std::optional<OperatorIdentity> find(std::string_view token) const;
-  /// Whether this one still has the role, and until then.
+  /// Whether this operator still has the same role and expiry and has not expired.
   bool stands(const OperatorIdentity& who, double now_s) const;
 
  private:

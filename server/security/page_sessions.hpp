@@ -9,18 +9,18 @@
 
 namespace headframe {
 
-/// What a browser shows instead of a token that it has shown once: a secret of its own, good for one page session. In
-/// memory alone: after a restart pages ask for the token again. Thread safe.
+/// Lets a browser show its token only once: afterwards it shows a secret that is valid for one page session. Kept in
+/// memory only, so after a restart pages ask for the token again. Thread safe.
 class PageSessions {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  static constexpr std::size_t most = 256;         // one more, and the one that was used longest ago ends
-  static constexpr std::chrono::hours unused{12};  // after so long it ends by itself
+  static constexpr std::size_t most = 256;         // beyond, the one unused for longest ends
+  static constexpr std::chrono::hours unused{12};  // after which a session ends
 
-  /// A new session's secret, 64 hexadecimal digits. `credentials` are kept as they were shown: whether they are still
-  /// good is asked each time (OperatorGuard).
+  /// Starts a session and returns its secret, 64 hexadecimal digits. `credentials` are kept as shown; OperatorGuard
+  /// checks each time whether they are still valid.
   std::string begin(std::string credentials, Time now);
-  /// What was shown when the session began; nullopt: there is none of this secret.
+  /// The credentials shown at the start; nullopt: there is no session with this secret.
   std::optional<std::string> credentials(std::string_view secret, Time now);
   void end(std::string_view secret);
 

@@ -76,7 +76,7 @@ Result<std::size_t> RevocationLog::add(const Entry& entry) {
   return slot;
 }
 
-/// Not synced: one that comes back after a power cut is made once more.
+/// Not synced: if it comes back after a power cut, the revocation is only repeated.
 void RevocationLog::remove(std::size_t slot) {
   const std::lock_guard lock(mutex_);
   if (write(file_, slot, {})) taken_[slot] = false;

@@ -9,34 +9,34 @@
 
 namespace headframe {
 
-/// Revocations that the database has not taken yet, in a small file whose blocks are taken on the disk when it is made:
-/// a full disk refuses the database's writes, and these it does not. Thread safe.
+/// Revocations that the database has not stored yet, in a small file whose blocks are allocated when it is created, so
+/// that they can be recorded on a full disk, which refuses the database's writes. Thread safe.
 class RevocationLog {
  public:
-  static constexpr std::size_t slots = 256;  // that may wait at once; more are refused
+  static constexpr std::size_t slots = 256;  // that can be used at once; more are refused
 
   struct Entry {
     std::string robot;
-    std::string token_digest;  // of the credential that was revoked, 32 bytes; empty: it had none
+    std::string token_digest;  // 32 bytes, of the revoked credential; empty: it had none
   };
 
-  /// Makes the file (mode 0600) when it is not there. unavailable: it can not be made or written; bad_input: it is
-  /// none.
+  /// Creates the file (mode 0600) if it does not exist. unavailable: it cannot be created or written; bad_input: it is
+  /// not such a file.
   static Result<RevocationLog> open(const std::filesystem::path& file);
   RevocationLog(RevocationLog&& other) noexcept;
   RevocationLog& operator=(RevocationLog&&) = delete;
   ~RevocationLog();
 
-  /// On the disk when it returns, which waits for it: the slot. unavailable: all slots wait, or the disk says no.
+  /// Blocks until the entry is on the disk, and returns its slot. unavailable: all slots are used, or the disk failed.
   Result<std::size_t> add(const Entry& entry);
-  /// The database has it.
+  /// Call when the database has stored the revocation.
   void remove(std::size_t slot);
 
   struct Waiting {
     std::size_t slot = 0;
     Entry entry;
   };
-  /// What a server before this one could not hand on.
+  /// Entries left by an earlier server.
   std::vector<Waiting> waiting() const;
 
  private:

@@ -45,8 +45,8 @@ Result<void> RobotGate::restore() {
   return {};
 }
 
-/// What was revoked while the disk was full, and the process ended before there was room. A robot that has enrolled
-/// anew since is another matter.
+/// Repeats revocations that were made while the disk was full, if the process ended before they were stored. Not for a
+/// robot that has enrolled again since.
 void RobotGate::revoke_again(const std::vector<RobotRecord>& stored) {
   for (const RevocationLog::Waiting& waiting : revocations_->waiting()) {
     const auto it = std::find_if(stored.begin(), stored.end(),
@@ -110,7 +110,7 @@ void RobotGate::revoke(const std::string& robot, const std::function<void(const 
   if (!revoked) return done(tl::unexpected(revoked.error()));
   seams_.ended(robot, "it was revoked");
   spdlog::info("robot {} was revoked", robot);
-  // Not taken back when it can not be stored: better locked out than let in.
+  // Not undone if it cannot be stored: better to lock out a robot than to let it in.
   const auto slot = revocations_ ? revocations_->add({robot, revoked->after.token_digest})
                                  : Result<std::size_t>(failure(ErrorCode::unavailable, "there is no list"));
   if (!slot) return store_.write(PutRobot{revoked->after}, done);

@@ -86,7 +86,7 @@ Result<std::optional<RobotRegistry::Change>> RobotRegistry::admit(const std::str
   const bool is_known = known != robots_.end();
   const bool token_fits = is_known && is_token_of(known->second, shown.token);
   if (token_fits && !known->second.revoked) return std::nullopt;
-  if (shown.code.empty())  // only who has its token learns that it was revoked
+  if (shown.code.empty())  // only a robot with its token learns that it was revoked
     return refused(name, (token_fits ? "it was revoked" : "this is not its credential") + ask_for_another(name));
   if (!is_known || known->second.code_digest.empty() || !same_secret(sha256(shown.code), known->second.code_digest))
     return refused(name, "this enrolment code is not for it, or was used" + ask_for_another(name));
@@ -107,7 +107,7 @@ bool RobotRegistry::holds(const std::string& name, const std::string& token) con
 void RobotRegistry::take_back(const Change& change) {
   const std::lock_guard lock(mutex_);
   const auto known = robots_.find(change.after.name);
-  if (known == robots_.end() || !(known->second == change.after)) return;  // changed again since
+  if (known == robots_.end() || !(known->second == change.after)) return;  // it was changed again since
   if (change.before)
     known->second = *change.before;
   else

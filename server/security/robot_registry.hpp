@@ -11,12 +11,12 @@
 
 namespace headframe {
 
-/// What a robot shows: 32 random bytes that it made itself, and once the code that makes them its credential.
+/// What a robot shows: 32 random bytes that it generated, and at first the code that makes them its credential.
 struct Credential {
   std::string token, code;  // empty: none
 };
 
-/// Who may be a robot here, in memory; RobotGate stores what changes. Times are seconds since the epoch. Thread safe.
+/// Which robots may connect, in memory; RobotGate stores the changes. Times are seconds since the epoch. Thread safe.
 class RobotRegistry {
  public:
   static constexpr double code_lifetime_s = 3600;
@@ -28,30 +28,31 @@ class RobotRegistry {
 
   struct Change {
     RobotRecord after;
-    std::optional<RobotRecord> before;  // nullopt: it was not known
+    std::optional<RobotRecord> before;  // nullopt: the robot was unknown
   };
   struct Opened {
-    std::string code;  // to be told to the operator; only its digest is kept
+    std::string code;  // for the operator; only its digest is kept
     Change change;
   };
-  /// Opens an enrolment; an earlier code of this robot ends. A robot that is enrolled stays so until the new code is
-  /// used. invalid_argument: no name for a robot; refused: there are too many robots.
+  /// Opens an enrolment; an earlier code of this robot becomes invalid. A robot that is enrolled stays so until the new
+  /// code is used. invalid_argument: an invalid robot name; refused: there are too many robots.
   Result<Opened> open(const std::string& name, double now_s);
 
-  /// From now on neither its token nor an open code lets it in. not_found: there is no such robot.
+  /// From now on neither its token nor an open code is accepted. not_found: no such robot.
   Result<Change> revoke(const std::string& name);
 
-  /// What it may send at most; 0: no limit of its own. It stays when the robot enrols anew. not_found: there is no such
-  /// robot; invalid_argument: beyond most_rate_kib_s.
+  /// Sets the limit of what the robot may send; 0: none of its own. It stays when the robot enrols again. not_found: no
+  /// such robot; invalid_argument: beyond most_rate_kib_s.
   Result<Change> set_rate(const std::string& name, std::uint64_t kib_s);
 
-  /// Lets the robot in, or says why not (refused). A change: the code was used, and the token is its credential now.
+  /// Accepts the robot, or says why not (refused). Returns a change if the code was used, which makes the token its
+  /// credential.
   Result<std::optional<Change>> admit(const std::string& name, const Credential& shown, double now_s);
 
-  /// Whether this token lets this robot in.
+  /// Whether this token is the robot's valid credential.
   bool holds(const std::string& name, const std::string& token) const;
 
-  /// The change could not be stored: as if it had not been.
+  /// Undoes a change that could not be stored.
   void take_back(const Change& change);
 
  private:

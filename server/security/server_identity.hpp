@@ -10,17 +10,19 @@ namespace headframe {
 
 struct ServerIdentity {
   boost::asio::ssl::context tls;
-  std::string fingerprint;  // 32 bytes: by this robots know the server
+  std::string fingerprint;  // 32 bytes; robots recognise the server by it
 };
 
-/// The key and certificate of DIRECTORY/identity.pem (mode 0600); made when it is not there and may be. Whoever has
-/// this file can pretend to be this server; without it no robot knows the server again. Errors are those of
-/// read_private_file, but not_found; refused: it is missing and may not be made; bad_input: something else is in it.
+/// The key and certificate in DIRECTORY/identity.pem (mode 0600), which is created if it does not exist and
+/// may_be_made. Whoever has this file can pretend to be this server; without it no robot recognises the server. Fails
+/// like read_private_file, except not_found; refused: it is missing and may not be created; bad_input: it has other
+/// content.
 Result<ServerIdentity> server_identity(const std::filesystem::path& directory, bool may_be_made);
 
-/// A certificate that an authority gave, with those of its issuers after it, and its private key: PEM files; `key` may
-/// be empty when both are in one. The file with the key has to be its owner's alone. not_found, unavailable: a file can
-/// not be read; refused: others can read the key; bad_input: something else is in it, or they do not fit each other.
+/// A certificate issued by an authority, followed by those of its issuers, and its private key, as PEM files; `key` may
+/// be empty if both are in one file. Only the owner may have access to the file with the key. not_found, unavailable: a
+/// file cannot be read; refused: others can read the key; bad_input: wrong content, or key and certificate do not
+/// belong together.
 Result<ServerIdentity> given_identity(const std::filesystem::path& certificate, const std::filesystem::path& key);
 
 }  // namespace headframe

@@ -1,5 +1,5 @@
 #pragma once
-// How the server names what it keeps. Ids are given by the store, in the order of arrival, and never used again.
+// Ids of stored objects. The store assigns them in order of arrival and never reuses them.
 
 #include <compare>
 #include <cstdint>

@@ -6,13 +6,13 @@
 
 namespace headframe {
 
-/// How often a session looks like itself elsewhere, and what that was found from.
+/// How often a session looks like itself at other places, and the data that this was found from.
 struct SelfLikeness {
-  double path_m = -1;               // of the session then; negative: nobody has looked
-  std::size_t clouds = 0;           // stored then
+  double path_m = -1;               // length of the session then; negative: never searched
+  std::size_t clouds = 0;           // number stored then
   double aliases = 0;               // see Evidence::aliases
   double look_alikes = 0;           // see Evidence::look_alikes
-  std::vector<KeyframeRef> wanted;  // clouds of spots whose walls look alike, and that nobody has looked at closely
+  std::vector<KeyframeRef> wanted;  // clouds that would allow a closer look at places whose walls look alike
 
   bool operator==(const SelfLikeness&) const = default;
 };

@@ -22,7 +22,7 @@ std::set<SessionId> keep_all(const KeptSessions& known) {
     if (!row.complete) growing.insert(row.id);
     if (!row.complete || row.frozen || row.archived || !row.why_aside.empty()) kept.insert(row.id);
   }
-  for (const Alignment& k : known.alignments) {  // its evidence is still looked at
+  for (const Alignment& k : known.alignments) {  // the evidence of these pairs may still be needed
     if (k.state == AlignmentState::rejected) continue;
     if (growing.contains(k.a)) kept.insert(k.b);
     if (growing.contains(k.b)) kept.insert(k.a);
@@ -30,7 +30,7 @@ std::set<SessionId> keep_all(const KeptSessions& known) {
   return kept;
 }
 
-/// Of the keyframes whose clouds are stored.
+/// The keyframes whose clouds are stored, with their places in the component.
 Result<std::vector<Placed>> placed_keyframes(Store& store, const Placement& placement, const Corrections& corrections,
                                              const std::map<std::uint64_t, std::uint64_t>& stored) {
   std::vector<Placed> placed;
@@ -45,7 +45,8 @@ Result<std::vector<Placed>> placed_keyframes(Store& store, const Placement& plac
   return placed;
 }
 
-/// What may go of one component, the newest session first: only what stays of a session covers those before it.
+/// Adds what may be deleted of one component. The newest session comes first, as only clouds that stay cover earlier
+/// ones.
 Result<void> add_covered(Store& store, const KeptSessions& known, const Component& component,
                          const std::set<SessionId>& kept, std::vector<CoveredClouds>& out) {
   std::map<SessionId, const SessionRow*> rows;
@@ -80,7 +81,7 @@ Result<void> add_covered(Store& store, const KeptSessions& known, const Componen
   return {};
 }
 
-constexpr std::size_t portion = 128;  // clouds that are deleted in one commit
+constexpr std::size_t portion = 128;  // clouds deleted in one commit
 
 struct Portions : std::enable_shared_from_this<Portions> {
   Portions(Store& where, LettingGo whom) : store(where), told(std::move(whom)) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Clouds that may go so that others find room, and when they go by themselves.
+// Clouds that may be deleted to make room, and when this happens automatically.
 
 #include <cstdint>
 #include <vector>
@@ -8,21 +8,21 @@
 
 namespace headframe {
 
-/// What of a session may go.
+/// The clouds of one session that may be deleted.
 struct CoveredClouds {
   SessionId session = 0;
   std::vector<CloudSize> clouds;
-  std::uint64_t bytes = 0;   // of these
-  std::uint64_t stored = 0;  // clouds that the session has
+  std::uint64_t bytes = 0;   // of these clouds
+  std::uint64_t stored = 0;  // number of clouds stored of the session
 };
 
-/// [store] keep: all; or newest: covered clouds go while less than free_bytes are left.
+/// [store] keep: all; or newest: covered clouds are deleted while less than free_bytes are free.
 struct KeepPolicy {
   bool newest = false;
   std::uint64_t free_bytes = 0;
 };
 
-/// The first of them that make up so many bytes, or all.
+/// As many from the start as are needed for this number of bytes, or all.
 inline std::vector<CoveredClouds> first_bytes(const std::vector<CoveredClouds>& covered, std::uint64_t bytes) {
   std::vector<CoveredClouds> out;
   std::uint64_t taken = 0;

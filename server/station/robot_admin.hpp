@@ -11,26 +11,26 @@ namespace headframe {
 
 struct RobotRow {
   std::string robot;
-  std::string state;             // invited: a code is open; enrolled; revoked; expired: it never used its code
+  std::string state;             // invited: has an open code; enrolled; revoked; expired: did not use its code in time
   double enrolled_s = 0;         // since the epoch; 0: never
   double code_expires_s = 0;     // since the epoch; 0: no code is open
-  std::uint64_t rate_kib_s = 0;  // what it may send at most; 0: no limit of its own
+  std::uint64_t rate_kib_s = 0;  // limit of what it may send; 0: none of its own
 };
 
-/// Which robots may come in, as the operator sees and decides it. Thread safe and quick; callbacks run once, from any
-/// thread, when what they say is on the disk.
+/// The operator's control over which robots may connect. Thread safe and fast; callbacks run once, from any thread,
+/// when the change is on the disk.
 class RobotAdmin {
  public:
   virtual ~RobotAdmin() = default;
   virtual std::vector<RobotRow> robots() const = 0;
-  /// Of the certificate, hexadecimal.
+  /// Of the server's certificate, hexadecimal.
   virtual std::string fingerprint() const = 0;
-  /// HOST:PORT where robots come; empty: not known.
+  /// HOST:PORT for robots; empty: unknown.
   virtual std::string address() const { return {}; }
-  /// Gives the one string that the robot needs to enrol.
+  /// Returns the string that the robot needs to enrol.
   virtual void add(const std::string& robot, const std::function<void(const Result<std::string>&)>& done) = 0;
   virtual void revoke(const std::string& robot, const std::function<void(const Result<void>&)>& done) = 0;
-  /// From now on, also on a connection that is there. 0: no limit of its own.
+  /// Takes effect at once, also on an existing connection. 0: no limit of its own.
   virtual void set_rate(const std::string& robot, std::uint64_t kib_s,
                         const std::function<void(const Result<void>&)>& done) = 0;
 };

@@ -5,7 +5,7 @@
 
 namespace headframe {
 
-/// The gate as the operator API sees it. Thread safe. Neither may be used after `gate` is gone.
+/// Offers the gate to the operator API. Thread safe. `gate` must outlive this object.
 class RobotDesk : public RobotAdmin {
  public:
   /// fingerprint: 32 bytes.
@@ -23,7 +23,7 @@ class RobotDesk : public RobotAdmin {
  private:
   RobotGate& gate_;
   const std::string fingerprint_;
-  const std::string address_;  // where robots come: as the configuration says, or where the server listens
+  const std::string address_;  // for robots: from the configuration, or where the server listens
 };
 
 }  // namespace headframe

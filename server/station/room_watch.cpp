@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-constexpr int pauses_in_vain = 30;  // to look for what may go reads all keyframes: less often while nothing may
+constexpr int pauses_in_vain = 30;  // checks are costly, so they are rarer while nothing may be deleted
 
 }  // namespace
 
@@ -56,7 +56,7 @@ Result<std::vector<CoveredClouds>> RoomWatch::look() {
   return gone;
 }
 
-/// Waits until they are gone, or the server stops.
+/// Waits until they are deleted, or the server stops.
 Result<void> RoomWatch::let_go(const std::vector<CoveredClouds>& clouds) {
   if (clouds.empty()) return {};
   const auto answer = std::make_shared<std::optional<Result<void>>>();

@@ -10,18 +10,18 @@
 
 namespace headframe {
 
-/// Carries out [store] keep = "newest": while less is free than the policy asks for, covered clouds go, the oldest
-/// first, until half as much again is free. What went is in the log.
+/// Implements [store] keep = "newest": while less space is free than the policy demands, deletes covered clouds, oldest
+/// first, until half as much again is free. Deletions are logged.
 class RoomWatch {
  public:
   explicit RoomWatch(Station& station, std::chrono::milliseconds pause = std::chrono::seconds(10))
       : station_(station), pause_(pause) {}
-  ~RoomWatch();  // ends what it waits for
+  ~RoomWatch();  // ends the waiting
 
-  /// Looks again and again, on a thread of its own. Nothing, where all is kept.
+  /// Checks repeatedly, on its own thread. Does nothing if the policy keeps everything.
   void start(const KeepPolicy& policy);
 
-  /// Looks once: what went. Blocks on the disk.
+  /// Checks once and returns what was deleted. Blocks on the disk.
   Result<std::vector<CoveredClouds>> look();
 
  private:
@@ -34,9 +34,9 @@ class RoomWatch {
     std::mutex mutex;
     std::condition_variable wake;
   };
-  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  // the store may answer when the watch is gone
+  const std::shared_ptr<Bell> bell_ = std::make_shared<Bell>();  // shared: the store may answer when the watch is gone
   bool stopping_ = false;
-  bool said_ = false;  // that nothing may go
+  bool said_ = false;  // that nothing may be deleted was logged
   std::thread thread_;
 };
 

@@ -74,7 +74,7 @@ void StationNotes::drop_survey(SessionId session, Done done) {
       std::move(done));
 }
 
-/// Writes are durable in the order of the calls, so what is seen here is what a restart finds.
+/// Writes become durable in the order of the calls, so what is visible here is what a restart finds.
 void StationNotes::write(Write write, std::function<void()> apply, Done done) {
   store_.write(std::move(write), [this, apply = std::move(apply), done = std::move(done)](const Result<void>& durable) {
     if (durable) {

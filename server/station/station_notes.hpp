@@ -1,5 +1,5 @@
 #pragma once
-// What the operator noted of sessions: labels, notes and surveys. On disk before it counts.
+// The operator's labels, notes and surveys of sessions. They are stored first, then take effect.
 
 #include <functional>
 #include <map>
@@ -9,7 +9,8 @@
 
 namespace headframe {
 
-/// Thread safe. Callbacks run once, on the store's thread, when the note is durable and seen here, or with why not.
+/// Thread safe. Callbacks run once, on the store's thread, when the change is durable and visible here, or with the
+/// failure.
 class StationNotes {
  public:
   using Done = std::function<void(const Result<void>&)>;
@@ -20,17 +21,17 @@ class StationNotes {
 
   std::map<SessionId, std::string> labels() const;
   std::map<SessionId, std::string> notes() const;
-  /// In the order they were set.
+  /// In the order in which they were set.
   std::vector<Survey> surveys() const;
 
-  /// An empty label takes it away. invalid_argument: longer than 128 bytes, or with control characters.
+  /// An empty label removes it. invalid_argument: longer than 128 bytes, or with control characters.
   void rename(SessionId session, const std::string& label, Done done);
-  /// An empty note takes it away. invalid_argument: longer than most_note_bytes, or with control characters but line
-  /// breaks.
+  /// An empty note removes it. invalid_argument: longer than most_note_bytes, or with control characters other than
+  /// line breaks.
   void note(SessionId session, const std::string& note, Done done);
   static constexpr std::size_t most_note_bytes = 2000;
   void set_survey(const Survey& survey, Done done);
-  /// not_found: it has none.
+  /// not_found: the session has none.
   void drop_survey(SessionId session, Done done);
 
  private:

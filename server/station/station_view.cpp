@@ -47,14 +47,14 @@ std::vector<SessionRow> StationView::sessions() const {
     row.why_aside = it->second.why_aside;
     row.archived = it->second.archived;
     row.frozen = it->second.frozen;
-    row.site = it->second.site;  // as of the same moment as the merges
+    row.site = it->second.site;  // from the same moment as the merges
     row.trigger_to_transform_ms = it->second.trigger_to_transform_ms;
   }
   return rows;
 }
 
 AtlasView StationView::atlas() const {
-  const auto view = worker_.view();  // before the keys: every session in it has one
+  const auto view = worker_.view();  // before the keys, so that every session in it has one
   const auto keys = hub_.keys();
   AtlasView atlas{view->atlas, {}, view->corrections};
   for (const Alignment& alignment : view->alignments)
@@ -63,7 +63,7 @@ AtlasView StationView::atlas() const {
 }
 
 Pending StationView::pending() const {
-  const std::size_t unsettled = hub_.unsettled();  // before the worker's: what settles in between is counted there
+  const std::size_t unsettled = hub_.unsettled();  // before the worker's, which counts what is settled in between
   Pending pending = worker_.pending();
   pending.keyframes += unsettled;
   return pending;
@@ -218,7 +218,7 @@ Result<KeyframeCloud> StationView::cloud(SessionId session, std::uint64_t sequen
   return cloud;
 }
 
-/// Logged once.
+/// Logged only once for each cloud.
 Error StationView::damaged(const KeyframeRef& cloud, const Error& why) const {
   const std::string what = "the stored cloud of keyframe " + std::to_string(cloud.sequence) + " of session " +
                            std::to_string(cloud.session) + " is damaged: " + why.message;

@@ -11,7 +11,7 @@
 
 namespace headframe {
 
-/// The operator's view of hub, worker, store and notes. All of them must outlive it, and `io` its waits.
+/// Implements Station on hub, worker, store and notes. All of them must outlive it; so must `io`, on which it waits.
 class StationView : public Station {
  public:
   StationView(boost::asio::io_context& io, SessionHub& hub, MergeWorker& worker, Store& store, StationNotes& notes,

@@ -25,7 +25,7 @@ struct PrivateFile {
   std::string name, content;
 };
 
-/// A copy of the whole database as one transaction sees it.
+/// Copies the whole database in the state seen by one transaction.
 Result<void> copy_database(const fs::path& from, const fs::path& to) {
   auto database = SqliteDatabase::open(from.string());
   if (!database) return tl::unexpected(database.error());
@@ -33,7 +33,7 @@ Result<void> copy_database(const fs::path& from, const fs::path& to) {
   return database->run("VACUUM INTO ?", to.string());
 }
 
-/// A line that is cut off, as one that is being written, costs itself alone.
+/// The file may end with an incomplete line that is being written; readers skip such a line.
 Result<std::string> read_notes(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return failure(ErrorCode::not_found, "there is no " + file.string());
@@ -58,7 +58,7 @@ tl::unexpected<Error> no_backup(const fs::path& file, const std::string& why) {
                  file.string() + " is no whole backup: " + why + "; give a file that headframe backup has written");
 }
 
-/// What of a backup is not a database's: taken out of it.
+/// Takes the private files out of the backup's database.
 Result<std::vector<PrivateFile>> take_private_files(SqliteDatabase& backup) {
   std::vector<PrivateFile> files;
   auto done = backup.each("SELECT name, content FROM private_files", [&](const Row& row) {

@@ -1,5 +1,5 @@
 #pragma once
-// Values that are stored as blobs: little-endian numbers, bit for bit what they were.
+// Values that are stored as blobs: numbers in little-endian order, preserved bit for bit.
 
 #include <cstdint>
 #include <string>
@@ -12,12 +12,12 @@
 namespace headframe {
 
 std::string pose_blob(const Pose& T);
-/// The identity when the blob has another size than pose_blob gives.
+/// Returns the identity if the blob does not have the size that pose_blob gives.
 Pose pose_from_blob(std::string_view blob);
 
-/// 104 bytes each: the sequence (64 bit) and T_component_session as 12 doubles.
+/// 104 bytes for each place: the sequence (64 bit) and T_component_session as 12 doubles.
 std::string places_blob(const std::vector<CorrectedKeyframe>& places);
-/// None when the blob has another size than places_blob gives.
+/// Empty if the blob does not have a size that places_blob gives.
 std::vector<CorrectedKeyframe> places_from_blob(std::string_view blob);
 
 std::string floats_blob(const std::vector<float>& values);

@@ -7,11 +7,11 @@
 
 namespace headframe {
 
-/// 296 bytes each: session and sequence of both keyframes (64 bit), T_from_to as 12 doubles, and the upper half of the
-/// information, row by row; little endian. Empty: null.
+/// 296 bytes for each constraint: session and sequence of both keyframes (64 bit), T_from_to as 12 doubles, and the
+/// upper triangle of the information, row by row; little endian. Empty if `constraints` is null.
 std::string constraints_blob(const PoseConstraints& constraints);
 
-/// Null when the blob is empty, or of another size than constraints_blob gives.
+/// Null if the blob is empty, or does not have a size that constraints_blob gives.
 PoseConstraints constraints_from_blob(std::string_view blob);
 
 }  // namespace headframe

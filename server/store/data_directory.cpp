@@ -15,20 +15,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The database and what SQLite keeps beside it.
+/// The database and SQLite's files beside it.
 constexpr std::array database_files{"headframe.db", "headframe.db-wal", "headframe.db-shm", "headframe.lock"};
 
 constexpr auto others = fs::perms::group_all | fs::perms::others_all;
 
-/// A folder that holds nothing, or a database, is the server's own. One that it shares (a home, /tmp) is left as it is.
+/// A folder that is empty or contains a database is the server's own. A shared one (a home, /tmp) keeps its mode.
 bool looks_our_own(const fs::path& path) {
   std::error_code error;
   const bool shared = (fs::status(path, error).permissions() & fs::perms::sticky_bit) != fs::perms::none;
   return !shared && (fs::is_empty(path, error) || fs::exists(path / "headframe.db", error));
 }
 
-/// What robots have mapped is nobody else's business on this machine. SQLite gives its other files the database's mode,
-/// so the database is there, empty, before SQLite makes it.
+/// Other users of the machine must not read what robots have mapped. SQLite gives its other files the mode of the
+/// database, so that is created, empty, before SQLite opens it.
 void take_from_others(const fs::path& path, bool is_our_own, DataDirectory::Database database) {
   std::error_code ignored;
   if (is_our_own) fs::permissions(path, others, fs::perm_options::remove, ignored);
@@ -38,7 +38,8 @@ void take_from_others(const fs::path& path, bool is_our_own, DataDirectory::Data
   for (const char* name : database_files) fs::permissions(path / name, others, fs::perm_options::remove, ignored);
 }
 
-/// Held by another process; else by this one from now on. Some file systems can not lock a folder: then it is free.
+/// Whether another process has locked it; otherwise this process now has. If a file system cannot lock folders, it
+/// counts as free.
 bool is_taken(int file) { return ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
 }  // namespace

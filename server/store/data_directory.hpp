@@ -6,13 +6,13 @@
 
 namespace headframe {
 
-/// The server's directory, created when it is not there, and locked against a second server as long as this lives. Only
-/// its owner can read the database, and the directory itself unless other things are kept in it.
+/// The server's directory, created if it does not exist, and locked against a second server while this object exists.
+/// Only its owner can read the database, and also the directory itself unless it has other content.
 class DataDirectory {
  public:
   enum class Database { here, elsewhere };
 
-  /// unavailable when it can not be created or written, or another server holds it.
+  /// unavailable: it cannot be created or written, or another server has locked it.
   static Result<DataDirectory> open(const std::filesystem::path& path, Database database = Database::here);
 
   DataDirectory(DataDirectory&& other) noexcept;
@@ -26,7 +26,7 @@ class DataDirectory {
       : path_(std::move(path)), lock_(lock), folder_(folder) {}
 
   std::filesystem::path path_;
-  // Servers of before held the lock file alone, which can be removed under a server; the folder can not.
+  // Earlier servers locked only the lock file, which can be removed while a server runs; the folder cannot.
   int lock_ = -1, folder_ = -1;
 };
 

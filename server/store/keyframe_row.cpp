@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-/// Rotations are computed from quaternions; everything else is stored as it came.
+/// Rotations are computed from quaternions; all other values are stored as received.
 bool same_pose(const Pose& a, const Pose& b) {
   return a.translation() == b.translation() && (a.linear() - b.linear()).cwiseAbs().maxCoeff() < 1e-9;
 }

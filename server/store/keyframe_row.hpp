@@ -1,5 +1,5 @@
 #pragma once
-// A keyframe as a row of its table.
+// A keyframe as a row of a table.
 
 #include <optional>
 
@@ -8,27 +8,28 @@
 
 namespace headframe {
 
-/// SELECT ... FROM keyframes, with the columns that keyframe_of() reads; conditions follow.
+/// SELECT ... FROM keyframes, with the columns that keyframe_of() reads; the caller appends conditions.
 std::string select_keyframes();
-/// nullopt: what is in the row is not what was written there. Rows of before there were checksums are believed.
+/// Nullopt if the row is not what was written. Rows from before there were checksums are trusted.
 std::optional<Keyframe> keyframe_of(const Row& row);
 
-/// The same where merging has it by now: keyframes are called k there.
+/// The same with the poses that merging uses now; the table keyframes has the alias k.
 std::string select_moved_keyframes();
 std::optional<Keyframe> moved_keyframe_of(const Row& row);
 
-/// What stands for a keyframe whose row is damaged: its number, at the place of its neighbour, and nothing seen there.
+/// Replaces a keyframe whose row is damaged: it keeps its number, gets its neighbour's pose, and has no walls,
+/// descriptor or cloud.
 Keyframe stand_in(std::uint64_t sequence, const Keyframe& neighbour);
 
-/// Makes its row if it follows the last of a session that is stored; `stored` is told 1 then, else 0.
+/// Inserts the keyframe if it follows the last one of a stored session; `stored` is then called with 1, else with 0.
 Result<void> insert_keyframe(Database& database, std::int64_t session, const Keyframe& keyframe,
                              const Database::Changed& stored);
 
-/// The last sequence of a session; 0: it has none.
+/// The last sequence number of a session; 0: none.
 Result<std::uint64_t> last_keyframe(Database& database, std::int64_t session);
 
-/// What tells two keyframes apart, for people; nullptr: they are the same one, if perhaps computed from its bytes by
-/// another build of the server.
+/// The difference between two keyframes, in words; nullptr if they are the same, allowing for rounding by another build
+/// of the server.
 const char* difference(const Keyframe& stored, const Keyframe& repeated);
 
 }  // namespace headframe

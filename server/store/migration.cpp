@@ -42,7 +42,7 @@ Result<std::unique_ptr<PostgresDatabase>> taken_postgres(const std::string& url)
   return database;
 }
 
-/// Tables without a row, as a server leaves them that was started and never used, are made anew.
+/// Creates the tables. Replaces existing ones without rows, as left by a server that was started but never used.
 Result<void> make_empty_tables(PostgresDatabase& to) {
   const auto there = has_tables(to);
   if (!there) return tl::unexpected(there.error());
@@ -84,7 +84,7 @@ Result<Migrated> migrate_to_postgres(const fs::path& directory, const std::strin
     auto from = SqliteDatabase::open(file.string());
     if (!from) return tl::unexpected(from.error());
     auto ready = migrate(*from);
-    if (ready) ready = from->execute("PRAGMA journal_mode=DELETE");  // the file alone is the database from here on
+    if (ready) ready = from->execute("PRAGMA journal_mode=DELETE");  // afterwards the file alone is the database
     if (!ready) return tl::unexpected(ready.error());
     migrated = fill(*from, **to, progress);
     if (!migrated) return migrated;

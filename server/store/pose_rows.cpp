@@ -30,7 +30,7 @@ Result<void> put_moved(Database& db, SessionId session, const KeyframePose& pose
       session, pose.sequence, Blob{T}, pose_checksum(session, pose.sequence, T));
 }
 
-/// A damaged row goes: its keyframe stays where it was.
+/// Skips damaged rows; their keyframes stay where they were.
 template <class Visit>
 Result<void> each_pose(Database& db, const std::string& columns, SessionId session, std::uint64_t first, Visit visit) {
   return db.each(
@@ -77,7 +77,7 @@ Result<void> put(Database& db, const MovedPoses& write) {
     if (done) done = put_moved(db, write.session, pose);
   if (done) done = db.run("DELETE FROM pose_updates WHERE session=? AND number<=?", write.session, write.number);
   if (write.poses.empty()) return done;
-  // Whatever was tried with the poses before has to be tried again, also after a restart.
+  // Attempts with the earlier poses have to be repeated, also after a restart.
   return done ? db.run("UPDATE sessions SET attempted_keyframes=0, attempted_whole=0 WHERE id=?", write.session) : done;
 }
 

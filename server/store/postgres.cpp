@@ -57,7 +57,7 @@ Result<void> PostgresDatabase::query(std::string_view sql, std::span<const SqlVa
   return finish(visit);
 }
 
-/// The name under which the server knows the statement. In pipeline mode it is told with the next settle().
+/// The name under which the server knows the statement. In pipeline mode it is prepared by the next settle().
 Result<std::string> PostgresDatabase::known_as(std::string_view sql, const PostgresValues& values) {
   std::string statement(sql);
   if (const auto known = prepared_.find(statement); known != prepared_.end()) return known->second;
@@ -121,7 +121,7 @@ void PostgresDatabase::take_answer(Sent& of, const pg_result* result) {
   if (status != PGRES_PIPELINE_ABORTED && !first_fault_) first_fault_ = fault(result).value();
 }
 
-/// Takes all results of what was sent outside of pipeline mode.
+/// Reads all results of what was sent outside pipeline mode.
 Result<void> PostgresDatabase::finish(const Visit& visit) {
   Result<void> done;
   while (true) {
@@ -148,7 +148,7 @@ Result<void> PostgresDatabase::wait(bool to_write) {
   return {};
 }
 
-/// Answers are taken in meanwhile: neither side waits for the other to listen.
+/// Reads answers meanwhile, so that neither side blocks because the other does not read.
 Result<void> PostgresDatabase::push_out() {
   int left = 0;
   while ((left = PQflush(connection_.get())) > 0)

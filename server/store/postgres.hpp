@@ -1,5 +1,5 @@
 #pragma once
-// A thin coat over libpq: statements are prepared once and kept, those without rows are sent one after the other and
+// A thin wrapper of libpq: statements are prepared once and kept, those without result rows are sent in sequence and
 // answered together (pipeline mode), errors are values.
 
 #include <deque>
@@ -15,21 +15,22 @@ struct pg_result;
 
 namespace headframe {
 
-/// What a PostgreSQL is called in messages: database and host, without user and password. bad_input: libpq does not
-/// understand the URL.
+/// The name of a PostgreSQL database in messages: database and host, without user and password. bad_input: libpq cannot
+/// parse the URL.
 Result<std::string> postgres_name(const std::string& url);
 
-/// A connection to PostgreSQL 12 or newer. All tables are looked for in its schema `headframe`. unavailable also when
-/// the server goes away, is shut down, or says nothing for 30 s: the connection is lost then, and every call fails so
-/// until connect() succeeds. What fails in a transaction fails all of it.
+/// A connection to PostgreSQL 12 or newer. All tables are in its schema `headframe`. unavailable also means that the
+/// server went away, was shut down, or did not answer for 30 s: then the connection is lost, and every call fails until
+/// connect() succeeds. A failure within a transaction makes all of it fail.
 class PostgresDatabase final : public Database {
  public:
-  /// Does not connect. `name` as postgres_name gives it.
+  /// Does not connect yet. `name` as returned by postgres_name.
   PostgresDatabase(std::string url, std::string name);
   ~PostgresDatabase() override;
 
-  /// A new connection in place of the one before. unavailable: no server answers there, or it is a standby; bad_input:
-  /// it will not have us (no such database or role, another password), or is not fit to keep what is acknowledged.
+  /// Makes a new connection, replacing an earlier one. unavailable: no server answers, or it is a standby; bad_input:
+  /// it refuses the connection (no such database or role, wrong password), or is not configured to keep acknowledged
+  /// data safely.
   Result<void> connect();
   bool is_connected() const override { return connection_ != nullptr; }
   const std::string& name() const { return name_; }
@@ -49,7 +50,7 @@ class PostgresDatabase final : public Database {
   };
   using PgResult = std::unique_ptr<pg_result, Clear>;
   struct Sent {
-    std::string prepares;  // the statement that it makes known to the server; empty: it runs one
+    std::string prepares;  // name of the statement that it prepares; empty: it runs one
     Changed changed;
   };
 
@@ -65,12 +66,12 @@ class PostgresDatabase final : public Database {
   tl::unexpected<Error> lost(const std::string& why);
 
   const std::string url_, name_;
-  std::unique_ptr<pg_conn, Finish> connection_;            // null: lost
-  std::unordered_map<std::string, std::string> prepared_;  // statement, and its name
-  std::deque<Sent> sent_;                                  // in pipeline mode, and not answered
+  std::unique_ptr<pg_conn, Finish> connection_;            // null: connection lost
+  std::unordered_map<std::string, std::string> prepared_;  // names by statement
+  std::deque<Sent> sent_;                                  // sent in pipeline mode and not yet answered
   std::size_t sent_bytes_ = 0;
   std::uint64_t names_ = 0;
-  std::optional<Error> first_fault_;  // of what was sent
+  std::optional<Error> first_fault_;  // of the statements sent
 };
 
 }  // namespace headframe

@@ -11,7 +11,7 @@ RowChecksum& RowChecksum::add(std::uint64_t value) {
 
 RowChecksum& RowChecksum::add(double value) { return add(std::bit_cast<std::uint64_t>(value == 0 ? 0.0 : value)); }
 
-/// With its length, so that what stands at the end of one column can not stand at the beginning of the next.
+/// Includes the length, so that bytes moved from the end of one column to the start of the next change the sum.
 RowChecksum& RowChecksum::add(std::string_view bytes) {
   for (const char c : bytes) sum_ = (sum_ ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
   return add(std::uint64_t{bytes.size()});

@@ -5,14 +5,14 @@
 
 namespace headframe {
 
-/// A checksum over what a row holds, so that a bit that turned on the disk is noticed (FNV-1a, 64 bits). Nobody is kept
-/// from forging it.
+/// A checksum of a row's content, to detect bits that changed on the disk (FNV-1a, 64 bits). It does not prevent
+/// forgery.
 class RowChecksum {
  public:
   RowChecksum& add(std::string_view bytes);
   RowChecksum& add(std::uint64_t value);
   RowChecksum& add(double value);
-  /// As a column holds it.
+  /// In the form in which it is stored in a column.
   std::int64_t value() const;
 
  private:

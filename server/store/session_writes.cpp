@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-/// A damaged row is carried over as it is: its checksum fits no better there.
+/// A damaged row is moved as it is; its checksum does not match afterwards either.
 Result<void> carry_over_damaged(Database& db, const SplitSession& write, std::uint64_t sequence) {
   return db.run(
       "INSERT INTO keyframes SELECT ?1, sequence - ?2 + 1, stamp_s, T_local_sensor, spaciousness_m, q, w, place_class,"
@@ -16,7 +16,7 @@ Result<void> carry_over_damaged(Database& db, const SplitSession& write, std::ui
       write.part.id, write.from, write.session, sequence);
 }
 
-/// Row by row: a checksum is of its session and number too.
+/// Row by row, because a checksum includes the row's session and number.
 Result<void> carry_over_keyframes(Database& db, const SplitSession& write) {
   std::vector<std::pair<std::uint64_t, std::optional<Keyframe>>> rows;
   auto done = db.each(

@@ -1,12 +1,12 @@
 #pragma once
-// Writes that make, end and name sessions.
+// Writes that create, end and name sessions.
 
 #include "server/store/database.hpp"
 #include "server/store/store.hpp"
 
 namespace headframe {
 
-// Errors as Database::change().
+// They fail like Database::change().
 Result<void> put(Database& db, const PutSession& write);
 Result<void> put(Database& db, const SplitSession& write);
 Result<void> put(Database& db, const CompleteSession& write);

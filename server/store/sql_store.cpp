@@ -65,7 +65,7 @@ Result<void> SqlStore::each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) {
   const std::lock_guard lock(mutex_);
   std::optional<Keyframe> last;
-  std::vector<std::uint64_t> damaged;  // before the first that is whole
+  std::vector<std::uint64_t> damaged;  // before the first one that is intact
   auto read = reader_->each(
       select_moved_keyframes() + " WHERE k.session=? AND k.sequence>=? ORDER BY k.sequence",
       [&](const Row& row) {
@@ -201,7 +201,7 @@ Result<std::filesystem::path> SqlStore::backup() {
   return file;
 }
 
-/// Under the lock.
+/// Call under the lock.
 void SqlStore::note_damage(const KeyframeRef& keyframe) {
   damaged_.insert(keyframe);
   damaged_count_ = damaged_.size();

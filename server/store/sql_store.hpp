@@ -1,5 +1,5 @@
 #pragma once
-// The store, over whichever SQL database it has been given connections to.
+// The store on an SQL database, through the connections it is given.
 
 #include <atomic>
 #include <functional>
@@ -12,15 +12,15 @@
 
 namespace headframe {
 
-/// What a store is made of.
+/// The parts of a store.
 struct SqlStoreParts {
   DataDirectory directory;
   std::unique_ptr<Database> reader;
   std::unique_ptr<WriterConnection> writer;
   StoreOptions options;
-  /// Makes a backup as this file.
+  /// Writes a backup to this file.
   std::function<Result<void>(const std::filesystem::path& file)> write_backup;
-  /// As Store::free_bytes(), by what the reader tells.
+  /// Like Store::free_bytes(), using the reader.
   std::function<Result<std::optional<std::uint64_t>>(Database& reader)> free_bytes;
 };
 
@@ -54,7 +54,7 @@ class SqlStore final : public Store {
   DataDirectory directory_;
   std::function<Result<void>(const std::filesystem::path&)> write_backup_;
   std::function<Result<std::optional<std::uint64_t>>(Database&)> free_bytes_;
-  std::mutex mutex_;  // of reader_ and damaged_
+  std::mutex mutex_;  // protects reader_ and damaged_
   std::set<KeyframeRef> damaged_;
   std::atomic<std::size_t> damaged_count_ = 0;
   std::mutex backup_mutex_;

@@ -1,5 +1,5 @@
 #pragma once
-// A thin coat over SQLite: statements are prepared once and kept, errors are values.
+// A thin wrapper of SQLite: statements are prepared once and kept, errors are values.
 
 #include <memory>
 #include <string>
@@ -12,13 +12,13 @@ struct sqlite3_stmt;
 
 namespace headframe {
 
-/// Nothing is answered later. bad_input also when the file can not be written. Messages name the file.
+/// Every call returns its own result. bad_input also if the file cannot be written. Messages name the file.
 class SqliteDatabase final : public Database {
  public:
   static Result<SqliteDatabase> open(const std::string& path);
 
-  /// Whether its file, or its log, still lies where it was opened; else nobody will find again what is written there.
-  /// bad_input: it does not.
+  /// Checks that the database file and its log are still where they were opened; otherwise what is written is lost.
+  /// bad_input: they are not.
   Result<void> still_there() const;
 
   Result<void> execute(const std::string& sql) override;
@@ -41,7 +41,7 @@ class SqliteDatabase final : public Database {
 
   std::string path_;
   std::unique_ptr<sqlite3, Close> handle_;
-  std::unordered_map<std::string, std::unique_ptr<sqlite3_stmt, Finalize>> statements_;  // gone before handle_
+  std::unordered_map<std::string, std::unique_ptr<sqlite3_stmt, Finalize>> statements_;  // destroyed before handle_
 };
 
 }  // namespace headframe

@@ -33,7 +33,7 @@ constexpr std::uint64_t page_bytes = 16384;
 
 std::uint64_t most_pages(const StoreOptions& options) { return options.database_bytes / page_bytes + 1; }
 
-/// Pages of the file that nothing lies in any more are written to before it grows.
+/// Includes unused pages of the file, which are written to before it grows.
 Result<std::optional<std::uint64_t>> free_bytes(Database& reader, const std::filesystem::path& directory,
                                                 const StoreOptions& options) {
   std::uint64_t pages = 0, unused = 0;

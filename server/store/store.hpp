@@ -1,5 +1,5 @@
 #pragma once
-// What the base station keeps: sessions, keyframes, clouds, alignments, revisions; in SQLite or PostgreSQL.
+// The data of the base station: sessions, keyframes, clouds, alignments, revisions; in SQLite or PostgreSQL.
 
 #include <cstdint>
 #include <filesystem>
@@ -31,35 +31,35 @@ struct SessionRecord {
   std::uint32_t q_size = 0;
   std::uint32_t w_size = 0;
   std::uint64_t spool_id = 0;
-  std::uint64_t spool_run = 0;            // the last opening of the spool that was admitted; 0: it does not say
-  bool complete = false;                  // the robot said that no keyframe follows
-  std::uint64_t attempted_keyframes = 0;  // how many the last finished merge attempt has seen
-  bool attempted_whole = false;           // ... and it expected no more: the session had ended, or rested
-  bool archived = false;                  // kept, and left out of everything until it is restored
-  std::string site = {};                  // the mine it was driven in, by the operator's name; empty: he has one alone
-  std::uint64_t pose_update = 0;          // the newest of its robot's that is stored; of a session with parts, of all
+  std::uint64_t spool_run = 0;            // the last admitted run of the spool; 0: not stated
+  bool complete = false;                  // the robot said that no further keyframe follows
+  std::uint64_t attempted_keyframes = 0;  // number of keyframes that the last finished merge attempt used
+  bool attempted_whole = false;           // ... and the session had then ended or paused
+  bool archived = false;                  // kept, but left out of everything until it is restored
+  std::string site = {};                  // the operator's name for the mine it was driven in; empty: there is only one
+  std::uint64_t pose_update = 0;          // the newest stored update of poses; for a session with parts, of all parts
 };
 
-/// A robot that was let in, or may be. Only digests are kept: SHA-256 of secrets that are random and long.
+/// A robot that is or may be enrolled. Only digests are stored: SHA-256 of long random secrets.
 struct RobotRecord {
   std::string name;
-  std::string token_digest;   // 32 bytes; empty: it has not enrolled, or was revoked
-  std::string code_digest;    // of the enrolment code that is open; empty: none
+  std::string token_digest;   // 32 bytes; empty: it is not enrolled, or was revoked
+  std::string code_digest;    // of an open enrolment code; empty: none
   double code_expires_s = 0;  // since the epoch
   double enrolled_s = 0;      // since the epoch; 0: never
   bool revoked = false;
-  std::uint64_t rate_kib_s = 0;  // what it may send at most; 0: no limit of its own
+  std::uint64_t rate_kib_s = 0;  // limit of what it may send; 0: none of its own
 
   bool operator==(const RobotRecord&) const = default;
 };
 
-// Writes. Each may come again (a robot repeats what was not acknowledged): the second time changes nothing. A keyframe
-// that comes again with other content is refused.
+// Writes. Each may be repeated (a robot repeats what was not acknowledged); the repetition has no effect. A keyframe
+// that is repeated with other content is refused.
 struct PutSession {
   SessionRecord session;
 };
-/// The session ends before its keyframe `from`. What is stored of it from there on, which may be nothing, becomes the
-/// part's, counted from 1; merges are of what stays.
+/// The session ends before its keyframe `from`. What is stored of it from there on, possibly nothing, becomes `part`,
+/// with numbers from 1; earlier merges belong to the first part.
 struct SplitSession {
   SessionId session = 0;
   std::uint64_t from = 0;
@@ -69,12 +69,12 @@ struct PutKeyframe {
   SessionId session = 0;
   Keyframe keyframe;
 };
-/// Where keyframes that are stored lie now, as the robot's SLAM has it. It waits until merging takes it in
-/// (MovedPoses); until then each_keyframe() tells the poses of before. Of the session that the robot knows, and its
-/// parts.
+/// The poses that stored keyframes have now, from the robot's SLAM. They wait until merging takes them over
+/// (MovedPoses); until then each_keyframe() returns the earlier poses. `session` is the one that the robot knows;
+/// `sessions` holds it and its parts.
 struct PutPoses {
   struct OfSession {
-    std::uint64_t keyframes = 0;      // that came before it: later ones lie in the frame as it is after it
+    std::uint64_t keyframes = 0;      // that came before the update; later ones are in the frame after it
     std::vector<KeyframePose> poses;  // by rising sequence
   };
   SessionId session = 0;
@@ -85,48 +85,48 @@ struct PutCloud {
   KeyframeRef keyframe;
   std::string encoded;
 };
-/// Deletes clouds for good, so that others find room; they are not taken again.
+/// Deletes clouds for good, to make room; they are not accepted again.
 struct LetGo {
   std::vector<KeyframeRef> clouds;
 };
 struct CompleteSession {
   SessionId session = 0;
 };
-/// What came of trying to merge a session. Where nothing was wrong there is none.
+/// Problems with merging a session. There is no record if there were none.
 struct TroubleRecord {
   SessionId session = 0;
-  int deaths = 0;         // work on it that ended the server, hung or failed, since work on it went well
-  int kills = 0;          // work on it in which the server was killed from outside, since then
-  std::string why_aside;  // it is not merged, and why; empty: it is
-  bool deleted = false;   // its keyframes and clouds are gone for good; the row stays so that its robot can be told
+  int deaths = 0;         // times that work on it ended the server, hung or failed, since such work last succeeded
+  int kills = 0;          // times that the server was killed from outside during such work, since then
+  std::string why_aside;  // why it is set aside and not merged; empty: it is not set aside
+  bool deleted = false;   // its keyframes and clouds are deleted; the row stays so that its robot can be told
 
   bool operator==(const TroubleRecord&) const = default;
 };
-/// Replaces the session's. deleted: its keyframes, clouds and survey are deleted with it.
+/// Replaces the session's record. deleted: its keyframes, clouds and survey are deleted too.
 struct PutTrouble {
   TroubleRecord trouble;
 };
-/// The session is kept and left out of everything, or is so no more.
+/// Archives the session (kept, but left out of everything), or restores it.
 struct PutArchived {
   SessionId session = 0;
   bool archived = false;
 };
-/// The session was driven in another mine than was thought.
+/// Changes the mine in which the session was driven.
 struct PutSite {
   SessionId session = 0;
   std::string site;
 };
-/// Where sessions that this robot begins from now on are driven; empty: at no site.
+/// The site of sessions that this robot starts from now on; empty: no site.
 struct PutRobotSite {
   std::string robot, site;
 };
-/// Merging has taken in what waited, up to this update.
+/// Merging has taken over the waiting updates up to this number.
 struct MovedPoses {
   SessionId session = 0;
   std::uint64_t number = 0;
   std::vector<KeyframePose> poses;
 };
-/// What one attempt or decision changed, in one transaction.
+/// The changes of one attempt or decision, in one transaction.
 struct PutMerge {
   SessionId attempted = 0;  // 0: none
   std::uint64_t attempted_keyframes = 0;
@@ -134,12 +134,12 @@ struct PutMerge {
   std::optional<Atlas> atlas;                            // a new revision
   std::vector<DecisionRecord> decided;                   // new ones, and those that were undone
   SessionId anchored = 0;                                // chosen as its component's anchor; 0: none
-  std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces what was known
+  std::map<SessionId, SelfLikeness> self_likeness = {};  // replaces earlier records
   bool attempted_whole = false;
-  std::vector<PairClosures> closures = {};  // they replace those of the pairs
-  std::vector<FrozenSession> frozen = {};   // they replace those of their sessions
-  SessionId thawed = 0;                     // frozen no more; 0: none
-  std::optional<PutTrouble> trouble = {};   // this and the next: with what it does to the atlas
+  std::vector<PairClosures> closures = {};  // replace those of the pairs
+  std::vector<FrozenSession> frozen = {};   // replace those of their sessions
+  SessionId thawed = 0;                     // a session that is no longer frozen; 0: none
+  std::optional<PutTrouble> trouble = {};   // this and the following, with their effects on the atlas
   std::optional<PutArchived> archived = {};
   std::optional<PutSite> site = {};
   std::optional<MovedPoses> moved = {};
@@ -149,12 +149,12 @@ struct PutLabel {
   SessionId session = 0;
   std::string label;
 };
-/// What the operator wants to be remembered of a session; empty: nothing.
+/// The operator's note on a session; empty: none.
 struct PutSessionNote {
   SessionId session = 0;
   std::string note;
 };
-/// Replaces the session's survey, and counts as the one set last.
+/// Replaces the session's survey and makes it the one set last.
 struct PutSurvey {
   Survey survey;
 };
@@ -173,18 +173,18 @@ struct StoreLoad {
   std::uint64_t durable_writes = 0;
   std::uint64_t failed_writes = 0;
   std::uint64_t commits = 0;
-  double commit_s = 0;                // spent in them, until they were durable
-  std::size_t queue_bytes = 0;        // the most that may be queued
-  std::size_t damaged_keyframes = 0;  // rows that were read and are not what was written
-  std::string last_error;             // empty when the last write was well
-  std::string waits_for;              // why the next write can not be made yet; empty: it can. It is tried again
-  std::string broken;  // why nothing is written any more, until the store is opened anew; empty: it is well
+  double commit_s = 0;                // total time until commits were durable
+  std::size_t queue_bytes = 0;        // limit of queued bytes
+  std::size_t damaged_keyframes = 0;  // rows found that are not what was written
+  std::string last_error;             // empty if the last write succeeded
+  std::string waits_for;              // why the next write is delayed; empty: it is not; it is retried
+  std::string broken;                 // why nothing can be written until the store is reopened; empty: it can
 };
 
-/// What waits until merging takes it in, of one session.
+/// Updates of poses of one session that merging has not taken over yet.
 struct NewPoses {
-  std::uint64_t number = 0;         // of the newest update; 0: nothing waits
-  std::uint64_t keyframes = 0;      // that came before the first of them
+  std::uint64_t number = 0;         // the newest update; 0: none waits
+  std::uint64_t keyframes = 0;      // number that came before the first of them
   std::vector<KeyframePose> poses;  // by rising sequence
 };
 
@@ -214,51 +214,51 @@ class Store {
  public:
   using Done = std::function<void(const Result<void>&)>;
 
-  /// Finishes what is queued.
+  /// Finishes queued writes.
   virtual ~Store() = default;
 
-  /// Never blocks. `done` runs once: on the writer's thread after the durable commit or the failure, or at once when
-  /// the queue is full (unavailable). A full or slow disk, or a database that is away, is no failure: the write waits.
-  /// It must be quick.
-  /// Writes are applied in the order of the calls, but LetGo before what waits for room; a keyframe that would leave a
-  /// hole in its session's sequence fails. Failures: invalid_argument and refused (another keyframe of this number is
-  /// stored) concern this write alone; bad_input and internal say that the database can not be written any more: from
-  /// then on every write fails so.
+  /// Never blocks. `done` is called once: on the writer's thread after the durable commit or the failure, or at once if
+  /// the queue is full (unavailable); it must be fast. A full or slow disk, or an unreachable database, is not a
+  /// failure: the write waits. Writes are applied in the order of the calls, except that LetGo goes before writes that
+  /// wait for room. A keyframe that would leave a gap in its session's sequence fails. invalid_argument and refused
+  /// (another keyframe with this number is stored) concern only this write; bad_input and internal mean that the
+  /// database can no longer be written, and from then on every write fails.
   virtual void write(Write write, Done done) = 0;
   virtual StoreLoad load() const = 0;
 
-  /// The database does not answer: reads fail (unavailable), and may be repeated as they were when it is back.
+  /// Whether the database is unreachable: then reads fail (unavailable) and may be repeated unchanged when it is back.
   virtual bool is_away() = 0;
 
-  // Reads block on the disk: never on an I/O thread.
+  // Reads block on the disk: never call them on an I/O thread.
   virtual Result<std::vector<SessionRecord>> sessions() = 0;
-  /// Keyframes from sequence `first` on, in order, where they lie by what merging has taken in. One whose row is
-  /// damaged keeps its number, stands where the one before it does and has seen nothing.
+  /// Keyframes from sequence `first` on, in order, with the poses that merging uses. A keyframe whose row is damaged
+  /// keeps its number, gets the pose of the intact one before it (or else after it) and has no walls, descriptor or
+  /// cloud.
   virtual Result<void> each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) = 0;
   virtual Result<NewPoses> new_poses(SessionId session) = 0;
-  /// How many keyframes it has: the last sequence, 0 without any.
+  /// Number of keyframes, which is the last sequence; 0: none.
   virtual Result<std::uint64_t> last_keyframe(SessionId session) = 0;
   virtual Result<std::vector<std::uint64_t>> cloud_sequences(SessionId session) = 0;
-  /// Of the clouds that are stored, what each takes.
+  /// The size of each stored cloud.
   virtual Result<std::vector<CloudSize>> cloud_sizes(SessionId session) = 0;
-  /// Clouds that were let go, in order.
+  /// Clouds that were deleted to make room, in order.
   virtual Result<std::vector<std::uint64_t>> let_go(SessionId session) = 0;
-  /// How much more can be stored: on the disk and in the database's file, or of StoreOptions::clouds_bytes; none:
-  /// nobody knows.
+  /// How much more can be stored: on the disk and in the database's file, or of StoreOptions::clouds_bytes; nullopt:
+  /// unknown.
   virtual Result<std::optional<std::uint64_t>> free_bytes() = 0;
-  /// Encoded as the robot sent it; not_found when there is none, or when its keyframe's row was found damaged.
+  /// Encoded as the robot sent it; not_found: there is none, or its keyframe's row is damaged.
   virtual Result<std::string> cloud(const KeyframeRef& keyframe) = 0;
   virtual Result<StoredMerge> merge() = 0;
   virtual Result<StoredNotes> notes() = 0;
   virtual Result<std::vector<RobotRecord>> robots() = 0;
-  /// Of the robots that have one.
+  /// The robots that have a site.
   virtual Result<std::map<std::string, std::string>> robot_sites() = 0;
   virtual Result<std::vector<TroubleRecord>> troubles() = 0;
 
-  /// A file with all that is durable now and what robots and operators know the server by (see backup.hpp), in the
-  /// data directory; the caller removes it. Writes go on meanwhile. unavailable: the disk says no, or another
-  /// backup is being made; refused: PostgreSQL is backed up with its own tools.
+  /// Makes a file in the data directory with everything that is durable now and with the server's identity
+  /// (backup.hpp); the caller removes it. Writes continue meanwhile. unavailable: the disk failed, or another backup is
+  /// in progress; refused: PostgreSQL is backed up with its own tools.
   virtual Result<std::filesystem::path> backup() = 0;
 };
 

@@ -6,12 +6,12 @@
 namespace headframe {
 
 struct StoreOptions {
-  std::size_t queue_bytes = 256UL * 1024 * 1024;  // of writes that wait; more are refused
-  std::uint64_t database_bytes = 0;               // of SQLite's file: its limit, reached like a full disk; 0: none
-  std::uint64_t clouds_bytes = 0;                 // that clouds may take in PostgreSQL, for free_bytes(); 0: not known
-  int group_ms = 10;                              // writes that come this close share a commit
+  std::size_t queue_bytes = 256UL * 1024 * 1024;  // limit of waiting writes; further ones are refused
+  std::uint64_t database_bytes = 0;               // size limit of SQLite's file, which acts like a full disk; 0: none
+  std::uint64_t clouds_bytes = 0;                 // space for clouds in PostgreSQL, for free_bytes(); 0: unknown
+  int group_ms = 10;                              // writes that arrive within this time share a commit
   int retry_ms = 500;                             // between attempts to write what the disk refuses ...
-  int longest_retry_ms = 500;                     // ... and, doubled each time, at most
+  int longest_retry_ms = 500;                     // ... doubled each time, up to this
 };
 
 }  // namespace headframe

@@ -30,7 +30,7 @@ std::string joined(const std::vector<TypedColumn>& columns) {
 }
 
 SqlValue value_of(const Row& row, int index, char kind) {
-  if (kind == '~') return row.real(index);  // where it is none, it is NaN in one database and NULL in the other
+  if (kind == '~') return row.real(index);  // a missing number is NaN in one database and NULL in the other
   if (row.is_null(index)) return std::monostate();
   if (kind == '#') return row.integer(index);
   if (kind == '$') return row.blob(index);

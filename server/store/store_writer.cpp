@@ -8,14 +8,14 @@ namespace headframe {
 namespace {
 
 constexpr auto look_after_every = std::chrono::seconds(1);  // while nothing is to be written
-constexpr std::size_t group_bytes = 8UL * 1024 * 1024;      // a commit no greater than this, so that acks keep flowing
+constexpr std::size_t group_bytes = 8UL * 1024 * 1024;      // limit of a commit, so that acknowledgements keep flowing
 
-/// Not one write, nor the disk for now.
+/// Whether the fault is the database's, not that of one write or of the disk for now.
 bool is_of_the_database(const Error& error) {
   return error.code == ErrorCode::bad_input || error.code == ErrorCode::internal;
 }
 
-/// One statement: where it fails, nothing of it was written, and the transaction may go on.
+/// Whether the write is a single statement: if it fails, nothing of it was written, and the transaction may go on.
 bool is_one_statement(const Write& write) {
   return std::holds_alternative<PutKeyframe>(write) || std::holds_alternative<PutCloud>(write);
 }
@@ -159,7 +159,7 @@ Result<void> StoreWriter::try_commit(std::deque<Item>& group, std::size_t count)
   return {};
 }
 
-/// False: the store closes.
+/// Returns false if the store is closing.
 bool StoreWriter::wait_for_room(const Error& why) {
   const int doubled = options_.retry_ms << std::min(waits_++, 10);
   const std::chrono::milliseconds pause(std::clamp(doubled, options_.retry_ms, options_.longest_retry_ms));
@@ -168,7 +168,7 @@ bool StoreWriter::wait_for_room(const Error& why) {
   return !wake_.wait_for(lock, pause, [&] { return stopping_; });
 }
 
-/// It came while others wait for room, and goes first. False: there is none.
+/// Takes a write that makes room, although others that wait came earlier. Returns false if there is none.
 bool StoreWriter::take_what_makes_room(std::deque<Item>& group) {
   const std::lock_guard lock(mutex_);
   const auto found =
@@ -179,7 +179,8 @@ bool StoreWriter::take_what_makes_room(std::deque<Item>& group) {
   return true;
 }
 
-/// From now on. broken_ is only set here, on the writer's thread, which therefore reads it without the lock.
+/// Makes this and all later writes fail. broken_ is set only here, on the writer's thread, which therefore reads it
+/// without the lock.
 void StoreWriter::give_up(const Error& why) {
   if (broken_) return;
   const std::lock_guard lock(mutex_);

@@ -14,16 +14,16 @@
 
 namespace headframe {
 
-/// The thread that writes. Writes that come within options.group_ms share one commit. A keyframe or cloud that is wrong
-/// fails alone, and the others are written as if it were not there. A group that fails for another write is halved
-/// until that one stands alone and fails; one that the disk refuses waits, and all behind it, until there is room, so
-/// nothing is answered that is not durable; only LetGo, which makes room, goes before those. When the database itself
-/// is at fault (damaged, read-only, another schema) trying again is no use: this write and all after it fail. write()
-/// and load() are thread safe.
+/// The thread that writes. Writes that arrive within options.group_ms share one commit. A wrong keyframe or cloud fails
+/// alone, without affecting the others. If a group fails because of another kind of write, it is halved until that
+/// write is alone and fails. A write that the disk refuses waits, and so do all behind it, until there is room; so
+/// nothing is confirmed that is not durable. Only LetGo, which makes room, goes before those. If the database itself is
+/// at fault (damaged, read-only, another schema), this write and all later ones fail. write() and load() are thread
+/// safe.
 class StoreWriter {
  public:
   StoreWriter(std::unique_ptr<WriterConnection> connection, const StoreOptions& options);
-  ~StoreWriter();  // finishes what is queued; what the disk refuses then fails
+  ~StoreWriter();  // finishes queued writes; those that the disk refuses then fail
 
   void write(Write write, Store::Done done);
   StoreLoad load() const;
@@ -33,8 +33,8 @@ class StoreWriter {
     Write write;
     Store::Done done;
     std::size_t bytes = 0;
-    std::optional<Error> wrong = std::nullopt;  // found so at the last attempt; nothing of it was written
-    bool changed_nothing = false;               // at the last attempt: a repeat, or wrong
+    std::optional<Error> wrong = std::nullopt;  // the error found at the last attempt; nothing of it was written
+    bool changed_nothing = false;               // at the last attempt: a repetition, or wrong
   };
 
   void run();
@@ -57,7 +57,7 @@ class StoreWriter {
   StoreLoad load_;
   std::optional<Error> broken_;
   bool stopping_ = false;
-  int waits_ = 0;  // in a row, without a commit between
+  int waits_ = 0;  // consecutive ones, without a commit in between
   std::thread thread_;
 };
 

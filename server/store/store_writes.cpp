@@ -24,7 +24,7 @@ Result<void> put(Database& db, const PutCloud& write, const Database::Changed& s
       stored, write.keyframe.session, write.keyframe.sequence, Blob{write.encoded});
 }
 
-/// Deleted first: where the disk is full, what takes a note of it finds room.
+/// Deletes first, so that on a full disk there is room for the records of what was deleted.
 Result<void> put(Database& db, const LetGo& write) {
   Result<void> done;
   for (const KeyframeRef& k : write.clouds) {
@@ -38,7 +38,7 @@ Result<void> put(Database& db, const LetGo& write) {
   return done;
 }
 
-/// A repeat is harmless; another keyframe of the same number is not.
+/// Repeating a keyframe is harmless; another keyframe with the same number is an error.
 Result<void> why_not_stored(Database& db, const PutKeyframe& write) {
   const std::string name =
       "keyframe " + std::to_string(write.keyframe.sequence) + " of session " + std::to_string(write.session);
@@ -47,7 +47,7 @@ Result<void> why_not_stored(Database& db, const PutKeyframe& write) {
   auto read = db.each(
       select_keyframes() + " WHERE session=? AND sequence=?",
       [&](const Row& row) {
-        const auto stored = keyframe_of(row);  // of a damaged one nobody knows
+        const auto stored = keyframe_of(row);  // a damaged one cannot be compared
         other = stored ? difference(*stored, write.keyframe) : nullptr;
         is_there = true;
       },

@@ -5,16 +5,16 @@
 
 namespace headframe {
 
-/// Applies one write inside the transaction that the caller has begun. After a failure the caller must roll back. Of a
-/// keyframe or cloud `stored` is told how many rows it made, perhaps only when the database settles; none: it was
-/// there, or it can not be written.
+/// Applies one write in the transaction that the caller has begun. After a failure the caller must roll back. For a
+/// keyframe or cloud, `stored` is called with the number of rows created, possibly only when the database settles; 0:
+/// it was there, or cannot be written.
 Result<void> apply(Database& database, const Write& write, const Database::Changed& stored);
 
-/// Of a keyframe or cloud that made no row: success if it is stored as it came; else refused or invalid_argument, and
-/// why.
+/// For a keyframe or cloud that created no row: success if the same one is stored; else refused or invalid_argument,
+/// with the reason.
 Result<void> why_nothing_changed(Database& database, const Write& write);
 
-/// What a write takes in the queue, roughly.
+/// Approximate size of a write in the queue.
 std::size_t size_bytes(const Write& write);
 
 }  // namespace headframe

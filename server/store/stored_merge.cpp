@@ -105,7 +105,7 @@ Result<void> read_frozen(Database& db, std::vector<FrozenSession>& frozen) {
 Result<void> read_decisions(Database& db, std::vector<DecisionRecord>& decisions) {
   return db.each(
       "SELECT id, alignment, decision, T_a_b, seen_points, undone FROM decisions ORDER BY id", [&](const Row& row) {
-        const auto decision = decision_from(row.text(2)).value_or(Decision::refuse);  // of a newer server: the careful
+        const auto decision = decision_from(row.text(2)).value_or(Decision::refuse);  // unknown kind: the cautious one
         decisions.push_back(
             {row.integer(0), row.integer(1), decision, pose_from_blob(row.blob(3)), row.real(4), row.integer(5) != 0});
       });

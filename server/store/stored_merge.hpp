@@ -1,5 +1,5 @@
 #pragma once
-// What merging and the operator have made of the sessions, read from their tables.
+// Reads the results of merging, and the operator's notes, from their tables.
 
 #include "server/store/database.hpp"
 #include "server/store/store.hpp"

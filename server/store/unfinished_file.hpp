@@ -6,7 +6,7 @@
 
 namespace headframe {
 
-/// A file that is being made under a name of its own, and is removed with this unless it was kept.
+/// A file under a temporary name while it is being made; removed by the destructor unless keep_as() was called.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(std::filesystem::path path) : path_(std::move(path)) { remove(); }
@@ -17,7 +17,7 @@ class UnfinishedFile {
   UnfinishedFile& operator=(const UnfinishedFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Gives it its name, durably. unavailable: the disk says no.
+  /// Renames it, durably. unavailable: the disk failed.
   Result<void> keep_as(const std::filesystem::path& name);
 
  private:
@@ -26,8 +26,8 @@ class UnfinishedFile {
   bool kept_ = false;
 };
 
-/// An empty file that its owner alone reads and writes; SQLite keeps the mode of a file that is there. unavailable: the
-/// disk says no.
+/// Creates an empty file that only its owner can read and write; SQLite keeps the mode of an existing file.
+/// unavailable: the disk failed.
 Result<void> make_private(const std::filesystem::path& file);
 
 }  // namespace headframe

@@ -7,12 +7,12 @@
 
 namespace headframe {
 
-/// A map that knows which of its entries was used least recently; what goes, and when, is its owner's to say. Not
-/// thread safe.
+/// A map that tracks which entry was used least recently; its owner decides what to drop, and when. Not thread safe.
 template <class Key, class Value>
 class LruMap {
  public:
-  /// Null when it is not there; else it is the most recent now. The pointer holds until the entry is dropped.
+  /// Null if there is no such entry; otherwise it becomes the most recent one. The pointer is valid until the entry is
+  /// dropped.
   Value* find(const Key& key) {
     const auto known = where_.find(key);
     if (known == where_.end()) return nullptr;
@@ -20,14 +20,14 @@ class LruMap {
     return &known->second->second;
   }
 
-  /// The most recent now. There must be none of this key.
+  /// The entry becomes the most recent one. There must be none with this key.
   Value& put(const Key& key, Value value) {
     entries_.emplace_front(key, std::move(value));
     where_[key] = entries_.begin();
     return entries_.front().second;
   }
 
-  /// There must be one.
+  /// There must be an entry with this key.
   Value drop(const Key& key) {
     const auto known = where_.find(key);
     Value value = std::move(known->second->second);

@@ -17,7 +17,7 @@ struct Job {
   void* work = nullptr;
   void (*call)(void*, std::size_t) = nullptr;
   std::atomic<std::size_t> next{0};
-  // Below: under the pool's mutex.
+  // The members below are protected by the pool's mutex.
   int helpers_wanted = 0, helpers_inside = 0;
   std::exception_ptr failure;
 };
@@ -72,7 +72,7 @@ class Pool {
   std::condition_variable_any came_;
   std::condition_variable left_;
   std::deque<Job*> open_;
-  std::vector<std::jthread> threads_;  // last: joined before what they use goes
+  std::vector<std::jthread> threads_;  // last, so that they are joined before what they use is destroyed
 };
 
 }  // namespace

@@ -7,14 +7,14 @@
 
 namespace headframe {
 
-/// Calls call(work, block) for blocks 0 .. blocks - 1, each once, on the caller and at most threads - 1 helpers of a
-/// pool that lives as long as the program. The caller takes part and never waits for a helper to come free, so calls
-/// may be nested and come from many threads at once. The first exception thrown by a block is thrown again, once all
-/// have left.
+/// Calls call(work, block) once for each of the blocks 0 .. blocks - 1, on the calling thread and at most threads - 1
+/// helpers from a pool that lives as long as the program. The caller takes part and never waits for a free helper, so
+/// calls may be nested and made from many threads at once. The first exception thrown by a block is rethrown after all
+/// blocks in progress have ended.
 void share_blocks(std::size_t blocks, int threads, void* work, void (*call)(void* work, std::size_t block));
 
-/// While one lives, for_blocks on its thread throws Cancelled before the next block once the flag is up: work that
-/// nobody waits for any more need not be done. The flag must outlive it. Not nested.
+/// While such an object exists, for_blocks on its thread throws Cancelled before the next block once the flag is set,
+/// which ends work whose result is no longer wanted. The flag must outlive the object. Not nestable.
 class Cancellable {
  public:
   explicit Cancellable(const std::atomic<bool>& flag);
@@ -22,7 +22,7 @@ class Cancellable {
   Cancellable(const Cancellable&) = delete;
   Cancellable& operator=(const Cancellable&) = delete;
 
-  static const std::atomic<bool>* flag();  // of this thread; null: none
+  static const std::atomic<bool>* flag();  // of this thread; null if there is none
 };
 
 class Cancelled : public std::exception {
@@ -30,9 +30,9 @@ class Cancelled : public std::exception {
   const char* what() const noexcept override { return "cancelled"; }
 };
 
-/// Calls work(begin, end, block) for fixed blocks of `block_size` items, spread over threads. The blocks do not depend
-/// on the number of threads: sums kept by block and added in order are the same for any. Throws what the work throws,
-/// and Cancelled.
+/// Calls work(begin, end, block) for fixed blocks of `block_size` items, distributed over threads. The blocks do not
+/// depend on the number of threads, so sums that are kept for each block and added in order do not either. Throws what
+/// the work throws, and Cancelled.
 template <class Work>
 void for_blocks(std::size_t items, std::size_t block_size, int threads, Work&& work) {
   const std::size_t blocks = (items + block_size - 1) / block_size;

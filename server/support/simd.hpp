@@ -1,5 +1,5 @@
 #pragma once
-// Four floats worked on at once, with the compiler's own vectors (GCC, clang): the same results on every processor.
+// Vectors of four floats, using the compiler's own vector types (GCC, clang); the same results on every processor.
 
 #include <cstdint>
 

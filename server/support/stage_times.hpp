@@ -4,14 +4,14 @@
 
 namespace headframe {
 
-/// Where the time of an attempt went.
+/// How long each stage of an attempt took.
 struct StageTimes {
   double hypotheses_ms = 0;
   double sampling_ms = 0;
   double registration_ms = 0;
   double verification_ms = 0;
   double atlas_ms = 0;
-  double loop_closures_ms = 0;  // of what is merged already
+  double loop_closures_ms = 0;  // of sessions that are already merged
 
   StageTimes& operator+=(const StageTimes& other) {
     hypotheses_ms += other.hypotheses_ms;
@@ -24,11 +24,11 @@ struct StageTimes {
   }
 };
 
-/// What attempts have come to since the server began.
+/// Totals of all attempts since the server started.
 struct MergeEffort {
   std::uint64_t attempts = 0;
-  StageTimes stages;            // summed over them
-  std::uint64_t withdrawn = 0;  // merges that were published, and contradicted by what came later
+  StageTimes stages;            // sums
+  std::uint64_t withdrawn = 0;  // merges that were published and later withdrawn
 };
 
 }  // namespace headframe

@@ -34,14 +34,14 @@ bool ComponentMap::moved_away(const Path& path, const Pose& T_component_session)
   });
 }
 
-/// A point where the path has gone point_every_m since the last.
+/// Adds a point if the path has grown by point_every_m since the last one.
 void ComponentMap::add_point(Path& path, const PlacedKeyframe& keyframe) {
   const PathPoint at = path_point(path.T_component_session * keyframe.T_local_sensor.translation());
   if (path.points.empty() || distance_m(path.points.back().at, at) >= point_every_m)
     path.points.push_back({at, ++version_});
 }
 
-/// All of its points and clouds are new from here on.
+/// Places the session: all of its points and clouds count as new.
 void ComponentMap::place(Path& path, const Pose& T_component_session) {
   path.T_component_session = T_component_session;
   path.gone = false;
@@ -51,7 +51,7 @@ void ComponentMap::place(Path& path, const Pose& T_component_session) {
   for (auto& [sequence, version] : path.clouds) version = version_;
 }
 
-/// A session that was split ends where its odometry jumped.
+/// A session that was split now ends where its odometry jumped.
 bool ComponentMap::shortened(Path& path, std::uint64_t keyframes) {
   if (path.keyframes.size() <= keyframes) return false;
   path.keyframes.resize(keyframes);
@@ -68,7 +68,7 @@ void ComponentMap::moved(SessionId session, std::uint64_t moves) {
   path.keyframes.clear();
 }
 
-/// True: what is drawn does not hold any more.
+/// Applies new placements. Returns true if what was drawn is no longer valid.
 bool ComponentMap::settle(const Component& component, const std::map<SessionId, std::uint64_t>& durable) {
   bool changed = false;
   for (auto& [id, path] : paths_) {
@@ -131,7 +131,8 @@ Result<void> ComponentMap::refresh(const Component& component, const std::map<Se
   return done;
 }
 
-/// What has another content than was told before gets a new version; a tile that nobody has seen any more stays, empty.
+/// Tiles whose content differs from what was reported get a new version; a tile that nothing is seen in any longer
+/// stays, empty.
 void ComponentMap::number_tiles() {
   for (const TileIndex& index : grid_.take_changed()) {
     std::string encoded = encode_tile(grid_.tiles().at(index));

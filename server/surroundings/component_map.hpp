@@ -1,5 +1,5 @@
 #pragma once
-// Paths and coverage of one component, so numbered that whoever holds a version can be told what is newer.
+// Paths and coverage of one component, versioned so that a robot with an earlier version gets only what is newer.
 
 #include <array>
 #include <cstdint>
@@ -16,46 +16,46 @@
 
 namespace headframe {
 
-/// Where keyframes are read; as Store::each_keyframe.
+/// Source of keyframes, like Store::each_keyframe.
 using ReadKeyframes = std::function<Result<void>(SessionId, std::uint64_t, const std::function<void(Keyframe)>&)>;
 
-/// Path points as they travel: the component's frame in units of path_unit_m.
+/// Path points as they are sent: in the component's frame, in units of path_unit_m.
 inline constexpr double path_unit_m = 0.1;
 using PathPoint = std::array<std::int32_t, 3>;
 
-/// Everything that was ever told has a version; versions only go up. A page is all that is newer than a version, up to
-/// another. Not thread safe.
+/// Everything that was ever reported has a version; versions only increase. A page contains everything newer than one
+/// version up to another. Not thread safe.
 class ComponentMap {
  public:
   explicit ComponentMap(std::size_t most_tiles) : most_tiles_(most_tiles), grid_(most_tiles) {}
 
-  /// Reads what is new: keyframes beyond those that were read, of sessions that `durable` says have more. A session
-  /// that came to lie elsewhere by more than moved_m, or left, has all drawn anew. `stop` is asked between keyframes:
-  /// true leaves the rest out. The first failure to read is returned; all else is drawn.
+  /// Reads new keyframes, of sessions for which `durable` says that there are more. If a session moved by more than
+  /// moved_m, or left, everything is redrawn. `stop` is called between keyframes; when it returns true, the rest is
+  /// left out. Returns the first failure to read, but draws everything else.
   Result<void> refresh(const Component& component, const std::map<SessionId, std::uint64_t>& durable,
                        const ReadKeyframes& read, const std::function<bool()>& stop);
 
-  /// The session's keyframes were moved so often: when that is news they are read anew by the next refresh().
+  /// Tells how often the session's keyframes were moved; if that is new, the next refresh() reads them again.
   void moved(SessionId session, std::uint64_t moves);
 
   struct PathPiece {
     SessionId session = 0;
-    std::size_t first = 0;          // points of the path before these
-    std::optional<PathPoint> last;  // of those
+    std::size_t first = 0;          // number of points of the path before these
+    std::optional<PathPoint> last;  // the last of those
     std::vector<PathPoint> points;
     bool gone = false;
   };
-  struct Piece {  // of all that is newer than a version, up to this one
+  struct Piece {  // everything newer than a version, up to this one
     std::uint64_t version = 0;
     bool more = false;
-    std::vector<SessionId> placed = {};  // came to lie where they do
+    std::vector<SessionId> placed = {};  // sessions whose placement is new
     std::vector<PathPiece> paths = {};
     std::vector<std::pair<TileIndex, std::string>> tiles = {};  // encoded
   };
-  /// What `receiver` is to be told of the other sessions' paths after `version`, about page_bytes of it. nullopt:
+  /// What `receiver` has to be told about the other sessions' paths since `version`, about page_bytes of it. Nullopt:
   /// nothing.
   std::optional<Piece> paths_after(std::uint64_t version, SessionId receiver, std::size_t page_bytes) const;
-  /// The same of the coverage, which is all sessions'.
+  /// The same for the coverage, which includes all sessions.
   std::optional<Piece> coverage_after(std::uint64_t version, std::size_t page_bytes) const;
 
   struct PlacedKeyframe {
@@ -63,26 +63,26 @@ class ComponentMap {
     double stamp_s = 0;
     Pose T_local_sensor = Pose::Identity();
   };
-  /// What was read of a session; null: it is not in the component.
+  /// The keyframes read of a session; null if it is not in the component.
   const std::vector<PlacedKeyframe>* keyframes(SessionId session) const;
   double last_stamp_s(SessionId session) const;
 
-  /// Versions of clouds: `sequences` are all there are now, and those not seen before, or of a session that moved, get
-  /// a new one.
+  /// Assigns versions to clouds. `sequences` are all present ones; those not seen before, or of a session that moved,
+  /// get a new version.
   void note_clouds(SessionId session, const std::vector<std::uint64_t>& sequences);
   std::uint64_t cloud_version(SessionId session, std::uint64_t sequence) const;
 
-  /// The version in which what had been drawn last moved or went; 0: it never did.
+  /// The version in which something already drawn last moved or left; 0: none did.
   std::uint64_t redrawn() const { return redrawn_; }
-  /// The newest version there is.
+  /// The newest version.
   std::uint64_t version() const { return version_; }
-  /// Not all was drawn: more tiles than may be.
+  /// Whether something was left out because the limit of tiles was reached.
   bool full() const { return grid_.full(); }
   std::size_t tiles() const { return grid_.tiles().size(); }
 
-  static constexpr double moved_m = 0.25;       // at any keyframe of its path: less is not worth to be told
+  static constexpr double moved_m = 0.25;       // at any keyframe of the path; smaller changes are not reported
   static constexpr double point_every_m = 2;    // of a path
-  static constexpr double longest_step_m = 15;  // between keyframes: beyond, nobody walked straight
+  static constexpr double longest_step_m = 15;  // between keyframes; beyond, the robot did not drive straight
 
  private:
   struct Point {
@@ -94,9 +94,9 @@ class ComponentMap {
     std::vector<PlacedKeyframe> keyframes;
     std::vector<Point> points;
     std::map<std::uint64_t, std::uint64_t> clouds;  // with their versions
-    std::uint64_t placed = 0, left = 0;             // the versions in which it was, or did
+    std::uint64_t placed = 0, left = 0;             // the versions in which it was placed and in which it left
     bool gone = false;
-    std::uint64_t moves = 0;  // of its keyframes, as they were read
+    std::uint64_t moves = 0;  // number of moves of its keyframes when they were read
     bool stale = false;       // they were moved since
   };
   struct Item {

@@ -72,7 +72,7 @@ Result<ComponentMaps::MapAnswer> ComponentMaps::map_of(const SessionSurroundings
   answer.clouds = fused->clouds;
   answer.origin_m = middle_m(region);
   if (fused->points.empty()) return answer;
-  // A quarter of a cube: what is lost is less than the cube says.
+  // A quarter of a cube, so that rounding loses less than the size of a cube.
   auto encoded = encode_cloud({{{Eigen::Vector3f::Zero(), fused->points}}}, static_cast<float>(resolution_m / 4));
   if (!encoded) return tl::unexpected(encoded.error());
   answer.encoded = std::move(*encoded);

@@ -1,5 +1,5 @@
 #pragma once
-// What robots may be told of what others know: one ComponentMap for each component that is asked for.
+// What robots can be told about what others know: one ComponentMap for each component that is asked about.
 
 #include <atomic>
 #include <chrono>
@@ -11,22 +11,23 @@
 
 namespace headframe {
 
-/// The component of one session as the atlas has it now.
+/// The component of one session in the present atlas.
 struct SessionSurroundings {
-  SessionId receiver = 0;  // who asks
+  SessionId receiver = 0;  // the session that asks
   std::uint64_t revision = 0;
   Component component;
   std::map<SessionId, SessionKey> keys;
-  std::map<SessionId, std::uint64_t> durable;     // keyframes
-  std::map<SessionId, std::uint64_t> moves = {};  // how often keyframes were moved, of those whose were
+  std::map<SessionId, std::uint64_t> durable;     // number of durable keyframes
+  std::map<SessionId, std::uint64_t> moves = {};  // how often keyframes were moved, for sessions in which some were
 };
 
-/// Reads the disk: not for an I/O thread. All calls from one thread at a time, but stop(), which is for any.
+/// Reads from the disk, so not for an I/O thread. Call from one thread at a time, except stop(), which any thread may
+/// call.
 class ComponentMaps {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `first_epoch` must differ from that of an earlier run: drawn at random.
+  /// `first_epoch` is random, so that it differs from that of earlier runs.
   ComponentMaps(Store& store, std::uint64_t first_epoch, const MapLimits& limits = {})
       : store_(store), next_epoch_(first_epoch), limits_(limits) {}
 
@@ -34,25 +35,27 @@ class ComponentMaps {
     ComponentMap* map = nullptr;
     std::uint64_t epoch = 0;
   };
-  /// Up to date; a map that was not asked for lately makes room. unavailable: too many are.
+  /// The up-to-date map of the component; one that was not used lately is discarded if necessary. unavailable: too many
+  /// are in use.
   Result<Known> refreshed(const SessionSurroundings& around, Time now);
 
   struct MapAnswer {
     std::string encoded;                                 // common/cloud/cloud_codec.hpp; empty: no points
-    Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  // in the receiver's frame
+    Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  // in the receiver's local frame
     std::size_t points = 0, clouds = 0, clouds_left_out = 0;
     bool since = false;
     HeldVersion held;
   };
-  /// The region is in the local frame of who asks. invalid_argument: too much, and what to do.
+  /// The region is in the receiver's local frame. invalid_argument: the request is too large; the message says what to
+  /// do.
   Result<MapAnswer> map_of(const SessionSurroundings& around, const Region& region, double resolution_m,
                            const HeldVersion& since, Time now);
 
-  /// What runs ends soon, and so does all that is asked for later.
+  /// Ends the running call soon, and makes later ones end at once.
   void stop() { stopping_ = true; }
 
   static constexpr std::size_t most_maps = 16;
-  static constexpr std::size_t most_tiles = 8192;  // of one map: some 180 km of tunnel, 100 MiB
+  static constexpr std::size_t most_tiles = 8192;  // for one map: some 180 km of tunnel, 100 MiB
   static constexpr auto kept = std::chrono::minutes(10);
 
  private:

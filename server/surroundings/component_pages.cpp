@@ -1,4 +1,4 @@
-// What is newer than a version, in pages.
+// Pages with what is newer than a version.
 #include <algorithm>
 
 #include "server/surroundings/component_map.hpp"
@@ -6,11 +6,11 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t point_bytes = 6, piece_bytes = 24, name_bytes = 56, tile_bytes = 12;  // on the wire, about
+constexpr std::size_t point_bytes = 6, piece_bytes = 24, name_bytes = 56, tile_bytes = 12;  // about, as sent
 
 }  // namespace
 
-/// Every session has its number told when it comes, and its place whenever that is another.
+/// A session's number is sent when it appears, its placement whenever that changes.
 void ComponentMap::add_placed(std::uint64_t version, std::vector<Item>& items) const {
   for (const auto& [id, path] : paths_)
     if (!path.gone && path.placed > version) items.push_back({path.placed, Item::Kind::placed, id});
@@ -39,7 +39,7 @@ std::optional<ComponentMap::Piece> ComponentMap::coverage_after(std::uint64_t ve
   return piece_of(std::move(items), page_bytes);
 }
 
-/// The oldest of them first, until the page is full.
+/// The oldest items first, until the page is full.
 std::optional<ComponentMap::Piece> ComponentMap::piece_of(std::vector<Item> items, std::size_t page_bytes) const {
   if (items.empty()) return std::nullopt;
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.version < b.version; });
@@ -54,7 +54,7 @@ std::optional<ComponentMap::Piece> ComponentMap::piece_of(std::vector<Item> item
   return piece;
 }
 
-/// How many bytes it takes on the wire, about.
+/// Approximate size on the wire in bytes.
 std::size_t ComponentMap::add(const Item& item, Piece& piece) const {
   if (item.kind == Item::Kind::placed) {
     piece.placed.push_back(item.session);

@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-constexpr double step_m = coverage_cell_m / 2;  // along a ray: no cell that it crosses by more than half is missed
+constexpr double step_m = coverage_cell_m / 2;  // along a ray; hits every cell that it crosses by more than half
 
 std::int32_t floor_divided(std::int32_t a, std::int32_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 

@@ -10,21 +10,21 @@
 
 namespace headframe {
 
-/// What was seen of a component, from above, in its frame. The same keyframes in any order give the same grid. Not
-/// thread safe.
+/// What was seen of a component, as a map from above in its frame. The same keyframes in any order give the same grid.
+/// Not thread safe.
 class CoverageGrid {
  public:
-  /// What would need a tile more than most_tiles is left out: full().
+  /// Drops what would need more than most_tiles tiles; then full() is true.
   explicit CoverageGrid(std::size_t most_tiles) : most_tiles_(most_tiles) {}
 
-  /// Free space and walls around a keyframe, as its wall profile tells them, out to coverage_range_m.
+  /// Adds the free space and walls around a keyframe, from its wall profile, up to coverage_range_m.
   void see(std::uint32_t session, const Pose& T_component_sensor, double stamp_s, const WallProfile& walls);
-  /// The sensor has gone straight from one place to the other.
+  /// Adds a straight path of the sensor from one place to the other.
   void walk(std::uint32_t session, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, double stamp_s);
 
   const std::map<TileIndex, CoverageTile>& tiles() const { return tiles_; }
   bool full() const { return full_; }
-  /// The tiles that have changed since this was asked last.
+  /// The tiles that changed since the last call.
   std::set<TileIndex> take_changed() { return std::exchange(changed_, {}); }
 
  private:

@@ -9,13 +9,13 @@
 namespace headframe {
 namespace {
 
-/// Points of a cube, to be divided by their number.
+/// Sum of the points in a cube, to be divided by their number.
 struct Cube {
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   std::size_t points = 0;
 };
 
-/// 21 bits an axis: regions are no more than 400 m wide, in cubes of 0.05 m and more.
+/// 21 bits for each axis: regions are at most 400 m wide, with cubes of at least 0.05 m.
 std::uint64_t cube_of(const Eigen::Vector3d& p_m, double edge_m) {
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis)

@@ -1,5 +1,5 @@
 #pragma once
-// The points of many keyframes in one region, fused.
+// Merges the points of many keyframes in one region.
 
 #include <functional>
 #include <string>
@@ -13,20 +13,20 @@
 
 namespace headframe {
 
-/// What one map may take.
+/// Limits of one map.
 struct MapLimits {
-  double radius_m = 200;  // of a sphere; twice as much along a box
+  double radius_m = 200;  // of a sphere; a box may be twice as long
   double least_resolution_m = 0.05, most_resolution_m = 5;
-  std::size_t clouds = 400;     // that are read for it, the newest
-  std::size_t points = 250000;  // of the map
-  double reach_m = 20;          // clouds from so far outside the region are read too
+  std::size_t clouds = 400;     // number of clouds read for it; the newest are used
+  std::size_t points = 250000;  // in the map
+  double reach_m = 20;          // clouds of keyframes this far outside the region are used too
 };
 
-/// Why there is no map of this region; empty: there may be.
+/// Why no map of this region is possible; empty: it may be possible.
 std::string objection(const Region& region, double resolution_m, const MapLimits& limits);
 
 Eigen::Vector3d middle_m(const Region& region);
-/// How far a point is from the region; 0 within.
+/// Distance of a point from the region; 0 inside.
 double distance_m(const Region& region, const Eigen::Vector3d& p_m);
 
 struct RegionCloud {
@@ -35,16 +35,17 @@ struct RegionCloud {
   Pose T_region_sensor = Pose::Identity();  // the region's frame
 };
 
-/// Of these the ones near the region, the newest first, at most limits.clouds. left_out: how many more there are.
+/// The clouds near the region, newest first, at most limits.clouds. left_out: the number of further ones.
 std::vector<RegionCloud> clouds_near(std::vector<RegionCloud> all, const Region& region, const MapLimits& limits,
                                      std::size_t& left_out);
 
 struct FusedPoints {
-  Points points;  // from middle_m on, along the axes of the region's frame: the mean of each cube's points
+  Points points;  // relative to middle_m, along the axes of the region's frame; the mean of the points in each cube
   std::size_t clouds = 0;
 };
-/// invalid_argument: more than limits.points. `read` gives a keyframe's cloud in its sensor's frame; one that can not
-/// be read is left out. `stop` is asked between clouds; true: unavailable. Deterministic.
+/// invalid_argument: more than limits.points. `read` returns a keyframe's cloud in its sensor frame; clouds that cannot
+/// be read are left out. `stop` is called between clouds; if it returns true, fuse fails with unavailable.
+/// Deterministic.
 Result<FusedPoints> fuse(const std::vector<RegionCloud>& clouds, const Region& region, double resolution_m,
                          const MapLimits& limits, const std::function<Result<KeyframeCloud>(const KeyframeRef&)>& read,
                          const std::function<bool()>& stop);

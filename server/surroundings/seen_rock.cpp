@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-constexpr double cell_m = 0.5, level_m = 2;  // a cell is a column: the walls of a tunnel are one from floor to roof
+constexpr double cell_m = 0.5, level_m = 2;  // cells are columns: a wall is in one from floor to roof
 
 struct Cell {
   std::int64_t x = 0, y = 0, z = 0;

@@ -8,17 +8,17 @@
 
 namespace headframe {
 
-/// Which walls of a component were seen from near by, as the wall profiles of keyframes tell them. Not thread safe.
+/// Which walls of a component were seen from nearby, from the wall profiles of keyframes. Not thread safe.
 class SeenRock {
  public:
-  static constexpr double reach_m = 12;   // walls farther off are the next keyframe's
-  static constexpr int least_walls = 20;  // directions with a wall within reach; with fewer nothing is said
+  static constexpr double reach_m = 12;   // walls farther away belong to the next keyframe
+  static constexpr int least_walls = 20;  // directions with a wall within reach; with fewer there is no answer
 
-  /// T_component_sensor: of the keyframe whose walls these are.
+  /// T_component_sensor: of the keyframe with these walls.
   void add(const Pose& T_component_sensor, const WallProfile& walls);
 
-  /// Of the walls within reach of a keyframe, the share that lies within half a metre or so of some that were added;
-  /// none: it has too few.
+  /// Of the walls within reach of a keyframe, the share that lies within about half a metre of walls that were added;
+  /// nullopt if there are too few.
   std::optional<double> share_seen(const Pose& T_component_sensor, const WallProfile& walls) const;
 
  private:

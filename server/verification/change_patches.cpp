@@ -11,19 +11,19 @@ namespace headframe {
 namespace {
 
 // All set by hand, on the scenes of tests/scenario/changes_test and the placements of one set of made worlds.
-constexpr float joined_m = 1.5F;                     // apart, seen from two places
-constexpr float link_leaves = 2, fringe_leaves = 4;  // points of one patch lie nearer to each other
+constexpr float joined_m = 1.5F;  // greatest distance of two patches that count as one, seen from two places
+constexpr float link_leaves = 2, fringe_leaves = 4;  // greatest distance between points of one patch, in leaves
 constexpr float least_m2 = 2.5F;                     // of a patch
-constexpr float most_length_m = 25;  // a machine, a face, a slashed wall; what is longer contradicts all along
+constexpr float most_length_m = 25;  // a machine, a tunnel face, a slashed wall; longer ones are contradictions
 constexpr float ring_m = 4;          // around a patch, where both have to agree
 constexpr std::size_t least_around = 12, least_beyond = 3;
-constexpr double least_dense = 0.5;          // share of violations among what is said of a patch ...
+constexpr double least_dense = 0.5;          // share of violations among the points of a patch that are not unknown ...
 constexpr double most_around = 0.15;         // ... and around it
 constexpr std::size_t most_violated = 3000;  // of one rock: the search for patches is quadratic in it
 
-constexpr std::size_t most_changes = 3;  // between two sessions: a wrong placement has some in every place
+constexpr std::size_t most_changes = 3;  // between two sessions; a wrong placement has some at every place
 
-/// Groups of points, each within reach of another of its group, those with the lowest index first.
+/// Groups of points that are connected within reach, the group with the lowest index first.
 std::vector<Points> groups(const Points& points, float reach_m) {
   std::vector<std::size_t> open;
   std::vector<bool> taken(points.size(), false);
@@ -47,7 +47,7 @@ std::vector<Points> groups(const Points& points, float reach_m) {
   return out;
 }
 
-/// The points' mean, and their axes as columns, the longest last.
+/// The points' mean and principal axes, as columns, the longest last.
 struct Axes {
   Eigen::Vector3f middle = Eigen::Vector3f::Zero();
   Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();
@@ -67,7 +67,7 @@ struct Axes {
   Eigen::Vector3f along(const Eigen::Vector3f& p) const { return axes.transpose() * (p - middle); }
 };
 
-/// How many points that both agree on lie past the ends of a patch, along each of its axes.
+/// How many points on which both agree lie beyond the ends of a patch, along each of its axes.
 struct Beyond {
   std::array<std::size_t, 3> below{}, above{};
 };
@@ -115,7 +115,7 @@ double share(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// True: it is compact and dense, and has an edge.
+/// Whether it is compact and dense, and has an edge.
 bool is_patch(const Points& points, const AskedRock& own, const AskedRock& other, float leaf_m, bool& free_standing) {
   const Axes axes(points);
   if (static_cast<float>(points.size()) * leaf_m * leaf_m < least_m2 || axes.high[2] - axes.low[2] > most_length_m)
@@ -162,11 +162,11 @@ void add_patches(const AskedRock& own, const AskedRock& other, float leaf_m, con
     }
 }
 
-/// Lengths along the two level axes of the points, the longer first, and upright.
+/// Horizontal lengths along the two principal axes of the points, the longer first, and the vertical one.
 Eigen::Vector3d size_m(const Points& points) {
   Points level = points;
   for (auto& p : level) p.z() = 0;
-  const Axes axes(level);  // the first is upright: nothing varies along it
+  const Axes axes(level);  // the first axis is vertical, as nothing varies along it
   const auto [low, high] =
       std::minmax_element(points.begin(), points.end(), [](const auto& p, const auto& q) { return p.z() < q.z(); });
   return Eigen::Vector3f(axes.high[2] - axes.low[2], axes.high[1] - axes.low[1], high->z() - low->z()).cast<double>();
@@ -209,7 +209,7 @@ std::vector<ChangePatch> joined(std::vector<ChangePatch> patches) {
       one.dates.older_s = std::max(one.dates.older_s, other.dates.older_s);
       one.dates.newer_s = std::min(one.dates.newer_s, other.dates.newer_s);
       patches.erase(patches.begin() + static_cast<std::ptrdiff_t>(k));
-      k = i + 1;  // it may touch now what it did not
+      k = i + 1;  // the larger patch may touch others that it did not touch before
     }
   return patches;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Free space that contradicts a placement, and that time explains: rock that is gone since, or that came since.
+// Recognises changes of the mine: patches where free space contradicts a placement because rock was removed or added in
+// the time between two sessions.
 
 #include <optional>
 #include <span>
@@ -11,37 +12,38 @@
 
 namespace headframe {
 
-/// The rock of one session as the other's rays found it, in a common frame.
+/// The rock of one session and what the other session's rays say of it, in a common frame.
 struct AskedRock {
   Points points;
-  std::vector<PointSight> sights;  // of each
+  std::vector<PointSight> sights;  // one for each point
 };
 
-/// Which of two recordings is the newer, and when.
+/// Which of two recordings is newer, and when it changed.
 struct Dates {
   bool a_is_newer = false;
   double older_s = 0, newer_s = 0;  // the end of the older, the beginning of the newer
 };
-/// Nothing where one has no date, or less than an hour lies between them: then nothing has changed.
+/// Nullopt if one of them has no date or less than an hour lies between them: then the mine counts as unchanged.
 std::optional<Dates> dates_of(const Recorded& a, const Recorded& b);
 
-/// Violations that form a patch with an edge: compact, dense inside, with rock around it that both sessions agree on.
-/// What is at a wrong place contradicts all along.
+/// Violated points that form a patch with an edge: compact, dense inside, and surrounded by rock on which both sessions
+/// agree. A wrong placement, in contrast, has violations everywhere.
 struct ChangePatch {
-  Points points;  // that are violated
+  Points points;  // the violated points
   ChangeKind kind = ChangeKind::excavated;
-  bool free_standing = false;  // both agree on what lies behind it, too: a machine, not a wall or a face
+  bool free_standing = false;  // both agree on what lies behind it, too: a machine, not a wall or a tunnel face
   Dates dates;
 };
 
-/// Those in `a` and `b`, the rock of either as the other's rays found it, one point per leaf_m. Pure.
+/// The patches in `a` and `b`, each holding the rock of one session as seen by the other, one point per leaf_m. Pure.
 std::vector<ChangePatch> find_patches(const AskedRock& a, const AskedRock& b, float leaf_m, const Dates& dates);
 
-/// Those that touch are one: the same change seen from several places.
+/// Joins patches that touch: the same change seen from several places.
 std::vector<ChangePatch> joined(std::vector<ChangePatch> patches);
 
-/// Whether a mine may have changed so: few changes, and walls and faces of one kind, either gone or new. Where a copy
-/// of a mine ends, each session passed through what the other knows as rock; a wrong placement has patches all along.
+/// Whether a mine may have changed like this: few changes, and those of walls and faces are all of one kind, either
+/// excavated or filled. At the end of a copy, in contrast, each session passes through what is rock for the other; and
+/// a wrong placement has patches everywhere.
 bool plausible(std::span<const ChangePatch> changes);
 
 Change change_of(const ChangePatch& patch);

@@ -91,8 +91,8 @@ double descriptors_leave_doubt(const Evidence& e) {
 }
 
 double asked_overlap_m(const Evidence& e) {
-  // In drawn mines of copies .58 to 1.6 a 100 m, in the recordings .05 to .24. The longest wrong placement that passed
-  // all else there shared 57 m.
+  // In drawn mines of copies this rate was .58 to 1.6 per 100 m, in the recordings .05 to .24. The
+  // longest wrong placement that passed all other tests in those mines shared 57 m.
   constexpr double few = 0.3, metres_each = 200, most_m = 70, told_m = 100;
   const double of_all_m = std::clamp(metres_each * (e.repetition - few), 0.0, most_m);
   const double aliases = counted_aliases(e);
@@ -103,7 +103,7 @@ double asked_overlap_m(const Evidence& e) {
 double runner_up_share(const Evidence& e) {
   constexpr double certain = 1 - 1e-9;
   const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
-  // Right placements with violations had no rival above 0.01 in drawn mines; look-alikes with a crossing less had.
+  // In drawn mines right placements with violations had no rival above 0.01; look-alikes that lack a crossing had.
   const double doubt = worst_place_contradiction(e) > 1e-3 ? 100 : 1;
   return e.probability > 0 ? doubt * odds(e.runner_up) / odds(e.probability) : 1;
 }

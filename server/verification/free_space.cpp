@@ -10,10 +10,10 @@ namespace {
 constexpr std::size_t companions = 3;
 constexpr float companion_leaves = 1.8F;
 constexpr int views_asked = 8;
-constexpr int least_hits = 2;         // by its own session: what one sweep met and no other is dust as likely as rock
-constexpr float least_cosine = 0.3F;  // of a ray that may go through a surface, to its normal
+constexpr int least_hits = 2;         // by its own session; a point that only one sweep hit may be dust
+constexpr float least_cosine = 0.3F;  // of ray and normal; rays that graze a surface do not count
 
-/// Whose violations have companions within reach is a patch.
+/// A violated point is part of a patch if others lie within reach.
 void tell_lone_ones(const SurfelCloud& rock, float reach_m, std::vector<PointSight>& sights) {
   Points violated;
   for (std::size_t i = 0; i < sights.size(); ++i)

@@ -2,7 +2,7 @@
 
 namespace headframe {
 
-/// Gravity disagrees by more than this at no right placement.
+/// No right placement disagrees about gravity by more than this.
 inline constexpr double most_tilt_deg = 3;
 
 }  // namespace headframe

@@ -14,7 +14,7 @@ struct Piece {
   double length_m() const { return (to - from).norm(); }
 };
 
-/// Of keyframes farther apart than any selection puts them nothing is known of the path between.
+/// If keyframes are farther apart than any selection puts them, nothing is known of the path between them.
 std::vector<Piece> pieces(std::span<const KeyframePosition> path, const Pose& T) {
   constexpr double farthest_m = 15;
   std::vector<Piece> out;
@@ -30,7 +30,7 @@ double distance_m(const Piece& piece, const Eigen::Vector3d& p) {
   return (piece.from + std::clamp(at, 0.0, 1.0) * along - p).norm();
 }
 
-/// Metres of this piece along which others pass, looked at each metre.
+/// Metres of this piece along which the other path passes, sampled at each metre.
 double shared_m(const Piece& piece, const std::vector<Piece>& others, const JudgeConfig& config) {
   const int steps = static_cast<int>(std::ceil(piece.length_m()));
   double out = 0;
@@ -43,7 +43,7 @@ double shared_m(const Piece& piece, const std::vector<Piece>& others, const Judg
   return out * piece.length_m() / std::max(1, steps);
 }
 
-/// Metres of a path along which another passes.
+/// Metres of a path along which the other path passes.
 double shared_path_m(std::span<const Piece> path, std::span<const Piece> other, const JudgeConfig& config) {
   double out = 0;
   for (const Piece& piece : path) {
@@ -56,8 +56,8 @@ double shared_path_m(std::span<const Piece> path, std::span<const Piece> other, 
   return out;
 }
 
-/// Adds candidates as far from each other as can be, none nearer than 4 m to another or to the first place, which is
-/// taken already.
+/// Adds candidates as far from each other as possible, none nearer than 4 m to another or to the first place, which is
+/// already taken.
 void spread(const Eigen::Vector3d& first, const std::vector<KeyframePosition>& candidates, std::size_t most,
             std::vector<KeyframePosition>& chosen) {
   constexpr double same_place_m = 4;
@@ -95,7 +95,7 @@ std::vector<KeyframePosition> near_other(std::span<const KeyframePosition> a, st
 
 void measure_overlap(Evidence& e, std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                      const Pose& T_a_b, const JudgeConfig& config) {
-  // One may pass where the other stopped: the mean of both.
+  // One robot may have passed where the other stopped, so the mean of both is used.
   std::vector<KeyframePosition> of_a, of_b;
   for (const double reach_m : {config.meet_m, config.far_m}) {
     if (!of_a.empty() && !of_b.empty()) break;
@@ -120,8 +120,8 @@ std::optional<Meeting> first_meeting(std::span<const KeyframePosition> a, std::s
     out = {other.position->keyframe, s.keyframe};
   }
   if (!out || nearest_m <= config.meet_m) return out;
-  // Where the paths come nearest to each other there may be rock between them: each looks from where it is nearest to
-  // what both saw.
+  // Where the paths come nearest to each other there may be rock between them, so each session is judged from where it
+  // was nearest to what both saw.
   const NearestPosition of_a = nearest_to(a, T_0 * p_b), of_b = nearest_to(b, p_b);
   if (std::max(of_a.distance_m, of_b.distance_m) > config.far_m) return out;
   return Meeting{of_a.position->keyframe, of_b.position->keyframe};

@@ -11,9 +11,9 @@ namespace {
 constexpr float view_reach_m = 20;
 constexpr std::size_t normal_neighbours = 12;
 
-// More than a robot sends: a lidar of 128 beams and 1024 columns has as many points, and what it sends is thinned, of
-// 17 sweeps within some metres. Of more points every so manyth is taken, of more sweeps the last, the keyframe's own
-// among them.
+// Limits, above what a robot sends: a lidar of 128 beams and 1024 columns has as many points, and robots thin their
+// clouds; a keyframe holds 17 sweeps within some metres. Of more points every n-th is used, of more sweeps the last,
+// which include the keyframe's own.
 constexpr std::size_t most_points = 131072, most_sweeps = 64;
 constexpr float farthest_origin_m = 200, farthest_point_m = 1000;
 
@@ -35,8 +35,9 @@ Points without_strays(const Points& points) {
   return kept;
 }
 
-/// By the sweeps of one keyframe, before it has normals. What one sweep alone met stays, for the others may stand where
-/// they could not meet it: the place asks again, with the sweeps of the keyframes around (free_space).
+/// Removes what the other sweeps of the keyframe see through; there are no normals yet. A point that only one sweep hit
+/// stays, because the others may be where they could not hit it; the submap checks again with the sweeps of
+/// neighbouring keyframes (free_space).
 Points without_transients(Points points, const std::vector<PreparedCloud::View>& views) {
   std::erase_if(points, [&](const Eigen::Vector3f& p) {
     int through = 0, hits = 0;
@@ -85,7 +86,7 @@ class SeenCubes {
   std::size_t used_ = 0;
 };
 
-/// Of a point within 16 km of the origin of what it is relative to.
+/// The key of the cube of a point that lies within 16 km of the origin.
 std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
   constexpr int half = 1 << 20;
   const Eigen::Vector3i c = (p / leaf_m).array().floor().cast<int>() + half;

@@ -1,5 +1,5 @@
 #pragma once
-// The first registration of a hypothesis, at one place of the overlap: cheap, and enough to drop most.
+// The first registration of a hypothesis, at one place of the overlap: cheap, and sufficient to drop most hypotheses.
 
 #include "server/verification/evidence.hpp"
 #include "server/verification/judge_config.hpp"
@@ -7,30 +7,30 @@
 
 namespace headframe {
 
-/// What the first registration of a hypothesis came to.
+/// The result of the first registration of a hypothesis.
 struct ScreeningResult {
-  bool hopeful = false;  // worth a judgement; else `place` may be empty
-  SubmapCheck place;     // registered, and looked through
+  bool hopeful = false;  // worth judging; if false, `place` may be empty
+  SubmapCheck place;     // registered, with its free space checked
   SubmapPtr a, b;        // the submaps of the place
 };
 
-/// Share of b's points that match (Matched::cautious) after a short, coarse registration from T_a_b_0, which becomes
-/// where that ended; 0 when it went astray. A tenth of the work of screen_submaps(), to tell which of many are worth
-/// it. Pure.
+/// Refines T_a_b_0 by a short, coarse registration and returns the share of b's points that match there
+/// (Matched::cautious); 0 if it diverged. Takes a tenth of the time of screen_submaps(), to choose the hypotheses that
+/// deserve it. Pure.
 double coarse_fit(const Submap& a, const Submap& b, Pose& T_a_b_0);
 
-/// Registers the first place of a hypothesis from T_a_b_0, and looks through its free space. Pure, thread safe.
+/// Registers the first place of a hypothesis from T_a_b_0 and checks its free space. Pure, thread safe.
 ScreeningResult screen_submaps(const SubmapPtr& a, const SubmapPtr& b, const Pose& T_a_b_0, const JudgeConfig& config);
 
-/// How far the first place, taken alone, fits as a copy of the rock would, 0 to 1: most points meet, surfaces lie on
-/// each other, next to nothing contradicts, and nothing slides.
+/// How well the first place, taken alone, fits as a copy of the rock would, 0 to 1: most points match, surfaces
+/// coincide, almost nothing contradicts, and the placement cannot slide.
 double likeness(const ScreeningResult& result);
 
-/// Whether the first place, taken alone, looks right. Where other placements do too, the mine repeats itself there.
+/// Whether the first place, taken alone, looks right. If it does for several placements, the mine repeats itself there.
 bool fits_alone(const ScreeningResult& result);
 
-/// Probability that would be left to a placement with this result, and with what `known` says of its descriptors, if
-/// all else spoke for it: more than judge() can give.
+/// An upper bound of the probability that judge() can give to a placement with this screening result and with the
+/// descriptors' part of `known`: its value if all other evidence supported the placement.
 double best_probability(const ScreeningResult& result, const Evidence& known = {});
 
 }  // namespace headframe

@@ -83,13 +83,14 @@ Sight SightImage::look(const Eigen::Vector3f& point, float reach_m) const {
   const float tolerance = 0.35F + 0.03F * range;
   if (range < 0.01F * ahead.nearest_cm - tolerance) return Sight::through;
   if (range >= 0.01F * ahead.farthest_cm + tolerance) return Sight::unknown;
-  // Between the nearest and the farthest of a bin lies a slanted wall, or a dust return and the wall behind it.
+  // The ranges between the nearest and the farthest of a bin belong to a slanted wall, or to dust and the wall behind
+  // it.
   const auto meets = [&](const Bin& b) {
     return b.near_cm > 0 &&
            (std::abs(range - 0.01F * b.near_cm) < tolerance || std::abs(range - 0.01F * b.far_cm) < tolerance);
   };
   if (meets(ahead)) return Sight::hit;
-  // A surface seen at a flat angle spans many ranges from one bin to the next: the neighbours speak too.
+  // A surface seen at a flat angle has very different ranges in neighbouring bins, so these are checked too.
   for (int row = std::max(first_row_, d.row - 1); row <= std::min(end_row_ - 1, d.row + 1); ++row)
     for (int step = -1; step <= 1; ++step)
       if (meets(bin(row, d.column + step))) return Sight::hit;

@@ -10,20 +10,20 @@ namespace headframe {
 
 /// What one sweep says of a point in space.
 enum class Sight : std::uint8_t {
-  unknown,  // outside the field of view, out of range, or behind what the sweep saw
-  hit,      // the sweep saw a surface there
-  through,  // its rays went on behind the point: the place is free
+  unknown,  // outside the field of view, out of range, or hidden behind a surface
+  hit,      // the sweep hit a surface there
+  through,  // its rays passed through the point: the place is free
 };
 
-/// Whether what so many of a session's sweeps met, and so many saw through, was there for a moment only: dust, people,
-/// vehicles that drove on. Rock is met least_hits times and more.
+/// Whether something that `hits` of a session's sweeps hit, and `through` of them saw through, was there only for a
+/// moment: dust, people, vehicles that drove on. Rock is hit at least least_hits times.
 constexpr bool is_transient(int hits, int through, int least_hits) {
   return hits < least_hits || (through > 0 && through >= hits);
 }
 
-/// The nearest ranges of one sweep in bins of 2 x 2 deg, to ask whether a point is seen, seen through, or hidden. Made
-/// for 16 to 128 beams; a bin that no beam met knows nothing, and rows that none met take no memory. Immutable after
-/// construction.
+/// The ranges of one sweep in bins of 2 x 2 deg, to tell whether a point is hit, seen through or hidden. Made for
+/// lidars of 16 to 128 beams. A bin without a return knows nothing, and rows without a return take no memory. Immutable
+/// after construction.
 class SightImage {
  public:
   static constexpr int columns = 180;
@@ -32,7 +32,7 @@ class SightImage {
   /// Points in the frame of the sweep's sensor (origin at the sensor).
   explicit SightImage(const Points& points);
 
-  /// Up to reach_m. The tolerance grows with the range: 0.35 m + 3 %.
+  /// Up to a range of reach_m. The tolerance grows with the range: 0.35 m + 3 %.
   Sight look(const Eigen::Vector3f& point, float reach_m) const;
 
   std::size_t bytes() const { return bins_.size() * sizeof(Bin); }
@@ -41,13 +41,13 @@ class SightImage {
   struct Bin {
     std::uint16_t near_cm = 0;  // 0: no return
     std::uint16_t far_cm = 0;
-    std::uint16_t nearest_cm = 0, farthest_cm = 0;  // of it and the eight around it
+    std::uint16_t nearest_cm = 0, farthest_cm = 0;  // of this bin and the eight around it
   };
   void sum_up(int row, int column);
   const Bin& bin(int row, int column) const;
 
   int first_row_ = 0, end_row_ = 0;
-  std::vector<Bin> bins_;  // of these rows
+  std::vector<Bin> bins_;  // of rows first_row_ to end_row_
 };
 
 }  // namespace headframe

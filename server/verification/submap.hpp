@@ -1,6 +1,6 @@
 #pragma once
-// What a session knows of the rock around one spot of its path, summed up once and kept, so that a merge pays for
-// alignment alone.
+// The rock around one spot of a session's path, computed once and kept, so that a merge only has to pay for
+// registration.
 
 #include <memory>
 #include <span>
@@ -14,20 +14,20 @@
 namespace headframe {
 
 struct SubmapConfig {
-  double window_m = 45;              // clouds of so much path each way; what came by another time has drifted
+  double window_m = 45;              // uses clouds within this much path, both ways; later visits have drifted
   double radius_m = 18;              // of the source of a registration ...
-  double slack_m = 6;                // ... and so much more of its target
+  double slack_m = 6;                // ... and by how much the target's is larger
   float leaf_m = 0.2F;               // one surfel per cube of this edge
-  std::size_t source_points = 8000;  // at most
-  double look_m = 15;                // free space is asked of points nearer than this to the keyframe ...
+  std::size_t source_points = 8000;  // limit
+  double look_m = 15;                // free space is checked at points nearer than this to the keyframe ...
   float look_leaf_m = 0.6F;          // ... one per cube of this edge ...
-  double view_reach_m = 25;          // ... from sweeps that were taken nearer than this
+  double view_reach_m = 25;          // ... from sweeps taken nearer than this
   RegistrationEngine engine = RegistrationEngine::vgicp;
 };
 
-/// The surroundings of a keyframe, all in the session's local frame. Immutable; shared between threads.
+/// The surroundings of a keyframe, all in the session's local frame. Immutable; may be shared between threads.
 struct Submap {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // where the keyframe stood
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  // position of the keyframe
   SurfelCloud source;                           // of a registration
   VoxelMaps target;
   SurfelCloud rock;  // without what its own sweeps see through
@@ -36,10 +36,10 @@ struct Submap {
 };
 using SubmapPtr = std::shared_ptr<const Submap>;
 
-/// Without the images of its views, which are its clouds' and shared with its neighbours.
+/// Without the images of its views, which belong to its clouds and are shared with other submaps.
 std::size_t bytes_of(const Submap& submap);
 
-/// The submap around p, of the clouds of the window in the order of their sequence. Pure.
+/// Builds the submap around p from the clouds of the window, in the order of their sequence. Pure.
 Submap make_submap(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p, const SubmapConfig& config);
 
 }  // namespace headframe

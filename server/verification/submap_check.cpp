@@ -8,7 +8,7 @@
 namespace headframe {
 namespace {
 
-/// Distance of p from the surface that a voxel knows, along its normals.
+/// Distance of p from a voxel's surface, along its normals.
 float plane_distance(const Voxel& v, const Eigen::Vector3f& p) {
   const Eigen::Vector3f e = p - v.mean;
   const auto& [xx, xy, xz, yy, yz, zz] = v.N;
@@ -17,8 +17,8 @@ float plane_distance(const Voxel& v, const Eigen::Vector3f& p) {
   return std::sqrt(std::max(0.0F, squared));
 }
 
-/// Both submaps summed up by cubes, b's within radius_m of p_b, so that a lidar's noise averages out and what is left
-/// is the shape of the rock: how far apart the sums lie along the normals, median.
+/// Averages both submaps over cubes (b's within radius_m of p_b), which removes the lidar's noise and leaves the shape
+/// of the rock, and returns the median distance between the averages along the normals.
 double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vector3d& p_b, double radius_m,
                          const Pose& T) {
   constexpr float least_surfels = 3;
@@ -38,7 +38,7 @@ double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vect
   return static_cast<double>(*middle);
 }
 
-/// PCL finds the placement; the finest level of VGICP settles it, and says how firmly it is held.
+/// PCL finds the placement; the finest level of VGICP then refines it and computes its information.
 Registration by_pcl(const Submap& a, const Submap& b, const Pose& T_a_b) {
   VgicpConfig finest;
   finest.levels = {finest.levels.back()};

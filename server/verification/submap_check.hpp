@@ -1,45 +1,45 @@
 #pragma once
-// One place of the overlap of two sessions: registered by itself, and asked whether both saw the same rock there.
+// One place of the overlap of two sessions, registered independently, with its free space checked.
 
 #include "server/verification/change_patches.hpp"
 #include "server/verification/submap.hpp"
 
 namespace headframe {
 
-/// How much of b's submap a's map can speak of, and how much of that lies on a surface of a's. Rock that a never saw
-/// says nothing, so a short overlap is judged by what it shares. Points are asked evenly, 500 at most.
+/// How many of b's points lie in space that a's map knows, and how many of these lie on a surface of a's. Rock that a
+/// never saw does not count, so a short overlap is judged by what it shares. Uses at most 500 evenly chosen points.
 struct Matched {
   double on = 0, comparable = 0;
   double share() const { return comparable > 0 ? on / comparable : 0; }
-  /// With 40 points more that do not match: few points prove little.
+  /// The share with 40 further points that do not match, because few points prove little.
   double cautious() const { return on / (comparable + 40); }
 };
 
 struct SubmapCheck {
-  Eigen::Vector3d p_a = Eigen::Vector3d::Zero(), p_b = Eigen::Vector3d::Zero();  // the place, in both local frames
+  Eigen::Vector3d p_a = Eigen::Vector3d::Zero(), p_b = Eigen::Vector3d::Zero();  // of the place, in each local frame
   Registration registration;
-  double residual_m = 1;      // median distance of b's surface from a's, in cubes of half a metre, along the normals
-  Matched matched;            // where it was registered
-  Visibility a_by_b, b_by_a;  // the rock of each from the sweeps of the other
-  std::vector<ChangePatch> changes;  // violations that time may explain, in a's frame
+  double residual_m = 1;      // median distance along the normals of b's surface from a's, in cubes of half a metre
+  Matched matched;            // at the registered transform
+  Visibility a_by_b, b_by_a;  // the rock of each session seen from the sweeps of the other
+  std::vector<ChangePatch> changes;  // violations that changes of the mine may explain, in a's frame
 
-  Visibility between() const;  // both ways together
-  double unexplained() const;  // share of violations that are no part of a change
+  Visibility between() const;  // sum of both
+  double unexplained() const;  // share of violations that no change explains
 };
 
 /// At T_a_b.
 Matched matched(const Submap& a, const Submap& b, const Pose& T_a_b);
 
-/// Registers b's submap on a's from T_a_b, by config.engine. Pure.
+/// Registers b's submap on a's from T_a_b with config.engine. Pure.
 SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config);
 
-/// Fills what it looks like, at T_a_b, and what may have changed where the two were not recorded in the same hour.
+/// Sets the visibilities at T_a_b and, if the two were not recorded within the same hour, the changes.
 void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
                       const SubmapConfig& config);
 
-/// What it looks like where it contradicts least of two: where its own registration put it, and at T_a_b. By itself a
-/// place of a smooth tunnel slides a metre and more along it, and then sees through walls that bend; at T_a_b it is off
-/// by the drift of the odometry. Other rock contradicts at both.
+/// Checks the free space again at T_a_b and keeps the result if it contradicts less than the one at the place's own
+/// registration. Registered alone, a place in a smooth tunnel may slide a metre or more along it and then see through
+/// walls at a bend; at T_a_b it is off only by the drift of odometry. Rock of another place contradicts at both.
 void check_free_space_again(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
                             const SubmapConfig& config);
 

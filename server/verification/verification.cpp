@@ -12,23 +12,23 @@
 namespace headframe {
 namespace {
 
-// Of the points where two sessions meet: what changes may explain at most, and what may be left beside them.
+// Shares of the points where two sessions meet: what changes may explain at most, and what may remain unexplained.
 constexpr double most_explained = 0.03, most_unexplained = 0.002, most_unexplained_at_one = 0.006;
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
-/// They stood near each other with rock between them, round a corner or in the next tunnel: neither has seen the
-/// other's rock. Whatever its registration was caught at is no disagreement. (In tunnel-two 4 % was seen at such
-/// places.)
+/// Whether the two keyframes stood near each other with rock between them, around a corner or in the next tunnel, so
+/// that neither saw the other's rock. The registration of such a place is meaningless and not counted as a
+/// disagreement. (In tunnel-two 4 % of the points were seen at such places.)
 bool nothing_shared(const SubmapCheck& place) {
   constexpr double hardly_any = 0.1;  // of the points of both
   const Visibility known = place.between();
   return known.seen + known.violated < hardly_any * known.all();
 }
 
-/// What changes of the mine explain, if it may have changed so: all places have to agree, where the walls hold the
-/// placement, and so has the rest of the overlap. (In tunnels of equal pieces a placement that was caught 5.6 m along
-/// the tunnel, with one place of six that disagreed, was believed without that.)
+/// Sets what changes of the mine explain, if they are credible: all places have to agree, the walls have to hold the
+/// placement, and the rest of the overlap has to agree too. (Without this, a placement in tunnels of equal pieces that
+/// was 5.6 m off along the tunnel, with one of six places disagreeing, was accepted.)
 std::vector<Change> gather_changes(Evidence& e, const std::vector<SubmapCheck>& places) {
   if (e.places_agreeing < e.places || e.weakest_hold < held_well) return {};
   std::vector<ChangePatch> patches;
@@ -88,7 +88,7 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
-/// The first place's pair stands for itself: it is in `first` already.
+/// The submaps of all places: first the pair in `first`, then those of the other places of the overlap.
 std::vector<SubmapPair> submap_pairs(const Scene& a, const Scene& b, const ScreeningResult& first,
                                      const JudgeConfig& config) {
   const Pose& T = first.place.registration.T_target_source;
@@ -106,7 +106,7 @@ std::vector<SubmapPair> submap_pairs(const Scene& a, const Scene& b, const Scree
   return pairs;
 }
 
-/// How far T_a_b may be off at p for the drift between there and the first place.
+/// How far T_a_b may be off at p because of drift between there and the first place.
 bool within_drift(const SubmapCheck& place, const SubmapCheck& first, const Pose& T, const JudgeConfig& config) {
   const double allowed_m = config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
   return usable(place.registration) && (T * place.p_b - place.p_a).norm() < allowed_m &&
@@ -143,12 +143,12 @@ Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, co
   out.T_a_b = settled(overlap, T_joined, config, out.evidence.end_on_match);
   out.evidence.weakest_hold = overlap.weakest_hold;
   const bool slid = out.T_a_b.matrix() != T_joined.matrix();
-  if (slid) {  // each place was caught at a period of its own
+  if (slid) {  // each place was registered at a different period
     register_all(out.T_a_b, 0);
     agrees = agreeing(places, out.T_a_b, config);
     if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return out;
   }
-  // Drift is not a contradiction, other rock is.
+  // Drift does not contradict a placement; rock of another place does.
   for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Pose& T = agrees[i] ? places[i].registration.T_target_source : out.T_a_b;
     const bool seen = i == 0 && !slid;

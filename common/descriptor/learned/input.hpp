@@ -1,5 +1,5 @@
 #pragma once
-// What the network `learned` looks at: the same in training and on a robot.
+// The input of the network `learned`, the same in training and on a robot.
 
 #include "common/descriptor/network_image.hpp"
 

@@ -3,7 +3,7 @@
 namespace headframe::python {
 
 Pose pose_of(const Matrix4& T) {
-  constexpr double tolerance = 1e-3;  // of what was rounded to single precision, or printed
+  constexpr double tolerance = 1e-3;  // for matrices that were rounded to single precision, or printed
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
   const bool is_rigid = T.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < tolerance &&
                         R.determinant() > 0 && (T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < tolerance;

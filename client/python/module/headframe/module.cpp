@@ -1,4 +1,4 @@
-// headframe._robot: the robot library for Python, numpy in and numpy out. __init__.pyi says what each call does.
+// The Python module headframe._robot: the robot library with numpy arrays. __init__.pyi documents each call.
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -10,8 +10,8 @@
 namespace headframe::python {
 namespace {
 
-/// Fails as Python does: headframe.Error for what the library calls a fault, BadInput among them for a scan that is no
-/// use, ValueError for arguments.
+/// Converts failures to Python exceptions: headframe.Error for faults of the library, its subclass BadInput for an
+/// unusable scan, ValueError for wrong arguments.
 template <class T>
 T value_of(Result<T> result) {
   if (!result && result.error().code == ErrorCode::invalid_argument) throw py::value_error(result.error().message);
@@ -20,8 +20,8 @@ T value_of(Result<T> result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-/// A Python callable for the link's thread: called with the interpreter's lock, and what it raises is printed and goes
-/// no further. None: no callback.
+/// Wraps a Python callable for the link's thread: it is called with the interpreter's lock, and an exception that it
+/// raises is printed and not passed on. None: no callback.
 template <class Told>
 std::function<void(const Told&)> callback_of(const py::object& callable) {
   if (callable.is_none()) return {};
@@ -239,8 +239,8 @@ void describe_surroundings(py::module_& m) {
       .def_property_readonly("points", [](const MapAround& map) { return array_of(map.origin_local_m, map.points); });
 }
 
-/// A property of the robot, read without the interpreter's lock: the library's own locks are held while callbacks go,
-/// and those want it.
+/// A property of the robot, read without the interpreter's lock: the library holds its own lock while it destroys a
+/// replaced callback, and that needs the interpreter's lock.
 template <class Value>
 auto property(Value (RobotClient::*read)() const) {
   return [read](const RobotClient& robot) {
