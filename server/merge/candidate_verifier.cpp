@@ -199,6 +199,7 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
 bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
                                      const Attempt& attempt) const {
   if (!convinces(verdicts.front().judgement.evidence, config_)) {
+    if (only_copies_speak_against(pair, verdicts.front())) return ask_for_all(pair, attempt);
     const auto asks =
         std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
     if (asks != verdicts.end()) attempt.want(asks->wanted);
@@ -211,6 +212,22 @@ bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<
       if (attempt.clouds.state(k) == CloudState::obtainable) wanted.push_back(k);
   attempt.want(wanted);
   return !wanted.empty();
+}
+
+bool CandidateVerifier::ask_for_all(const OrderedPair& pair, const Attempt& attempt) const {
+  std::vector<KeyframeRef> wanted;
+  for (const SessionId id : {pair.a, pair.b})
+    for (const Keyframe& keyframe : sessions_.at(id).keyframes)
+      if (const KeyframeRef k{id, keyframe.sequence}; attempt.clouds.state(k) == CloudState::obtainable)
+        wanted.push_back(k);
+  attempt.want(wanted);
+  return !wanted.empty();
+}
+
+/// Few clouds show more copies than there are.
+bool CandidateVerifier::only_copies_speak_against(const OrderedPair& pair, const Verdict& best) const {
+  return sessions_.at(pair.a).complete && sessions_.at(pair.b).complete &&
+         best.judgement.evidence.probability_if_unique >= config_.accept_probability;
 }
 
 }  // namespace headframe

@@ -41,13 +41,13 @@ std::size_t stored_clouds(const Session& session, SessionId id, const CloudSourc
 bool SelfSimilarity::known(SessionId id, const CloudSource& clouds) const {
   // A complete session's end is always included; otherwise the result would depend on when of() was last called.
   const Session& session = sessions_.at(id);
-  const double growth = session.complete ? 1 : 1.25, clouds_growth = 1.25;
+  const double growth = session.complete ? 1 : 1.25;
   const SelfLikeness& known = last(id);
   const bool answered =
       !known.wanted.empty() && std::none_of(known.wanted.begin(), known.wanted.end(),
                                             [&](const auto& k) { return clouds.state(k) == CloudState::obtainable; });
   return known.path_m >= 0 && !answered && session.path_m() <= growth * known.path_m &&
-         static_cast<double>(stored_clouds(session, id, clouds)) <= clouds_growth * static_cast<double>(known.clouds);
+         static_cast<double>(stored_clouds(session, id, clouds)) <= growth * static_cast<double>(known.clouds);
 }
 
 const SelfLikeness& SelfSimilarity::last(SessionId id) const {

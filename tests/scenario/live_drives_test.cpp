@@ -50,8 +50,10 @@ TEST_P(LiveDrives, TellNothingWrongAndEndTheSame) {
   }
 }
 
-// A loop of three sessions that drift; a smooth tunnel with a short overlap; one that was merged wrongly at .987.
+// A loop of three sessions that drift; copies, of which few clouds show more than there are; a smooth tunnel with a
+// short overlap; one that was merged wrongly at .987.
 const std::array drives{Drives{"grid-310101", {"20x busy, together", "100x, together"}, 3},
+                        Drives{"look_alike-310004", {"100x, together", "6x, together, clouds asked"}, 1},
                         Drives{"straight-310104", {"100x, together", "6x, together, clouds asked"}, 1},
                         Drives{"straight-310109", {"6x, one joins"}, 0}};
 INSTANTIATE_TEST_SUITE_P(Drawn, LiveDrives, testing::ValuesIn(drives), [](const auto& drive) {

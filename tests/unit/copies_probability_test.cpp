@@ -148,12 +148,13 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(p(8, 33, 0.91, 6), p(8, 33, 0.96, 6));
   EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";
   EXPECT_GT(p(8, 33, 0.88, 1), p(8, 33, 0.88, 4)) << "one keyframe says little";
-  EXPECT_GT(p(8, 51, 0.88, 9), 0.9) << "longer than two pieces";
+  EXPECT_LT(p(8, 51, 0.88, 9), 0.9);
+  EXPECT_GT(p(8, 61, 0.88, 9), 0.9) << "longer than the pieces";
   EXPECT_LT(p(18, 51, 0.85, 9), 0.9) << "a mine of nothing but copies";
   EXPECT_GT(p(18, 71, 0.85, 9), 0.9);
-  EXPECT_GT(p(3, 33, 0.88, 6), 0.9) << "three look-alikes are not many";
-  for (double alike = 0.84; alike < 0.99; alike += 0.001)
-    EXPECT_NEAR(p(8, 33, alike, 6), p(8, 33, alike + 0.001, 6), 0.05) << "no cliff";
+  EXPECT_GT(p(1, 33, 0.88, 6), 0.9) << "one look-alike says little";
+  for (double alike = 0.84; alike < 0.99; alike += 0.0002)
+    EXPECT_NEAR(p(8, 33, alike, 6), p(8, 33, alike + 0.0002, 6), 0.05) << "no cliff";
 }
 
 TEST(Probability, InAMineThatLooksLikeItselfDescriptorsOfALongOverlapHaveToAgreeToo) {
@@ -172,17 +173,30 @@ TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescri
   EXPECT_GT(p(0.1, 31, 0.79, 2), 0.9);
   EXPECT_LT(p(0.3, 31, 0.79, 2), 0.5) << "a copy, and the two sessions have shown no other";
   EXPECT_NEAR(p(0.3, 31, 0.79, 2), p(3, 31, 0.79, 2), 1e-9);
-  EXPECT_NEAR(p(0.3, 51, 0.79, 2), p(0, 51, 0.79, 2), 1e-3) << "longer than the pieces";
-  EXPECT_EQ(p(0.3, 31, 0.92, 2), p(0, 31, 0.92, 2)) << "the descriptors tell";
+  EXPECT_NEAR(p(0.3, 61, 0.79, 2), p(0, 61, 0.79, 2), 1e-3) << "longer than the pieces";
+  EXPECT_LT(p(0.3, 45, 0.90, 2), 0.9);
+  EXPECT_EQ(p(0.3, 31, 0.93, 2), p(0, 31, 0.93, 2)) << "the descriptors tell";
   EXPECT_EQ(p(0.3, 29, 0, 0), p(0, 29, 0, 0)) << "of two families";
   EXPECT_LT(p(0.3, 14, 0, 0), 0.7);
+  Evidence straight = convincing();
+  straight.overlap_m = 83;
+  straight.descriptors_compared = 16;
+  straight.descriptors_alike = 0.89;
+  straight.weakest_hold = 0.05;
+  const double crooked = probability(RegistrationStatus::converged, straight);
+  straight.mine_look_alikes = 0.3;
+  EXPECT_NEAR(probability(RegistrationStatus::converged, straight), crooked, 1e-3);
+  straight.weakest_hold = 0.037;
+  EXPECT_LT(probability(RegistrationStatus::converged, straight), 0.9) << "a straight tunnel is copied farther";
+  straight.overlap_m = 101;
+  EXPECT_GT(probability(RegistrationStatus::converged, straight), 0.9);
   Evidence two;
   two.look_alikes = 1;
   EXPECT_EQ(looks_like_itself(two), 0);
   two.look_alikes = 2;
   EXPECT_EQ(looks_like_itself(two), 1) << "two look-alikes say the same of the mine";
   for (double of_mine = 0.05; of_mine < 0.35; of_mine += 0.002)
-    EXPECT_NEAR(p(of_mine, 31, 0.85, 4), p(of_mine + 0.002, 31, 0.85, 4), 0.05) << "no cliff";
+    EXPECT_NEAR(p(of_mine, 31, 0.91, 4), p(of_mine + 0.002, 31, 0.91, 4), 0.07) << "no cliff";
 }
 
 }  // namespace
