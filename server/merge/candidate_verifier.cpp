@@ -199,10 +199,10 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
 bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
                                      const Attempt& attempt) const {
   if (!convinces(verdicts.front().judgement.evidence, config_)) {
-    if (only_copies_speak_against(pair, verdicts.front())) return ask_for_all(pair, attempt);
     const auto asks =
         std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
-    if (asks != verdicts.end()) attempt.want(asks->wanted);
+    if (asks == verdicts.end()) return only_copies_speak_against(pair, verdicts.front()) && ask_for_all(pair, attempt);
+    attempt.want(asks->wanted);
     return false;
   }
   if (awaited > 0) return false;  // it has to wait for its rivals anyway
@@ -226,8 +226,10 @@ bool CandidateVerifier::ask_for_all(const OrderedPair& pair, const Attempt& atte
 
 /// Few clouds show more copies than there are.
 bool CandidateVerifier::only_copies_speak_against(const OrderedPair& pair, const Verdict& best) const {
+  const Evidence& e = best.judgement.evidence;
   return sessions_.at(pair.a).complete && sessions_.at(pair.b).complete &&
-         best.judgement.evidence.probability_if_unique >= config_.accept_probability;
+         self_.last(pair.a).aliases + self_.last(pair.b).aliases > 0 &&
+         e.probability >= config_.candidate_probability && e.probability_if_unique >= config_.accept_probability;
 }
 
 }  // namespace headframe
