@@ -18,6 +18,9 @@ std::string random_secret(std::size_t bytes);
 /// 32 bytes. Enough to store a secret by when the secret itself is random and long: there is nothing to guess.
 std::string sha256(std::string_view bytes);
 
+/// HMAC-SHA256 (RFC 2104), 32 bytes: who does not have the key can not make it.
+std::string hmac_sha256(std::string_view key, std::string_view bytes);
+
 /// True for equal bytes, in a time that depends on the length alone.
 bool same_secret(std::string_view a, std::string_view b);
 
