@@ -67,14 +67,27 @@ void Relay::welcome(tcp::socket client) {
   const auto from = client.remote_endpoint(gone), here = client.local_endpoint(gone);
   if (gone) return;
   auto header = relay_header(from, here, key_);
+  make_room_for_silence();
   const auto connection = std::make_shared<RelayedConnection>(std::move(client), std::move(header), limits_);
   connections_.insert(connection);
+  silent_.push_back(connection);
   count_ = static_cast<int>(connections_.size());
   connection->start(*target, [this, known = std::weak_ptr(connection)](bool came_back) {
     connections_.erase(known.lock());
     count_ = static_cast<int>(connections_.size());
     if (came_back) say_once("one that another server has passed on is not passed on again");
   });
+}
+
+/// Who only holds connections can not keep others out.
+void Relay::make_room_for_silence() {
+  std::erase_if(silent_, [](const auto& known) {
+    const auto connection = known.lock();
+    return !connection || connection->has_spoken();
+  });
+  if (silent_.size() < limits_.silent) return;
+  if (const auto oldest = silent_.front().lock()) oldest->end();
+  silent_.pop_front();
 }
 
 void Relay::say_once(const std::string& what) {

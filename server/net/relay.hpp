@@ -3,6 +3,7 @@
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <deque>
 #include <functional>
 #include <set>
 #include <thread>
@@ -37,6 +38,7 @@ class Relay {
  private:
   void accept();
   void welcome(boost::asio::ip::tcp::socket client);
+  void make_room_for_silence();
   void say_once(const std::string& what);
 
   const std::string key_;
@@ -45,7 +47,8 @@ class Relay {
   boost::asio::io_context io_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
-  std::set<std::shared_ptr<RelayedConnection>> connections_;  // of the thread, and so is the next one
+  std::set<std::shared_ptr<RelayedConnection>> connections_;  // of the thread, and so are the next two
+  std::deque<std::weak_ptr<RelayedConnection>> silent_;       // oldest first; some may have spoken since
   std::set<std::string> said_;
   std::atomic<int> count_ = 0;
   bool stopped_ = false;

@@ -29,24 +29,38 @@ RelayedConnection::RelayedConnection(tcp::socket client, std::string header, con
       server_(client_.get_executor()),
       resolver_(client_.get_executor()),
       timer_(client_.get_executor()),
-      header_(std::move(header)),
+      to_send_(std::move(header)),
       limits_(limits) {}
 
-/// An address is taken as it is; a name is looked up on a thread of Asio's.
+/// What the client says first is waited for: where several servers pass connections on to each other for a moment, or
+/// one to itself, a connection that was passed on already would go round for ever.
 void RelayedConnection::start(const Endpoint& target, Ended ended) {
   ended_ = std::move(ended);
+  end_after(limits_.speak_within);
+  up_.bytes.resize(limits_.buffer_bytes);
+  client_.async_read_some(net::buffer(up_.bytes), [self = shared_from_this(), target](error_code error, std::size_t n) {
+    if (error || !self->ended_) return self->end();
+    if (static_cast<unsigned char>(self->up_.bytes[0]) == relay_first_byte) return self->end(true);
+    self->has_spoken_ = true;
+    self->to_send_.append(self->up_.bytes, 0, n);
+    self->reach(target);
+  });
+}
+
+/// An address is taken as it is; a name is looked up on a thread of Asio's.
+void RelayedConnection::reach(const Endpoint& target) {
   end_after(limits_.connect_within);
   error_code is_name;
   const auto address = net::ip::make_address(target.host, is_name);
   const std::string port = std::to_string(target.port);
   if (!is_name) return connect(tcp::resolver::results_type::create({address, target.port}, target.host, port));
   resolver_.async_resolve(target.host, port, tcp::resolver::numeric_service,
-                          [self = shared_from_this()](error_code error, tcp::resolver::results_type found) {
-                            error ? self->end() : self->connect(std::move(found));
+                          [self = shared_from_this()](error_code error, const tcp::resolver::results_type& found) {
+                            error ? self->end() : self->connect(found);
                           });
 }
 
-void RelayedConnection::connect(tcp::resolver::results_type found) {
+void RelayedConnection::connect(const tcp::resolver::results_type& found) {
   if (!ended_) return;
   net::async_connect(server_, found, [self = shared_from_this()](error_code error, const tcp::endpoint&) {
     error ? self->end() : self->begin();
@@ -58,7 +72,8 @@ void RelayedConnection::begin() {
   timer_.cancel();
   make_lively(client_);
   make_lively(server_);
-  net::async_write(server_, net::buffer(header_), [self = shared_from_this()](error_code error, std::size_t) {
+  net::async_write(server_, net::buffer(to_send_), [self = shared_from_this()](error_code error, std::size_t) {
+    self->to_send_ = {};
     error ? self->end() : self->pass(self->up_);
   });
   pass(down_);
@@ -69,9 +84,6 @@ void RelayedConnection::pass(Way& way) {
   way.from.async_read_some(net::buffer(way.bytes), [self = shared_from_this(), &way](error_code error, std::size_t n) {
     if (error == net::error::eof) return self->pass_on_end(way);
     if (error) return self->end();
-    const bool is_first = !std::exchange(way.begun, true);
-    if (is_first && &way == &self->up_ && static_cast<unsigned char>(way.bytes[0]) == relay_first_byte)
-      return self->end(true);
     net::async_write(way.to, net::buffer(way.bytes, n),
                      [self, &way](error_code fault, std::size_t) { fault ? self->end() : self->pass(way); });
   });

@@ -11,9 +11,10 @@
 
 namespace headframe {
 
-/// One client's connection, and the one that carries its bytes on; what they say is looked at no further than to tell
-/// whether a relay passed the client on already. Each way has one buffer: who does not read stops who writes. Not
-/// thread safe: for an io_context with one thread. Lives until both have ended.
+/// One client's connection and the one that carries its bytes on, which is made when the client begins to speak. Of
+/// what is said the first byte alone is looked at: whether a relay has passed the client on already. Each way has one
+/// buffer: who does not read stops who writes. Not thread safe: for an io_context with one thread. Lives until both
+/// have ended.
 class RelayedConnection : public std::enable_shared_from_this<RelayedConnection> {
  public:
   using Ended = std::function<void(bool came_back)>;
@@ -24,6 +25,8 @@ class RelayedConnection : public std::enable_shared_from_this<RelayedConnection>
   /// Once. `ended` is called once, with whether a relay had passed the client on already.
   void start(const Endpoint& target, Ended ended);
   void end(bool came_back = false);
+  /// The client has said something, and the server is on its way.
+  bool has_spoken() const { return has_spoken_; }
 
  private:
   using Socket = boost::asio::ip::tcp::socket;
@@ -31,10 +34,11 @@ class RelayedConnection : public std::enable_shared_from_this<RelayedConnection>
     Socket& from;
     Socket& to;
     std::string bytes = {};
-    bool begun = false, ended = false;
+    bool ended = false;
   };
 
-  void connect(boost::asio::ip::tcp::resolver::results_type found);
+  void reach(const Endpoint& target);
+  void connect(const boost::asio::ip::tcp::resolver::results_type& found);
   void begin();
   void pass(Way& way);
   void pass_on_end(Way& way);
@@ -43,7 +47,8 @@ class RelayedConnection : public std::enable_shared_from_this<RelayedConnection>
   Socket client_, server_;
   boost::asio::ip::tcp::resolver resolver_;
   boost::asio::steady_timer timer_;
-  std::string header_;
+  std::string to_send_;  // before what is passed on
+  bool has_spoken_ = false;
   const RelayLimits limits_;
   Ended ended_;  // null: it has not begun, or has ended
   Way up_{client_, server_}, down_{server_, client_};

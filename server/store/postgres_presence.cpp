@@ -94,6 +94,7 @@ void PostgresPresence::beat() {
   }
   if (done) done = note(*card, active, for_s);
   if (done) (void)look(*card, active);
+  counts_relayed_ = counts_relayed_ && done;
 }
 
 Result<void> PostgresPresence::note(const ServerCard& card, bool active, double for_s) {
