@@ -59,9 +59,10 @@ class Servers : public PostgresFixture {
   }
 
   /// A robot that knows these servers, none given: both; and is enrolled at the first.
-  Result<Process> drive(const std::string& robot, const std::string& rate, std::vector<std::string> servers = {}) {
+  Result<Process> drive(const std::string& robot, const std::string& rate, std::vector<std::string> servers = {},
+                        const std::string& linger_s = "5") {
     if (servers.empty()) servers = {first->robots(), second->robots()};
-    std::vector<std::string> argv{program("headframe-replay"), "--robot", robot, "--rate", rate, "--linger", "5"};
+    std::vector<std::string> argv{program("headframe-replay"), "--robot", robot, "--rate", rate, "--linger", linger_s};
     for (const std::string& server : servers) argv.insert(argv.end(), {"--server", server});
     const auto admission = first->admission(robot);
     if (!admission) return tl::unexpected(admission.error());
