@@ -15,6 +15,7 @@
 #include "server/operator/operator_api.hpp"
 #include "server/security/operator_guard.hpp"
 #include "server/security/operator_registry.hpp"
+#include "server/security/relay_header.hpp"
 #include "server/security/robot_gate.hpp"
 #include "server/security/server_identity.hpp"
 #include "server/station/robot_desk.hpp"
@@ -89,11 +90,12 @@ Result<void> MapMergeServer::Parts::start() {
   if (done) done = notes.restore();
   if (!done) return done;
   hub.set_uplink_budget(static_cast<std::uint64_t>(options.config.limits.uplink_kib_s) * 1024);
+  auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
+  if (!token) return tl::unexpected(token.error());
+  listener.believe_relays(relay_key(*token));
   auto listening = listener.listen(membership->listen());
   if (!listening) return tl::unexpected(listening.error());
   robots = *listening;
-  auto token = options.insecure ? Result<std::string>("") : operator_token(options.data);
-  if (!token) return tl::unexpected(token.error());
   if (!options.insecure) desk.emplace(gate, fingerprint, to_string(options.config.public_address.value_or(robots)));
   if (!options.insecure) {
     auto known = OperatorRegistry::open(options.data / "operators.json");
@@ -171,6 +173,7 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
   if (auto reserved = membership->reserve_ports(); !reserved) return tl::unexpected(reserved.error());
   auto store = open_store(options, *membership);
   if (!store) return tl::unexpected(store.error());
+  membership->end_relay();
   std::optional<boost::asio::ssl::context> tls;
   std::string fingerprint;
   if (!options.insecure) {

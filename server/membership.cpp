@@ -8,6 +8,9 @@
 
 #include "common/printable.hpp"
 #include "common/security/secret.hpp"
+#include "server/relay_target.hpp"
+#include "server/security/operator_guard.hpp"
+#include "server/security/relay_header.hpp"
 #include "server/store/postgres_writer.hpp"
 
 namespace headframe {
@@ -33,10 +36,15 @@ Membership::Membership(ServerOptions options) : options_(std::move(options)) {
   card_.name = printable(options_.config.name.empty() ? given_name(options_.data) : options_.config.name);
   const std::string& url = options_.config.store_url;
   if (const auto database = postgres_name(url); !url.empty() && database)
-    presence_ = std::make_unique<PostgresPresence>(url, *database, [told = options_.on_taken_over](const Error& why) {
-      if (told) told(why);
-    });
+    presence_ = std::make_unique<PostgresPresence>(
+        url, *database,
+        [told = options_.on_taken_over](const Error& why) {
+          if (told) told(why);
+        },
+        [this] { return relayed(); });
 }
+
+Membership::~Membership() { end_relay(); }
 
 Result<void> Membership::reserve_ports() {
   if (!options_.config.standby) return {};
@@ -66,10 +74,43 @@ Result<void> Membership::begin_to_wait(const std::optional<ServerCard>& active) 
     card_.token_digest = known->token_digest;
   }
   card_.robots = to_string(options_.config.public_address.value_or(options_.listen));
-  card_.http = to_string(options_.http);
+  card_.http = operators_at(options_.http);
   presence_->start(card_);
+  if (auto done = begin_to_relay(); !done) return done;
   if (options_.on_standby) options_.on_standby(options_.listen, options_.http);
   return {};
+}
+
+Result<void> Membership::begin_to_relay() {
+  const auto token = options_.insecure ? Result<std::string>("") : operator_token(options_.data);
+  if (!token) return tl::unexpected(token.error());
+  for (const Door door : {Door::robots, Door::operators}) {
+    const Endpoint at = door == Door::robots ? options_.listen : options_.http;
+    auto relay = std::make_unique<Relay>(relay_key(*token), [presence = presence_.get(), door, at] {
+      return relay_target(presence->servers(), door, at);
+    });
+    if (auto listening = relay->listen(at); !listening) return tl::unexpected(listening.error());
+    const std::lock_guard lock(mutex_);
+    relays_.push_back(std::move(relay));
+  }
+  return {};
+}
+
+void Membership::end_relay() {
+  for (const auto& relay : relays_) relay->stop();
+}
+
+int Membership::relayed() const {
+  const std::lock_guard lock(mutex_);
+  int sum = 0;
+  for (const auto& relay : relays_) sum += relay->connections();
+  return sum;
+}
+
+/// To every address of this machine nobody can connect from elsewhere; where robots come, operators may, too.
+std::string Membership::operators_at(const Endpoint& http) const {
+  const auto& known = options_.config.public_address;
+  return to_string(is_any_address(http) && known ? Endpoint{known->host, http.port} : http);
 }
 
 void Membership::serves(const Endpoint& robots, const Endpoint& http, const std::string& fingerprint,
@@ -77,7 +118,7 @@ void Membership::serves(const Endpoint& robots, const Endpoint& http, const std:
   ports_.clear();
   const std::lock_guard lock(mutex_);
   card_.robots = to_string(options_.config.public_address.value_or(robots));
-  card_.http = to_string(http);
+  card_.http = operators_at(http);
   card_.fingerprint = fingerprint;
   card_.token_digest = token.empty() ? "" : sha256(token);
   since_s_ = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -89,7 +130,7 @@ void Membership::serves(const Endpoint& robots, const Endpoint& http, const std:
 std::vector<ServerRecord> Membership::servers() const {
   const std::lock_guard lock(mutex_);
   if (presence_) return presence_->servers();
-  return {{card_.name, card_.robots, card_.http, true, true, since_s_, 0}};
+  return {{card_.name, card_.robots, card_.http, true, true, since_s_, 0, 0}};
 }
 
 }  // namespace headframe

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/map_merge_server.hpp"
+#include "server/net/relay.hpp"
 #include "server/standby.hpp"
 #include "server/store/postgres_presence.hpp"
 
@@ -13,6 +14,9 @@ namespace headframe {
 class Membership {
  public:
   explicit Membership(ServerOptions options);
+  ~Membership();
+  Membership(const Membership&) = delete;
+  Membership& operator=(const Membership&) = delete;
 
   /// A server that may have to wait makes its ports its own before it does: unavailable when they are in use.
   Result<void> reserve_ports();
@@ -22,6 +26,9 @@ class Membership {
   /// How to open the database: at once, or when another server lets go of it. Must not outlive this.
   PostgresOpening opening();
 
+  /// It has the database, and passes nobody on any more: who was connected through it has to come again.
+  void end_relay();
+
   /// It is active, and listens there. The fingerprint and the operator's token are empty where it is insecure.
   void serves(const Endpoint& robots, const Endpoint& http, const std::string& fingerprint, const std::string& token);
 
@@ -30,11 +37,15 @@ class Membership {
 
  private:
   Result<void> begin_to_wait(const std::optional<ServerCard>& active);
+  Result<void> begin_to_relay();
+  std::string operators_at(const Endpoint& http) const;
+  int relayed() const;
 
   ServerOptions options_;
   ServerCard card_;
   std::vector<ReservedPort> ports_;
   mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Relay>> relays_;  // while it stands by, and stopped afterwards
   double since_s_ = 0;
   std::unique_ptr<PostgresPresence> presence_;  // null: SQLite
 };

@@ -22,7 +22,8 @@ Result<ServerCard> known_by(const std::filesystem::path& data);
 /// there are believed.
 Result<void> fit_to_stand_by(const std::filesystem::path& data, const std::optional<ServerCard>& active);
 
-/// A port that this server will listen on: nobody else gets it meanwhile, and who connects to it is turned away.
+/// A port that this server will listen on: nobody else gets it meanwhile. Who connects to it is turned away, unless a
+/// Relay listens there.
 class ReservedPort {
  public:
   /// unavailable: the port is in use, or the address is not of this machine.

@@ -2,6 +2,7 @@
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
+#include <openssl/hmac.h>
 #include <openssl/rand.h>
 
 #include <stdexcept>
@@ -32,6 +33,16 @@ std::string sha256(std::string_view bytes) {
                  nullptr) != 1 ||
       size != digest.size())
     throw std::runtime_error("OpenSSL has no SHA-256");
+  return digest;
+}
+
+std::string hmac_sha256(std::string_view key, std::string_view bytes) {
+  std::string digest(32, '\0');
+  unsigned int size = 0;
+  if (HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), reinterpret_cast<const unsigned char*>(bytes.data()),
+           bytes.size(), reinterpret_cast<unsigned char*>(digest.data()), &size) == nullptr ||
+      size != digest.size())
+    throw std::runtime_error("OpenSSL has no HMAC-SHA256");
   return digest;
 }
 

@@ -19,6 +19,9 @@ std::string random_secret(std::size_t bytes);
 /// 32 bytes. Sufficient for storing a secret that is itself random and long, because it cannot be guessed.
 std::string sha256(std::string_view bytes);
 
+/// HMAC-SHA256 (RFC 2104), 32 bytes. Only the holders of the key can make it.
+std::string hmac_sha256(std::string_view key, std::string_view bytes);
+
 /// Whether the bytes are equal; the time taken depends only on the length.
 bool same_secret(std::string_view a, std::string_view b);
 

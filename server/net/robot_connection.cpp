@@ -8,6 +8,7 @@
 
 #include "common/security/tls.hpp"
 #include "common/wire/lossy_link.hpp"
+#include "server/security/relayed_peer.hpp"
 
 namespace headframe {
 namespace {
@@ -60,6 +61,7 @@ void RobotConnection::start() {
 void RobotConnection::meet() {
   stream_.socket().async_wait(tcp::socket::wait_read, [self = shared_from_this()](error_code error) {
     if (error || self->dropped_) return self->drop();
+    if (!self->relayed_ && begins_with_relay_header(self->stream_.socket())) return self->meet_relay();
     unsigned char first = 0;
     if (::recv(self->stream_.socket().native_handle(), &first, 1, MSG_PEEK | MSG_DONTWAIT) != 1) return self->drop();
     const bool speaks_tls = first == tls_handshake_record;
@@ -71,6 +73,19 @@ void RobotConnection::meet() {
                            true);
     self->begin();
   });
+}
+
+/// The one who is met after it is the robot, and its address counts.
+void RobotConnection::meet_relay() {
+  relayed_ = true;
+  async_read_relay_header(stream_.socket(), entrance_.relay_key,
+                          [self = shared_from_this()](const Result<boost::asio::ip::address>& client) {
+                            if (self->dropped_) return;
+                            if (!client) self->note(client.error().message);
+                            if (!client) return self->drop();
+                            self->from_ = *client;
+                            self->meet();
+                          });
 }
 
 void RobotConnection::shake_hands() {

@@ -13,10 +13,11 @@
 
 namespace headframe {
 
-/// How robots come in. Both or none: without them anyone may be any robot, in the clear (--insecure).
+/// How robots come in. tls and gate both, or none: without them anyone may be any robot, in the clear (--insecure).
 struct Entrance {
   boost::asio::ssl::context* tls = nullptr;
   RobotGate* gate = nullptr;
+  std::string relay_key = {};  // of the servers that pass robots on; empty: nobody may say for whom he speaks
 };
 
 /// The RobotLink calls come from any thread; all else runs on the socket's strand. Backpressure: while more than
@@ -52,6 +53,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   template <class Action>
   void on_strand(Action action);
   void meet();
+  void meet_relay();
   void shake_hands();
   void begin();
   void read();
@@ -72,7 +74,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   bool crowded() const;
 
   LinkStream stream_;
-  const boost::asio::ip::address from_;
+  boost::asio::ip::address from_;
   boost::asio::steady_timer timer_;
   SessionHub& hub_;
   const Entrance entrance_;
@@ -81,6 +83,7 @@ class RobotConnection : public RobotLink, public std::enable_shared_from_this<Ro
   SessionId session_ = 0;  // 0: not admitted
   std::size_t undurable_bytes_ = 0;
   std::atomic<bool> admitted_ = false;
+  bool relayed_ = false;    // by a server that stands by
   bool begun_ = false;      // the handshake is over, or there is none
   bool deciding_ = false;   // whether to let it in: nothing is read meanwhile
   LinkPolicy told_;         // as the robot knows it

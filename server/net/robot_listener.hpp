@@ -19,6 +19,9 @@ class RobotListener {
  public:
   RobotListener(boost::asio::io_context& io, SessionHub& hub, const Entrance& entrance, const RobotLimits& limits);
 
+  /// Who has this key (relay_key) may say for which robot a connection is. Before listen(); none: nobody may.
+  void believe_relays(std::string key) { entrance_.relay_key = std::move(key); }
+
   /// The endpoint it really listens on. unavailable: the port is in use, or the address is not of this machine.
   Result<Endpoint> listen(const Endpoint& at);
   /// Takes no more robots and ends all connections; the io_context runs out of work then.
@@ -32,7 +35,7 @@ class RobotListener {
   boost::asio::ip::tcp::acceptor acceptor_;  // on a strand
   boost::asio::steady_timer pause_;
   SessionHub& hub_;
-  const Entrance entrance_;
+  Entrance entrance_;
   const RobotLimits limits_;
   std::mutex mutex_;
   bool stopped_ = false;

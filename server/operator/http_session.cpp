@@ -6,6 +6,8 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
+#include "server/security/relayed_peer.hpp"
+
 namespace headframe {
 namespace {
 
@@ -37,9 +39,34 @@ HttpSession::HttpSession(net::ip::tcp::socket socket, std::shared_ptr<HttpShared
 }
 
 void HttpSession::start() {
-  net::post(stream_.get_executor(),
-            [self = shared_from_this()] { self->shared_->tls == nullptr ? self->read() : self->detect_tls(); });
+  net::post(stream_.get_executor(), [self = shared_from_this()] { self->meet(); });
 }
+
+/// Seeing the first byte before reading it, we can tell a server that passes an operator on from the operator.
+void HttpSession::meet() {
+  const OperatorLimits& limits = shared_->limits;
+  const double patience_s = turn_away_ ? linger_s : shared_->tls != nullptr ? limits.handshake_s : limits.idle_s;
+  look_.expires_after(std::chrono::milliseconds(std::llround(patience_s * 1000)));
+  look_.async_wait([self = shared_from_this()](Code ended) {
+    if (!ended) self->finish();
+  });
+  tcp().socket().async_wait(net::ip::tcp::socket::wait_read, [self = shared_from_this()](Code code) {
+    self->look_.cancel();
+    if (code) return self->finish();
+    begins_with_relay_header(self->tcp().socket()) ? self->meet_relay() : self->begin();
+  });
+}
+
+void HttpSession::meet_relay() {
+  async_read_relay_header(tcp().socket(), shared_->relay_key,
+                          [self = shared_from_this()](const Result<net::ip::address>& client) {
+                            if (!client) return self->finish();
+                            self->from_ = *client;
+                            self->begin();
+                          });
+}
+
+void HttpSession::begin() { shared_->tls == nullptr ? read() : detect_tls(); }
 
 /// By the timer's executor, which is the stream's: the stream itself may just be on its way to the event feed.
 void HttpSession::close() {

@@ -24,6 +24,7 @@
 #include "server/operator/router.hpp"
 #include "server/security/operator_guard.hpp"
 #include "server/security/page_sessions.hpp"
+#include "server/security/relay_header.hpp"
 
 namespace headframe {
 
@@ -38,6 +39,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
         limits(the_limits),
         guard(access.token, {}, access.people),
         asks_token(!access.token.empty()),
+        relay_key(headframe::relay_key(access.token)),
         tls(access.tls),
         strangers(the_limits.requests),
         operators(the_limits.requests),
@@ -53,6 +55,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   OperatorGuard guard;
   PageSessions pages;
   const bool asks_token;
+  const std::string relay_key;           // of the servers that pass operators on
   boost::asio::ssl::context* const tls;  // null: plain HTTP
   AttemptLimiter strangers, operators;   // requests, by address
   RobotAdmin* const robots;              // may be null
@@ -103,6 +106,9 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   using Code = boost::beast::error_code;
   using Piece = Result<std::optional<std::string>>;
 
+  void meet();
+  void meet_relay();
+  void begin();
   void detect_tls();
   void read();
   void read_header();
@@ -132,7 +138,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   bool client_gone();
 
   WebStream stream_;
-  boost::asio::steady_timer look_;  // whether the client is still there
+  boost::asio::steady_timer look_;  // whether it has said anything; later: whether it is still there
   boost::asio::ip::address from_;
   const std::shared_ptr<HttpShared> shared_;
   const bool turn_away_;

@@ -41,7 +41,8 @@ Result<Reply> servers(const Query&, const Context& context) {
                     {"role", server.is_active ? "active" : "standby"},
                     {"self", server.is_self},
                     {"since_s", server.since_s},
-                    {"heard_ago_s", server.heard_ago_s}});
+                    {"heard_ago_s", server.heard_ago_s},
+                    {"relayed", server.relayed.value_or(0)}});
   return json(nlohmann::json{{"servers", std::move(rows)}}.dump() + "\n");
 }
 

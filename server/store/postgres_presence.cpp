@@ -15,17 +15,19 @@ constexpr const char* note_self =
     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, extract(epoch FROM clock_timestamp())::float8 - ?8,"
     " extract(epoch FROM clock_timestamp())::float8) ON CONFLICT (id) DO UPDATE SET heard_s = excluded.heard_s,"
     " active = excluded.active, since_s = excluded.since_s";
+constexpr const char* note_relayed = "UPDATE servers SET relayed = ?2 WHERE id = ?1";
 constexpr const char* forget_those_that_went =
     "DELETE FROM servers WHERE heard_s < extract(epoch FROM clock_timestamp())::float8 - ?";
+// Column `relayed` is not there while the active server is an older one.
 constexpr const char* see_all =
     "SELECT name, robots, http, id = owner, id = ?1, since_s, extract(epoch FROM clock_timestamp())::float8 - heard_s,"
-    " active FROM servers, writer ORDER BY id = owner DESC, name, id";
+    " active, (to_jsonb(servers) ->> 'relayed')::bigint FROM servers, writer ORDER BY id = owner DESC, name, id";
 
 }  // namespace
 
 PostgresPresence::PostgresPresence(const std::string& url, const std::string& database,
-                                   std::function<void(const Error&)> taken_over)
-    : database_(url, database), taken_over_(std::move(taken_over)) {}
+                                   std::function<void(const Error&)> taken_over, std::function<int()> relayed)
+    : database_(url, database), taken_over_(std::move(taken_over)), relayed_(std::move(relayed)) {}
 
 PostgresPresence::~PostgresPresence() {
   {
@@ -66,12 +68,12 @@ std::vector<ServerRecord> PostgresPresence::servers() const {
 
 void PostgresPresence::run() {
   std::unique_lock lock(mutex_);
-  for (bool was_active = false; !stopping_; was_active = active_) {
-    if (active_ == was_active) wake_.wait_for(lock, beat_every, [&] { return stopping_ || active_ != was_active; });
-    if (stopping_) return;
+  while (!stopping_) {
+    const bool was_active = active_;
     lock.unlock();
     beat();
     lock.lock();
+    wake_.wait_for(lock, beat_every, [&] { return stopping_ || active_ != was_active; });
   }
 }
 
@@ -92,12 +94,14 @@ void PostgresPresence::beat() {
   }
   if (done) done = note(*card, active, for_s);
   if (done) (void)look(*card, active);
+  counts_relayed_ = counts_relayed_ && done;
 }
 
 Result<void> PostgresPresence::note(const ServerCard& card, bool active, double for_s) {
   auto done = database_.run(note_self, card.id, std::string_view(card.name), std::string_view(card.robots),
                             std::string_view(card.http), Blob{card.fingerprint}, Blob{card.token_digest},
                             active ? 1 : 0, for_s);
+  if (done && counts_relayed_ && relayed_) done = database_.run(note_relayed, card.id, relayed_());
   if (done) done = database_.run(forget_those_that_went, gone_after_s);
   if (done) done = database_.settle();
   return done;
@@ -112,7 +116,11 @@ Result<void> PostgresPresence::look(const ServerCard& card, bool active) {
         const bool owns = row.integer(3) != 0, is_self = row.integer(4) != 0;
         lost |= active && is_self && !owns;
         if (row.integer(7) != 0 && !owns) return;  // it served, and was killed or cut off: it does not stand by
-        seen.push_back({row.text(0), row.text(1), row.text(2), owns, is_self, row.real(5), std::max(0.0, row.real(6))});
+        std::optional<int> relayed;
+        if (!row.is_null(8)) relayed = static_cast<int>(row.integer(8));
+        seen.push_back(
+            {row.text(0), row.text(1), row.text(2), owns, is_self, row.real(5), std::max(0.0, row.real(6)), relayed});
+        if (is_self) counts_relayed_ = relayed.has_value();
       },
       card.id);
   if (!read) return read;

@@ -107,6 +107,11 @@ CREATE TABLE pose_updates (
   session BIGINT NOT NULL REFERENCES sessions(id), sequence BIGINT NOT NULL, number BIGINT NOT NULL,
   keyframes BIGINT NOT NULL, T_local_sensor BYTEA NOT NULL, checksum BIGINT NOT NULL, PRIMARY KEY (session, sequence));
 )sql",
+    // Also says that the server that writes believes relays (security/relay_header.hpp): an older one does not start
+    // here.
+    R"sql(
+ALTER TABLE servers ADD COLUMN relayed BIGINT NOT NULL DEFAULT 0;
+)sql",
 };
 
 std::string step(std::size_t from) {

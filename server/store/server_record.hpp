@@ -1,7 +1,8 @@
 #pragma once
-// The servers of one base station: one serves, others may wait to take over.
+// The servers of one base station: one serves, others pass connections on to it and may take over.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace headframe {
@@ -23,6 +24,9 @@ struct ServerRecord {
   bool is_self = false;
   double since_s = 0;      // when it began to be so, since the epoch
   double heard_ago_s = 0;  // its last sign of life
+  /// Connections that it passes on to the active one now. None: the database has the schema of an older server, so that
+  /// the active one may be one that knows nothing of it.
+  std::optional<int> relayed = std::nullopt;
 };
 
 }  // namespace headframe

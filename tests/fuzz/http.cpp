@@ -4,6 +4,7 @@
 
 #include "server/operator/http_rules.hpp"
 #include "server/operator/router.hpp"
+#include "server/security/relay_header.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/support/fake_station.hpp"
 
@@ -35,6 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (target.size() < bytes.size()) body = bytes.substr(target.size() + 1);
   }
   (void)header_fault(target);
+  fuzz::require(!relayed_client(fuzz::text(data, size), relay_key("a token that nobody knows")));
   const std::string_view cookie = cookie_value(target, page_cookie_name(body));
   fuzz::require(cookie.empty() || target.find(cookie) != std::string::npos);
   (void)same_origin(target, body);

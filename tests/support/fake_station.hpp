@@ -51,8 +51,8 @@ class FakeStation : public Station {
     return rows;
   }
   std::vector<ServerRecord> servers() const override {
-    return {{"pit:/var/lib/headframe", "0.0.0.0:7447", "127.0.0.1:7448", true, true, 1.76e9, 0},
-            {"surface", "0.0.0.0:7447", "127.0.0.1:7448", false, false, 1.76e9 + 60, 1.2}};
+    return {{"pit:/var/lib/headframe", "0.0.0.0:7447", "127.0.0.1:7448", true, true, 1.76e9, 0, 0},
+            {"surface", "0.0.0.0:7447", "127.0.0.1:7448", false, false, 1.76e9 + 60, 1.2, 3}};
   }
   AtlasView atlas() const override {
     const std::lock_guard lock(mutex_);

@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/asio/write.hpp>
@@ -16,9 +17,11 @@ namespace headframe::test {
 
 class TlsPeer {
  public:
-  explicit TlsPeer(const HostileTarget& target) {
+  /// before_tls: what it sends in the clear first.
+  explicit TlsPeer(const HostileTarget& target, const std::string& before_tls = "") {
     boost::system::error_code fault;
     stream_.next_layer().connect({boost::asio::ip::make_address(target.server.host), target.server.port}, fault);
+    if (!fault) boost::asio::write(stream_.next_layer(), boost::asio::buffer(before_tls), fault);
     if (!fault) stream_.handshake(boost::asio::ssl::stream_base::client, fault);
   }
 
@@ -38,6 +41,14 @@ class TlsPeer {
       if (closed) return std::nullopt;
       frames_.feed({bytes.data(), n});
     }
+  }
+
+  /// All bytes until the other side ends.
+  std::string rest() {
+    std::string all;
+    boost::system::error_code closed;
+    boost::asio::read(stream_, boost::asio::dynamic_buffer(all), closed);
+    return all;
   }
 
   /// What it is told last, in words.

@@ -2,14 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <fstream>
-#include <functional>
-#include <map>
 
-#include "tests/support/base_station.hpp"
 #include "tests/support/drawn_session.hpp"
-#include "tests/support/postgres_fixture.hpp"
 #include "tests/support/raw_robot.hpp"
+#include "tests/support/servers_fixture.hpp"
 
 namespace headframe::test {
 namespace {
@@ -17,94 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
-
-class Servers : public PostgresFixture {
- protected:
-  void SetUp() override {
-    PostgresFixture::SetUp();
-    std::ofstream(config()) << "[store]\nurl = \"" << url << "\"\nstandby = true\n";
-  }
-
-  fs::path folder(const std::string& name) const { return scratch.path() / name; }
-  fs::path config() const { return folder("config.toml"); }
-
-  /// The first server, and a second one that was given what robots and operators know the first by.
-  void start_both(bool insecure) {
-    auto active = BaseStation::start(folder("first"), "127.0.0.1:0", insecure, config());
-    ASSERT_TRUE(active) << active.error().message;
-    first.emplace(std::move(*active));
-    fs::create_directories(folder("second"));
-    for (const char* file : {"identity.pem", "operator.token"})
-      if (!insecure) fs::copy_file(folder("first") / file, folder("second") / file);
-    auto standby = BaseStation::start_standby(folder("second"), config(), insecure);
-    ASSERT_TRUE(standby) << standby.error().message;
-    second.emplace(std::move(*standby));
-  }
-
-  static Json rows(const BaseStation& station, const std::string& what) {
-    const auto ended = station.command({what, "--json"});
-    EXPECT_TRUE(ended && ended->status == 0) << (ended ? ended->output : ended.error().message);
-    const auto json = ended ? Json::parse(ended->output, nullptr, false) : Json();
-    return json.is_object() ? json.at(what) : Json::array();
-  }
-
-  /// By robot: how many keyframes and clouds the server has.
-  static std::map<std::string, std::pair<int, int>> counts(const BaseStation& station) {
-    std::map<std::string, std::pair<int, int>> out;
-    for (const auto& row : rows(station, "sessions")) {
-      EXPECT_FALSE(out.contains(row.at("robot"))) << "one session a robot";
-      out[row.at("robot")] = {row.at("keyframes"), row.at("clouds")};
-    }
-    return out;
-  }
-
-  static bool lists_a_standby(const BaseStation& station) {
-    const Json servers = rows(station, "servers");
-    return servers.size() == 2 && servers[0]["role"] == "active" && servers[0]["self"] == true &&
-           servers[1]["role"] == "standby" && servers[1]["heard_ago_s"] < 2;
-  }
-
-  /// A robot that knows both servers, and is enrolled at the first.
-  Result<Process> drive(const std::string& robot, const std::string& rate) {
-    std::vector<std::string> argv{program("headframe-replay"),
-                                  "--server",
-                                  first->robots(),
-                                  "--server",
-                                  second->robots(),
-                                  "--robot",
-                                  robot,
-                                  "--rate",
-                                  rate,
-                                  "--linger",
-                                  "5"};
-    const auto admission = first->admission(robot);
-    if (!admission) return tl::unexpected(admission.error());
-    argv.insert(argv.end(), admission->begin(), admission->end());
-    argv.push_back(folder(robot).string());
-    return Process::start(argv);
-  }
-
-  static void expect_done(Process& replay) {
-    const auto ended = replay.wait(120s);
-    ASSERT_TRUE(ended) << ended.error().message;
-    EXPECT_EQ(ended->status, 0) << ended->output;
-  }
-
-  /// Asks until it holds: nothing here waits for a time, only for a state.
-  static bool until(const std::function<bool()>& holds) {
-    const auto deadline = std::chrono::steady_clock::now() + 60s;
-    while (std::chrono::steady_clock::now() < deadline)
-      if (holds()) return true;
-    return false;
-  }
-
-  void cut_off_who_has_the_database() {
-    EXPECT_TRUE(
-        cluster->execute("SELECT pg_terminate_backend(pid) FROM pg_locks WHERE locktype = 'advisory' AND granted"));
-  }
-
-  std::optional<BaseStation> first, second;
-};
 
 TEST_F(Servers, OneIsKilledInTheMiddleOfADriveAndTheOtherGoesOn) {
   write_session(folder("a"), drive_a_to_c(1));

@@ -70,6 +70,7 @@ TEST_F(HeadframeCommand, TheServersOfTheBaseStationAreListed) {
   const auto json = Json::parse(run("servers --json").out);
   EXPECT_EQ(json["servers"][0]["self"], true);
   EXPECT_EQ(json["servers"][1]["role"], "standby");
+  EXPECT_EQ(json["servers"][1]["relayed"], 3);
 }
 
 }  // namespace

@@ -247,7 +247,8 @@ TEST_F(PostgresStore, ADatabaseOfBeforeKeyframesMovedIsBroughtUp) {
   ASSERT_TRUE(
       home->database()->execute("DROP TABLE moved_poses; DROP TABLE pose_updates;"
                                 "ALTER TABLE sessions DROP COLUMN pose_update;"
-                                "UPDATE schema_version SET version = version - 1"));
+                                "ALTER TABLE servers DROP COLUMN relayed;"
+                                "UPDATE schema_version SET version = version - 2"));
   const auto store = open(*home);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);

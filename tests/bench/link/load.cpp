@@ -76,7 +76,10 @@ class Load {
       if (!enrolled) return tl::unexpected(enrolled.error());
       auto config = drive_config(robot.name, spools / robot.name, "127.0.0.1", server_.port, *enrolled);
       config.sync = false;
-      if (standby_) config.more_servers.push_back({"127.0.0.1", standby_->port});
+      if (standby_ && plan_.relayed && i % 2 == 1)
+        config.port = standby_->port;
+      else if (standby_)
+        config.more_servers.push_back({"127.0.0.1", standby_->port});
       auto client = RobotClient::open(config);
       if (!client) return tl::unexpected(client.error());
       robot.client = std::move(*client);
@@ -93,6 +96,7 @@ class Load {
   LoadOutcome run() {
     outcome_.robots = plan_.robots;
     const double server_cpu_s = cpu_s(server_.process.pid()), own_cpu_s = cpu_s(::getpid());
+    const double standby_cpu_s = standby_ ? cpu_s(standby_->process.pid()) : 0;
     start_ = Clock::now();
     std::thread driver([this] { drive(); });
     while (since(start_) < plan_.seconds + 2) {
@@ -102,6 +106,7 @@ class Load {
     driver.join();
     watch();
     outcome_.server_cores = (cpu_s(server_.process.pid()) - server_cpu_s) / since(start_);
+    if (standby_) outcome_.standby_cores = (cpu_s(standby_->process.pid()) - standby_cpu_s) / since(start_);
     outcome_.robots_cores = (cpu_s(::getpid()) - own_cpu_s) / since(start_);
     for (auto& robot : robots_) {
       outcome_.keyframes += robot.added;

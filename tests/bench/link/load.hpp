@@ -14,6 +14,7 @@ struct LoadPlan {
   int points = 3000;           // of a cloud: some 7 KB
   std::string store_url = {};  // postgresql://...; empty: SQLite
   bool standby = false;        // with PostgreSQL: a second server waits meanwhile, and robots know both
+  bool relayed = false;        // then: of the robots, every second one knows that one alone
   int caches_mb = 0;           // each of the server's caches for merging; 0: its defaults. Small ones are full soon
 };
 
@@ -28,6 +29,7 @@ struct LoadOutcome {
   double rss_growth_mb = 0;                               // ... over the time after its first minute (or tenth)
   double rss_growth_half_mb = 0;                          // ... over the second half, when its caches are full
   double server_cores = 0, robots_cores = 0;              // busy on the average
+  double standby_cores = 0;                               // of the server that waits
   double late_ms = 0;  // by which the bench itself added keyframes too late, at worst
 };
 

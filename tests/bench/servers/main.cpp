@@ -86,11 +86,12 @@ bool bench_kills(const ServersPlan& plan, const std::filesystem::path& out) {
 struct AckRun {
   const char* name;
   const char* key;  // of its figures
-  bool postgres, standby;
+  bool postgres, standby, relayed;
 };
-constexpr std::array<AckRun, 3> ack_runs{{{"SQLite", "sqlite_", false, false},
-                                          {"PostgreSQL", "postgresql_", true, false},
-                                          {"PostgreSQL, a server stands by", "", true, true}}};
+constexpr std::array<AckRun, 4> ack_runs{{{"SQLite", "sqlite_", false, false, false},
+                                          {"PostgreSQL", "postgresql_", true, false, false},
+                                          {"PostgreSQL, a server stands by", "", true, true, false},
+                                          {"... and relays half of the robots", "relayed_", true, true, true}}};
 
 /// Over SQLite, over PostgreSQL, and over that beside a server that stands by; all on the same disk.
 bool bench_acks(LoadPlan plan, const std::filesystem::path& out) {
@@ -100,15 +101,18 @@ bool bench_acks(LoadPlan plan, const std::filesystem::path& out) {
   Json figures;
   for (const AckRun& run : ack_runs) {
     plan.standby = run.standby;
+    plan.relayed = run.relayed;
     const auto url = run.postgres ? (*cluster)->make_database() : Result<std::string>("");
     if (!url) return std::fprintf(stderr, "servers: %s\n", url.error().message.c_str()), false;
     plan.store_url = *url;
     const test::ScratchFolder scratch;
     const auto o = load(plan, scratch.path(), scratch.path() / "robots");  // whose spools are not synced
     if (!o) return std::fprintf(stderr, "servers: %s\n", o.error().message.c_str()), false;
-    std::printf("  %-32s p50 %6.1f  p99 %6.1f  max %6.1f ms, %llu of %llu not acknowledged after two seconds\n",
-                run.name, o->ack_p50_ms, o->ack_p99_ms, o->ack_max_ms,
-                static_cast<unsigned long long>(o->unacknowledged), static_cast<unsigned long long>(o->keyframes));
+    std::printf(
+        "  %-34s p50 %6.1f  p99 %6.1f  max %6.1f ms, %llu of %llu not acknowledged after two seconds; cores: "
+        "active %.2f, standby %.2f\n",
+        run.name, o->ack_p50_ms, o->ack_p99_ms, o->ack_max_ms, static_cast<unsigned long long>(o->unacknowledged),
+        static_cast<unsigned long long>(o->keyframes), o->server_cores, o->standby_cores);
     std::fflush(stdout);
     figures[std::string(run.key) + "ack_p50_ms"] = o->ack_p50_ms;
     figures[std::string(run.key) + "ack_p99_ms"] = o->ack_p99_ms;

@@ -194,6 +194,7 @@ export interface ServerRow {
   self: boolean;
   since_s: number;
   heard_ago_s: number;
+  relayed?: number; // connections that it passes on to the one that serves
 }
 
 /** Who works with this page. */
