@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include "common/printable.hpp"
@@ -24,6 +25,15 @@ std::string given_name(const std::filesystem::path& data) {
   return std::string(host.data()) + ":" + std::filesystem::absolute(data, ignored).lexically_normal().string();
 }
 
+/// Of the running system and its network namespace, which containers on one machine have of their own. Empty: unknown.
+std::string loopback_name() {
+  std::string boot;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+  std::error_code fault;
+  const auto space = std::filesystem::read_symlink("/proc/self/ns/net", fault);
+  return boot.empty() || fault ? "" : boot + " " + space.string();
+}
+
 bool wait_anyway(const Error&, std::chrono::milliseconds pause) {
   std::this_thread::sleep_for(pause);
   return true;
@@ -33,6 +43,7 @@ bool wait_anyway(const Error&, std::chrono::milliseconds pause) {
 
 Membership::Membership(ServerOptions options) : options_(std::move(options)) {
   card_.id = random_mark();
+  card_.loopback = loopback_name();
   card_.name = printable(options_.config.name.empty() ? given_name(options_.data) : options_.config.name);
   const std::string& url = options_.config.store_url;
   if (const auto database = postgres_name(url); !url.empty() && database)

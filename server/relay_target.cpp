@@ -21,7 +21,7 @@ Result<Endpoint> relay_target(const std::vector<ServerRecord>& servers, Door doo
     return refused("and does not say by which of its addresses it is reached: set public in [server] there");
   if (target->host == own.host && target->port == own.port)
     return refused("where this one is, too: give it another " + option + ", which other machines reach");
-  if (is_loopback(*target) && !is_loopback(own))
+  if (is_loopback(*target) && (!is_loopback(own) || !active->shares_loopback))
     return refused("which is reached from its machine alone: give it another " + option);
   return *target;
 }

@@ -164,7 +164,9 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   e.support = published.evidence.support;
   e.path_m = published.evidence.path_m;
   e.runner_up = published.evidence.runner_up;
-  self.tell_of_mine(e);
+  // Where the sessions around them say the same, copies elsewhere in the mine speak no more against it than when the
+  // contact was recorded; it would be withdrawn and recorded again without end.
+  if (consistency.known_contact({published.a, published.b, published.T_a_b}) != Contact::agrees) self.tell_of_mine(e);
   weigh(again);
   if (e.probability < config.candidate_probability) return published.ruling == Ruling::confirmed;
   const Eigen::Vector3d middle = now.b.stored[now.b.stored.size() / 2].p;

@@ -15,13 +15,14 @@ constexpr const char* note_self =
     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, extract(epoch FROM clock_timestamp())::float8 - ?8,"
     " extract(epoch FROM clock_timestamp())::float8) ON CONFLICT (id) DO UPDATE SET heard_s = excluded.heard_s,"
     " active = excluded.active, since_s = excluded.since_s";
-constexpr const char* note_relayed = "UPDATE servers SET relayed = ?2 WHERE id = ?1";
+constexpr const char* note_relayed = "UPDATE servers SET relayed = ?2, loopback = ?3 WHERE id = ?1";
 constexpr const char* forget_those_that_went =
     "DELETE FROM servers WHERE heard_s < extract(epoch FROM clock_timestamp())::float8 - ?";
-// Column `relayed` is not there while the active server is an older one.
+// Columns `relayed` and `loopback` are not there while the active server is an older one.
 constexpr const char* see_all =
     "SELECT name, robots, http, id = owner, id = ?1, since_s, extract(epoch FROM clock_timestamp())::float8 - heard_s,"
-    " active, (to_jsonb(servers) ->> 'relayed')::bigint FROM servers, writer ORDER BY id = owner DESC, name, id";
+    " active, (to_jsonb(servers) ->> 'relayed')::bigint, coalesce(to_jsonb(servers) ->> 'loopback', '') FROM servers, "
+    "writer ORDER BY id = owner DESC, name, id";
 
 }  // namespace
 
@@ -101,7 +102,8 @@ Result<void> PostgresPresence::note(const ServerCard& card, bool active, double 
   auto done = database_.run(note_self, card.id, std::string_view(card.name), std::string_view(card.robots),
                             std::string_view(card.http), Blob{card.fingerprint}, Blob{card.token_digest},
                             active ? 1 : 0, for_s);
-  if (done && counts_relayed_ && relayed_) done = database_.run(note_relayed, card.id, relayed_());
+  if (done && counts_relayed_ && relayed_)
+    done = database_.run(note_relayed, card.id, relayed_(), std::string_view(card.loopback));
   if (done) done = database_.run(forget_those_that_went, gone_after_s);
   if (done) done = database_.settle();
   return done;
@@ -118,8 +120,8 @@ Result<void> PostgresPresence::look(const ServerCard& card, bool active) {
         if (row.integer(7) != 0 && !owns) return;  // it served, and was killed or cut off: it does not stand by
         std::optional<int> relayed;
         if (!row.is_null(8)) relayed = static_cast<int>(row.integer(8));
-        seen.push_back(
-            {row.text(0), row.text(1), row.text(2), owns, is_self, row.real(5), std::max(0.0, row.real(6)), relayed});
+        seen.push_back({row.text(0), row.text(1), row.text(2), owns, is_self, row.real(5), std::max(0.0, row.real(6)),
+                        relayed, !card.loopback.empty() && row.text(9) == card.loopback});
         if (is_self) counts_relayed_ = relayed.has_value();
       },
       card.id);

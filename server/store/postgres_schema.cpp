@@ -111,6 +111,7 @@ CREATE TABLE pose_updates (
     // here.
     R"sql(
 ALTER TABLE servers ADD COLUMN relayed BIGINT NOT NULL DEFAULT 0;
+ALTER TABLE servers ADD COLUMN loopback TEXT NOT NULL DEFAULT '';
 )sql",
 };
 

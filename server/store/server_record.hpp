@@ -14,6 +14,7 @@ struct ServerCard {
   std::string robots, http;       // HOST:PORT where it serves them, or will
   std::string fingerprint = {};   // 32 bytes, of the certificate that robots know it by; empty: insecure
   std::string token_digest = {};  // 32 bytes, SHA-256 of the operator's token; empty: insecure
+  std::string loopback = {};      // a name of the loopback that it shares with others on this machine alone
 };
 
 /// A server as the others see it.
@@ -27,6 +28,7 @@ struct ServerRecord {
   /// Connections that it passes on to the active one now. None: the database has the schema of an older server, so that
   /// the active one may be one that knows nothing of it.
   std::optional<int> relayed = std::nullopt;
+  bool shares_loopback = false;  // with the server that sees it: addresses on the loopback mean the same to both
 };
 
 }  // namespace headframe

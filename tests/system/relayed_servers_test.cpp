@@ -138,7 +138,7 @@ TEST_F(RelayedServers, AFloodKeepsNobodyOut) {
 TEST_F(RelayedServers, WithTheSchemaOfAnOlderServerItIsListedAndTurnsAway) {
   ASSERT_NO_FATAL_FAILURE(start_both(true));
   ASSERT_TRUE(until([&] { return lists_a_standby(*first) && a_robot_gets_through("ant"); }));
-  execute("ALTER TABLE headframe.servers DROP COLUMN relayed");
+  execute("ALTER TABLE headframe.servers DROP COLUMN relayed, DROP COLUMN loopback");
   EXPECT_TRUE(until([&] { return !second_relays(); }));
   EXPECT_FALSE(a_robot_gets_through("bee"));
   EXPECT_TRUE(until([&] { return lists_a_standby(*first); }));

@@ -247,7 +247,7 @@ TEST_F(PostgresStore, ADatabaseOfBeforeKeyframesMovedIsBroughtUp) {
   ASSERT_TRUE(
       home->database()->execute("DROP TABLE moved_poses; DROP TABLE pose_updates;"
                                 "ALTER TABLE sessions DROP COLUMN pose_update;"
-                                "ALTER TABLE servers DROP COLUMN relayed;"
+                                "ALTER TABLE servers DROP COLUMN relayed, DROP COLUMN loopback;"
                                 "UPDATE schema_version SET version = version - 2"));
   const auto store = open(*home);
   ASSERT_NE(store, nullptr);

@@ -10,7 +10,7 @@ const Endpoint own{"192.0.2.2", 7447}, own_loopback{"127.0.0.1", 7557};
 
 std::vector<ServerRecord> servers(const std::string& robots, const std::string& http) {
   ServerRecord self{"b", "192.0.2.2:7447", "192.0.2.2:7448", false, true, 0, 0, 0};
-  ServerRecord active{"a", robots, http, true, false, 0, 0, 0};
+  ServerRecord active{"a", robots, http, true, false, 0, 0, 0, true};
   return {self, active};
 }
 
@@ -56,6 +56,13 @@ TEST(RelayTarget, IsOnALoopbackForALoopbackOnly) {
     EXPECT_EQ(where(loopback, own_loopback), loopback);
     EXPECT_NE(where(loopback, {"0.0.0.0", 7557}).find("reached from its machine alone"), std::string::npos);
   }
+}
+
+TEST(RelayTarget, IsNotOnAnotherMachinesLoopback) {
+  auto all = servers("127.0.0.1:7447", "192.0.2.1:7448");
+  all[1].shares_loopback = false;
+  EXPECT_EQ(relay_target(all, Door::robots, own_loopback).error().code, ErrorCode::refused);
+  EXPECT_TRUE(relay_target(all, Door::operators, own_loopback));
 }
 
 TEST(RelayTarget, IsNoAnyAddressAndNoNonsense) {
