@@ -30,9 +30,9 @@ std::optional<std::size_t> keyframe_at(std::span<const double> path_to_m, double
   return static_cast<std::size_t>(at - path_to_m.begin());
 }
 
-std::size_t stored_clouds(const Session& session, SessionId id, const CloudSource& clouds) {
+std::size_t count_clouds(const Session& session, SessionId id, const CloudSource& clouds, CloudState state) {
   return static_cast<std::size_t>(std::count_if(session.keyframes.begin(), session.keyframes.end(), [&](const auto& k) {
-    return clouds.state({id, k.sequence}) == CloudState::stored;
+    return clouds.state({id, k.sequence}) == state;
   }));
 }
 
@@ -41,13 +41,15 @@ std::size_t stored_clouds(const Session& session, SessionId id, const CloudSourc
 bool SelfSimilarity::known(SessionId id, const CloudSource& clouds) const {
   // A complete session's end is always included; otherwise the result would depend on when of() was last called.
   const Session& session = sessions_.at(id);
-  const double growth = session.complete ? 1 : 1.25;
+  const bool all_here = session.complete && count_clouds(session, id, clouds, CloudState::obtainable) == 0;
+  const double growth = session.complete ? 1 : 1.25, clouds_growth = all_here ? 1 : 1.25;
   const SelfLikeness& known = last(id);
   const bool answered =
       !known.wanted.empty() && std::none_of(known.wanted.begin(), known.wanted.end(),
                                             [&](const auto& k) { return clouds.state(k) == CloudState::obtainable; });
   return known.path_m >= 0 && !answered && session.path_m() <= growth * known.path_m &&
-         static_cast<double>(stored_clouds(session, id, clouds)) <= growth * static_cast<double>(known.clouds);
+         static_cast<double>(count_clouds(session, id, clouds, CloudState::stored)) <=
+             clouds_growth * static_cast<double>(known.clouds);
 }
 
 const SelfLikeness& SelfSimilarity::last(SessionId id) const {
@@ -79,7 +81,7 @@ const SelfLikeness& SelfSimilarity::of(SessionId id, CloudSource& clouds) {
     }
   const std::vector<ScreeningResult> screened = screen({id, id}, cases, submaps_, clouds, judge_);
   SelfLikeness found_now{.path_m = session.path_m(),
-                         .clouds = stored_clouds(session, id, clouds),
+                         .clouds = count_clouds(session, id, clouds, CloudState::stored),
                          .aliases = static_cast<double>(copies_within(id, screened, clouds)),
                          .look_alikes = look_alikes(screened, Pose::Identity()),
                          .wanted = std::move(wanted)};
