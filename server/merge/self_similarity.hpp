@@ -15,8 +15,8 @@ class SelfSimilarity {
       : judge_(judge_config(config)), sessions_(sessions), finder_(finder), submaps_(submaps), requests_(requests) {}
 
   /// The session's copies and look-alikes within itself. Searches again when its path or its number of stored clouds
-  /// has grown by a quarter, when a complete session has grown at all, or when the requested clouds have arrived or can
-  /// no longer be obtained.
+  /// has grown by a quarter, when a complete session has grown at all, when its last cloud has arrived, or when the
+  /// requested clouds have arrived or can no longer be obtained.
   const SelfLikeness& of(SessionId id, CloudSource& clouds);
   /// Whether of() would return at once without searching.
   bool known(SessionId id, const CloudSource& clouds) const;

@@ -79,8 +79,8 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. Demands 60 m of
 /// overlap if the descriptors agree to .90 or less, 100 m if the overlap is nearly straight as well (the walls hardly
 /// hold it along the tunnel), falling to nothing at .93; 28 m if no descriptors were compared. Each metre missing costs
-/// 0.3. Set by hand. Of the placements in worlds of equal tunnels for which all else spoke, 19 of 41 of 25 to 57 m were
-/// copies, and of 30 longer ones one: 83 m of straight tunnel, .89. Copies of .93 and more are believed still.
+/// 0.3. Set by hand. Of the placements in worlds of equal tunnels for which all else spoke, 21 of 44 of 25 to 57 m were
+/// copies, and of 29 longer ones one: 83 m of straight tunnel, .89. Copies of .93 and more are believed still.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double doubt = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);

@@ -148,17 +148,38 @@ TEST(Contacts, AfterARestartAMergeThatWasHeldBackStaysSo) {
   EXPECT_TRUE(between(after, 1, 2).objection);
 }
 
-TEST(Contacts, SessionsThatMeetByWayOfAnotherAreAlignedWhereTheyMeet) {
-  // The third says nothing of itself where it shares the drift with the first: only the second can place it.
-  Drive third = test::drive(test::branches_mine(), {{6, 0}, {88, 0}}, 0.6, 4);
+/// The third says nothing of itself where it shares the drift with the first: only the second can place it.
+std::vector<Drive> third_by_way_of_second(double from_x_m) {
+  Drive third = test::drive(test::branches_mine(), {{from_x_m, 0}, {88, 0}}, 0.6, 4);
   for (Keyframe& k : third.keyframes)
-    if (k.T_local_sensor.translation().norm() < 40) k.walls = {}, k.descriptor = {};
-  Base base({test::drive_a_to_c(3), test::drive_b_to_a(3), third});
+    if (k.T_local_sensor.translation().norm() < 46 - from_x_m) k.walls = {}, k.descriptor = {};
+  return {test::drive_a_to_c(3), test::drive_b_to_a(3), third};
+}
+
+TEST(Contacts, SessionsThatMeetByWayOfAnotherAreAlignedWhereTheyMeet) {
+  Base base(third_by_way_of_second(6));
   attempt_all(base);
   ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
   EXPECT_EQ(between(base, 1, 3).state, AlignmentState::published);
   EXPECT_EQ(between(base, 1, 3).evidence.support, 0) << "no search proposed it";
   EXPECT_LT(base.error_m(), 0.15);
+}
+
+TEST(Contacts, WhatTheyRecordedStandsInAMineThatTurnsOutToRepeatItself) {
+  Base base(third_by_way_of_second(24));
+  const KeyframeRef late{3, 3};  // where the first and the third meet
+  const KeyframeCloud cloud = base.shelf.clouds.extract(late).mapped();
+  attempt_all(base);
+  ASSERT_EQ(between(base, 1, 3).state, AlignmentState::published);
+  base.arrive(drive_through_copies());
+  while (base.pipeline.prepare_ahead(base.shelf)) {
+  }
+  base.shelf.clouds[late] = cloud;
+  attempt_all(base);
+  EXPECT_EQ(between(base, 1, 3).state, AlignmentState::published);
+  const AttemptReport again = base.pipeline.attempt(3, base.shelf);
+  EXPECT_TRUE(again.changed.empty());
+  EXPECT_FALSE(again.unfinished) << "or it would be tried again without end";
 }
 
 }  // namespace
