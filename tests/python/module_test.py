@@ -163,9 +163,9 @@ class Module(unittest.TestCase):
             robot.finish(60)
             self.assertEqual((robot.progress.pose_updates, robot.progress.pose_updates_acknowledged), (2, 2))
             self.assertFalse(robot.progress.pose_updates_unsupported)
-        next(e for e in station.events() if station.session("slam")["moves"] > 0)  # the merge has taken it in
-        rows = station.session("slam")
-        self.assertAlmostEqual(rows["distance_m"], math.hypot(14, 1) + math.hypot(14, 4), 3)
+        path_m = math.hypot(14, 1) + math.hypot(14, 4)  # when the merge has taken in both updates, at once or one by one
+        next(e for e in station.events() if abs(station.session("slam")["distance_m"] - path_m) < 1e-3)
+        self.assertGreater(station.session("slam")["moves"], 0)
 
     def test_what_can_not_be_opened_says_why(self):
         self.assertRaisesRegex(ValueError, "robot", self.robot, "a/b")
