@@ -142,7 +142,9 @@ TEST_F(RelayedServers, WithTheSchemaOfAnOlderServerItIsListedAndTurnsAway) {
   EXPECT_TRUE(until([&] { return !second_relays(); }));
   EXPECT_FALSE(a_robot_gets_through("bee"));
   EXPECT_TRUE(until([&] { return lists_a_standby(*first); }));
-  execute("ALTER TABLE headframe.servers ADD COLUMN relayed BIGINT NOT NULL DEFAULT 0");
+  execute(
+      "ALTER TABLE headframe.servers ADD COLUMN relayed BIGINT NOT NULL DEFAULT 0,"
+      " ADD COLUMN loopback TEXT NOT NULL DEFAULT ''");
   EXPECT_TRUE(until([&] { return a_robot_gets_through("cat"); }));
 }
 
