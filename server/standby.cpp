@@ -1,6 +1,7 @@
 #include "server/standby.hpp"
 
 #include "common/security/secret.hpp"
+#include "server/net/bind_port.hpp"
 #include "server/security/operator_guard.hpp"
 #include "server/security/server_identity.hpp"
 
@@ -44,16 +45,9 @@ Result<void> fit_to_stand_by(const fs::path& data, const std::optional<ServerCar
 }
 
 Result<ReservedPort> ReservedPort::at(const Endpoint& endpoint) {
-  using boost::asio::ip::tcp;
   ReservedPort port;
-  boost::system::error_code code;
-  tcp::resolver resolver(*port.io_);
-  const auto found = resolver.resolve(endpoint.host, std::to_string(endpoint.port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, code);
-  if (!code) port.socket_.open(found.begin()->endpoint().protocol(), code);
-  if (!code) port.socket_.set_option(tcp::acceptor::reuse_address(true), code);
-  if (!code) port.socket_.bind(found.begin()->endpoint(), code);
-  if (code) return failure(ErrorCode::unavailable, "can not listen on " + to_string(endpoint) + ": " + code.message());
+  if (const auto code = bind_port(port.socket_, endpoint))
+    return failure(ErrorCode::unavailable, "can not listen on " + to_string(endpoint) + ": " + code.message());
   port.endpoint_ = {endpoint.host, port.socket_.local_endpoint().port()};
   return port;
 }

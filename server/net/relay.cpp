@@ -6,6 +6,7 @@
 #include <future>
 #include <utility>
 
+#include "server/net/bind_port.hpp"
 #include "server/security/relay_header.hpp"
 
 namespace headframe {
@@ -28,13 +29,7 @@ Relay::~Relay() {
 }
 
 Result<Endpoint> Relay::listen(const Endpoint& at) {
-  error_code error;
-  tcp::resolver resolver(io_);
-  const auto found = resolver.resolve(at.host, std::to_string(at.port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (!error) acceptor_.open(found.begin()->endpoint().protocol(), error);
-  if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor_.bind(found.begin()->endpoint(), error);
+  error_code error = bind_port(acceptor_, at);
   if (!error) acceptor_.listen(boost::asio::socket_base::max_listen_connections, error);
   if (error) return failure(ErrorCode::unavailable, "can not listen on " + to_string(at) + ": " + error.message());
   const Endpoint real{at.host, acceptor_.local_endpoint().port()};

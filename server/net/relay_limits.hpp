@@ -5,7 +5,7 @@
 
 namespace headframe {
 
-/// What a server that stands by takes upon itself at one of its ports; defaults live only here.
+/// Limits of a standby server's relay, for each of its ports; defaults live only here.
 struct RelayLimits {
   std::size_t connections = 1024;            // passed on at a time; one more is closed at once
   std::size_t silent = 256;                  // that have said nothing yet; one more, and the oldest of them is closed

@@ -5,6 +5,8 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/strand.hpp>
 
+#include "server/net/bind_port.hpp"
+
 namespace headframe {
 namespace {
 
@@ -25,20 +27,10 @@ RobotListener::RobotListener(boost::asio::io_context& io, SessionHub& hub, const
       limits_(limits) {}
 
 Result<Endpoint> RobotListener::listen(const Endpoint& at) {
-  const auto unavailable = [&](const error_code& error) {
-    return failure(ErrorCode::unavailable, "can not listen for robots on " + to_string(at) + ": " + error.message());
-  };
-  error_code error;
-  tcp::resolver resolver(io_);
-  const auto found = resolver.resolve(at.host, std::to_string(at.port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error) return unavailable(error);
-  const tcp::endpoint endpoint = *found.begin();
-  acceptor_.open(endpoint.protocol(), error);
-  if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor_.bind(endpoint, error);
+  error_code error = bind_port(acceptor_, at);
   if (!error) acceptor_.listen(boost::asio::socket_base::max_listen_connections, error);
-  if (error) return unavailable(error);
+  if (error)
+    return failure(ErrorCode::unavailable, "can not listen for robots on " + to_string(at) + ": " + error.message());
   boost::asio::post(acceptor_.get_executor(), [this] { accept(); });
   return Endpoint{at.host, acceptor_.local_endpoint().port()};
 }

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+
+#include "common/endpoint.hpp"
+
+namespace headframe {
+
+/// Opens the acceptor and binds it to `at`, an address of this machine or a name of one; port 0 takes any. It does not
+/// listen yet. The error of the step that failed, or none. Resolves names, which may wait.
+boost::system::error_code bind_port(boost::asio::ip::tcp::acceptor& acceptor, const Endpoint& at);
+
+}  // namespace headframe
