@@ -201,7 +201,8 @@ bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<
   if (!convinces(verdicts.front().judgement.evidence, config_)) {
     const auto asks =
         std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
-    if (asks == verdicts.end()) return only_copies_speak_against(pair, verdicts.front()) && ask_for_all(pair, attempt);
+    if (asks == verdicts.end())
+      return only_likeness_speaks_against(pair, verdicts.front()) && ask_for_all(pair, attempt);
     attempt.want(asks->wanted);
     return false;
   }
@@ -224,12 +225,11 @@ bool CandidateVerifier::ask_for_all(const OrderedPair& pair, const Attempt& atte
   return !wanted.empty();
 }
 
-/// Few clouds show more copies than there are.
-bool CandidateVerifier::only_copies_speak_against(const OrderedPair& pair, const Verdict& best) const {
-  const Evidence& e = best.judgement.evidence;
+/// Whether the pair has ended and only the mine's likeness to itself speaks against the placement: few clouds show more
+/// copies than there are, and a shorter overlap.
+bool CandidateVerifier::only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const {
   return sessions_.at(pair.a).complete && sessions_.at(pair.b).complete &&
-         self_.last(pair.a).aliases + self_.last(pair.b).aliases > 0 &&
-         e.probability >= config_.candidate_probability && e.probability_if_unique >= config_.accept_probability;
+         best.judgement.evidence.probability_if_unique >= config_.accept_probability;
 }
 
 }  // namespace headframe

@@ -57,7 +57,7 @@ class CandidateVerifier {
   std::vector<Judged> judge_hopeful(const OrderedPair& pair, const std::vector<Case>& cases,
                                     const std::vector<ScreeningResult>& screened, bool all, CloudSource& clouds);
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;
-  bool only_copies_speak_against(const OrderedPair& pair, const Verdict& best) const;
+  bool only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const;
   void weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c, Verdict& verdict,
                    CloudSource& clouds);
 

@@ -9,7 +9,8 @@ const double spot_m = SubmapConfig{}.radius_m;
 constexpr std::size_t more = 2;           // times as many clouds as for the first look
 constexpr std::size_t cases_awaited = 1;  // number of cases that may wait for a first look at a time
 constexpr std::size_t cases_asking = 10;  // only the best cases request clouds; others use the stored ones
-constexpr double settled_m = 3;           // a cloud this near to a place is enough for it; set by hand
+constexpr double settled_m = 3;           // a cloud this near to a place is enough for it; set by hand ...
+constexpr double drifted_m = 0.08;        // ... unless the places differ by more than this; tunnel-two has 0.073
 constexpr double rival_share = 0.7;  // share of the support: weaker rivals of an accepted placement request no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {
@@ -134,11 +135,20 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   return wanted;
 }
 
-std::vector<KeyframeRef> CloudRequests::clouds_to_settle(const OrderedPair& pair, const Case& c) const {
+std::vector<KeyframeRef> CloudRequests::clouds_to_settle(const OrderedPair& pair, const Case& c,
+                                                         double spread_m) const {
   std::vector<KeyframeRef> wanted;
   if (none_to_come(c)) return wanted;
   const Pose& T = c.hypothesis.T_a_b;
   const auto a = all_of(c.a), b = all_of(c.b);
+  if (spread_m > drifted_m) {
+    const double meet_m = JudgeConfig{}.parted_m;
+    for (const auto& s : near_other(b, c.a.obtainable, T.inverse(), meet_m))
+      wanted.push_back({pair.a, sessions_.at(pair.a).keyframes[s.keyframe].sequence});
+    for (const auto& s : near_other(a, c.b.obtainable, T, meet_m))
+      wanted.push_back({pair.b, sessions_.at(pair.b).keyframes[s.keyframe].sequence});
+    return wanted;
+  }
   const Eigen::Vector3d middle = middle_of_overlap(c);
   std::vector<KeyframePosition> places = other_places(a, b, T, middle, JudgeConfig{});
   places.push_back({0, middle});

@@ -63,7 +63,7 @@ void ConsistencyCheck::forget(SessionId id) {
 
 ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& placement, const OrderedPair& pair,
                                                        const Case& at, CloudSource& clouds) const {
-  SeenContact out{placement.T_a_b, at.a.stored.size() + at.b.stored.size(), Contact::none, {}, false};
+  SeenContact out{placement.T_a_b, at.a.stored.size() + at.b.stored.size(), ended(pair), Contact::none, {}, false};
   if (at.a.stored.empty() || at.b.stored.empty()) return out;
   out.judgement = by_ids(pair, verifier_.judge_contact(pair, at, clouds));
   const Judgement& judged = out.judgement;
@@ -74,6 +74,10 @@ ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& p
   return out;
 }
 
+bool ConsistencyCheck::ended(const OrderedPair& pair) const {
+  return sessions_.at(pair.a).complete && sessions_.at(pair.b).complete;
+}
+
 /// Returns true if something new was found.
 bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt& attempt) {
   attempt.clouds.working_on(placement.a, placement.b);
@@ -82,7 +86,9 @@ bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt&
   at.hypothesis.place_b = middle_of_overlap(at);
   SeenContact* before = seen(placement);
   const auto speak = static_cast<double>(at.a.stored.size() + at.b.stored.size());
-  if (before && speak <= growth * static_cast<double>(before->keyframes)) return false;
+  // When both sessions have ended they are judged once more, so that the result does not depend on when that was.
+  if (before && (before->whole || !ended(pair)) && speak <= growth * static_cast<double>(before->keyframes))
+    return false;
   if (const auto wanted = requests_.clouds_for_screening(pair, at); !before && !wanted.empty()) {
     if (attempt.report.wanted.empty()) attempt.report.wanted = wanted;
     return false;

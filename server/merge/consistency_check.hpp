@@ -39,6 +39,7 @@ class ConsistencyCheck {
   struct SeenContact {
     Pose T_a_b = Pose::Identity();
     std::size_t keyframes = 0;  // of both, whose clouds were used
+    bool whole = false;         // both had ended
     Contact contact = Contact::none;
     Judgement judgement;
     bool recorded = false;  // as an alignment, once both were in one component
@@ -46,6 +47,7 @@ class ConsistencyCheck {
 
   void look_while_news(AlignmentBook::Waiting waiting, const Attempt& attempt);
   bool meet(const ImpliedPlacement& placement) const;
+  bool ended(const OrderedPair& pair) const;
   SeenContact* seen(const ImpliedPlacement& placement);
   bool look_at(const ImpliedPlacement& placement, const Attempt& attempt);
   SeenContact judged(const ImpliedPlacement& placement, const OrderedPair& pair, const Case& at,

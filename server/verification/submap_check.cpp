@@ -113,4 +113,9 @@ void check_free_space_again(SubmapCheck& check, const Submap& a, const Submap& b
   if (other.between().violation() < check.between().violation()) check = other;
 }
 
+Pose moved_across(const SubmapCheck& place, const Pose& T_a_b) {
+  const Eigen::Vector3d off = place.p_a - T_a_b * place.p_b, along = place.registration.weakest_direction;
+  return Pose(Eigen::Translation3d(off - off.dot(along) * along) * T_a_b);
+}
+
 }  // namespace headframe

@@ -43,4 +43,8 @@ void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, cons
 void check_free_space_again(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
                             const SubmapConfig& config);
 
+/// T_a_b moved to where the place's own registration puts the place, but not along the direction that holds it least: a
+/// place that was registered alone may slide along its tunnel, while drift across the tunnel can be seen.
+Pose moved_across(const SubmapCheck& place, const Pose& T_a_b);
+
 }  // namespace headframe

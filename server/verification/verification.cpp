@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "server/support/parallel.hpp"
 #include "server/verification/overlap.hpp"
@@ -106,11 +107,24 @@ std::vector<SubmapPair> submap_pairs(const Scene& a, const Scene& b, const Scree
   return pairs;
 }
 
-/// How far T_a_b may be off at p because of drift between there and the first place.
+/// How far T_a_b may be off at the place because of drift between there and the first place.
+double drift_allowed_m(const SubmapCheck& place, const SubmapCheck& first, const JudgeConfig& config) {
+  return config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
+}
+
 bool within_drift(const SubmapCheck& place, const SubmapCheck& first, const Pose& T, const JudgeConfig& config) {
-  const double allowed_m = config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
-  return usable(place.registration) && (T * place.p_b - place.p_a).norm() < allowed_m &&
+  return usable(place.registration) && (T * place.p_b - place.p_a).norm() < drift_allowed_m(place, first, config) &&
          rotation_angle_rad(T.inverse() * place.registration.T_target_source) < config.place_drift_rad;
+}
+
+/// For a place that slid along a tunnel when it was registered alone: T_a_b moved across the tunnel to where that
+/// registration lies. Nullopt if drift does not explain so much.
+std::optional<Pose> across_within_drift(const SubmapCheck& place, const SubmapCheck& first, const Pose& T_a_b,
+                                        const JudgeConfig& config) {
+  if (!usable(place.registration)) return std::nullopt;
+  const Pose moved = moved_across(place, T_a_b);
+  const double moved_m = (moved.translation() - T_a_b.translation()).norm();
+  return moved_m < drift_allowed_m(place, first, config) ? std::optional(moved) : std::nullopt;
 }
 
 std::vector<bool> agreeing(const std::vector<SubmapCheck>& places, const Pose& T, const JudgeConfig& config) {
@@ -149,11 +163,14 @@ Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, co
     if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return out;
   }
   // Drift does not contradict a placement; rock of another place does.
+  std::vector<std::optional<Pose>> again;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    again.push_back(agrees[i] ? out.T_a_b : across_within_drift(places[i], places[0], out.T_a_b, config));
   for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Pose& T = agrees[i] ? places[i].registration.T_target_source : out.T_a_b;
     const bool seen = i == 0 && !slid;
     if (!seen) check_free_space(places[i], *pairs[i].a, *pairs[i].b, T, config.place);
-    if (agrees[i]) check_free_space_again(places[i], *pairs[i].a, *pairs[i].b, out.T_a_b, config.place);
+    if (again[i]) check_free_space_again(places[i], *pairs[i].a, *pairs[i].b, *again[i], config.place);
   });
   gather(out.evidence, places, agrees, out.T_a_b);
   out.changes = gather_changes(out.evidence, places);

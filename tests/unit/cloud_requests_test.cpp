@@ -54,6 +54,16 @@ class RequestsInDoubt : public testing::Test {
     }
     return out;
   }
+  std::vector<KeyframeRef> to_settle(double spread_m = 0) {
+    const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity()}, shelves_);
+    return requests_.clouds_to_settle({1, 2}, c, spread_m);
+  }
+  static std::set<std::uint64_t> of(const std::vector<KeyframeRef>& wanted, SessionId id) {
+    std::set<std::uint64_t> out;
+    for (const KeyframeRef& k : wanted)
+      if (k.session == id) out.insert(k.sequence);
+    return out;
+  }
   void bring(std::uint64_t first, std::uint64_t last) {
     for (const SessionId id : {1, 2})
       for (std::uint64_t s = first; s <= last; ++s) shelves_.stored.insert({id, s});
@@ -90,16 +100,6 @@ TEST_F(RequestsInDoubt, AreNoneForWhatCanNotBeBelieved) {
 }
 
 TEST_F(RequestsInDoubt, OfAMergeThatIsSettledAreForOneOfEachSessionAtEveryPlaceWhereNoneIsNear) {
-  const auto to_settle = [&] {
-    const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity()}, shelves_);
-    return requests_.clouds_to_settle({1, 2}, c);
-  };
-  const auto of = [](const std::vector<KeyframeRef>& wanted, SessionId id) {
-    std::set<std::uint64_t> out;
-    for (const KeyframeRef& k : wanted)
-      if (k.session == id) out.insert(k.sequence);
-    return out;
-  };
   const std::vector<KeyframeRef> all = to_settle();
   const std::set<std::uint64_t> places = of(all, 2);
   EXPECT_EQ(places.size(), 5U) << "both ends, the middle, and between them";
@@ -112,6 +112,15 @@ TEST_F(RequestsInDoubt, OfAMergeThatIsSettledAreForOneOfEachSessionAtEveryPlaceW
   EXPECT_TRUE(of(to_settle(), 1).contains(21));
   shelves_.stored = {all.begin(), all.end()};
   EXPECT_TRUE(to_settle().empty()) << "when they have come nothing more is asked";
+}
+
+TEST_F(RequestsInDoubt, OfAMergeOfSessionsThatDriftedAreForAllOfTheOverlap) {
+  EXPECT_EQ(to_settle(0.079).size(), to_settle().size());
+  const std::vector<KeyframeRef> all = to_settle(0.081);
+  EXPECT_EQ(of(all, 2).size(), 21U) << "all of the shorter";
+  EXPECT_EQ(of(all, 1).size(), 36U) << "and those of the longer that are less than 16 m from its end, at 20 m";
+  shelves_.stored = {all.begin(), all.end()};
+  EXPECT_TRUE(to_settle(0.081).empty());
 }
 
 }  // namespace
