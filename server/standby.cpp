@@ -46,8 +46,7 @@ Result<void> fit_to_stand_by(const fs::path& data, const std::optional<ServerCar
 
 Result<ReservedPort> ReservedPort::at(const Endpoint& endpoint) {
   ReservedPort port;
-  if (const auto code = bind_port(port.socket_, endpoint))
-    return failure(ErrorCode::unavailable, "can not listen on " + to_string(endpoint) + ": " + code.message());
+  if (const auto code = bind_port(port.socket_, endpoint)) return listen_failure(endpoint, code);
   port.endpoint_ = {endpoint.host, port.socket_.local_endpoint().port()};
   return port;
 }

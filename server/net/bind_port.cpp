@@ -16,4 +16,12 @@ boost::system::error_code bind_port(boost::asio::ip::tcp::acceptor& acceptor, co
   return error;
 }
 
+tl::unexpected<Error> listen_failure(const Endpoint& at, const boost::system::error_code& why) {
+  std::string to_do;
+  if (why == boost::asio::error::address_in_use)
+    to_do = "; is a server running already? End the program that uses the port, or choose another one";
+  if (why == boost::system::errc::address_not_available) to_do = "; give an address of this machine";
+  return failure(ErrorCode::unavailable, "cannot listen on " + to_string(at) + ": " + why.message() + to_do);
+}
+
 }  // namespace headframe

@@ -31,7 +31,7 @@ Relay::~Relay() {
 Result<Endpoint> Relay::listen(const Endpoint& at) {
   error_code error = bind_port(acceptor_, at);
   if (!error) acceptor_.listen(boost::asio::socket_base::max_listen_connections, error);
-  if (error) return failure(ErrorCode::unavailable, "can not listen on " + to_string(at) + ": " + error.message());
+  if (error) return listen_failure(at, error);
   const Endpoint real{at.host, acceptor_.local_endpoint().port()};
   accept();
   thread_ = std::thread([this] { io_.run(); });

@@ -29,8 +29,7 @@ RobotListener::RobotListener(boost::asio::io_context& io, SessionHub& hub, const
 Result<Endpoint> RobotListener::listen(const Endpoint& at) {
   error_code error = bind_port(acceptor_, at);
   if (!error) acceptor_.listen(boost::asio::socket_base::max_listen_connections, error);
-  if (error)
-    return failure(ErrorCode::unavailable, "can not listen for robots on " + to_string(at) + ": " + error.message());
+  if (error) return listen_failure(at, error);
   boost::asio::post(acceptor_.get_executor(), [this] { accept(); });
   return Endpoint{at.host, acceptor_.local_endpoint().port()};
 }

@@ -151,7 +151,7 @@ TEST_F(Servers, OneWhosePortIsTakenIsToldSoBeforeItWaits) {
   ASSERT_NO_FATAL_FAILURE(start_both(true));
   const auto third = BaseStation::start_standby(folder("third"), config(), true, first->robots());
   ASSERT_FALSE(third);
-  EXPECT_NE(third.error().message.find("can not listen on " + first->robots()), std::string::npos)
+  EXPECT_NE(third.error().message.find("cannot listen on " + first->robots()), std::string::npos)
       << third.error().message;
 }
 
