@@ -11,11 +11,11 @@ namespace {
 namespace fs = std::filesystem;
 
 tl::unexpected<Error> can_not(const fs::path& data, const std::string& why, const std::optional<ServerCard>& active) {
-  return failure(ErrorCode::refused, "this server can not stand by, for " + why +
-                                         ": copy identity.pem, operator.token and, if it is there, operators.json "
-                                         "from the data directory of " +
-                                         (active ? active->name : "the server that is active") + " into " +
-                                         data.string() + ", readable by their owner alone, and start it again");
+  return failure(ErrorCode::refused, "this server cannot be a standby: " + why +
+                                         "; copy identity.pem, operator.token and, if it exists, operators.json from "
+                                         "the data directory of " +
+                                         (active ? active->name : "the active server") + " into " + data.string() +
+                                         ", allow only their owner to read them, and start this server again");
 }
 
 }  // namespace
@@ -38,9 +38,9 @@ Result<void> fit_to_stand_by(const fs::path& data, const std::optional<ServerCar
   if (!own) return can_not(data, own.error().message, active);
   if (!active) return {};
   if (own->fingerprint != active->fingerprint)
-    return can_not(data, "robots know the active one by another identity.pem", active);
+    return can_not(data, "its identity.pem differs from the active server's, so robots would not accept it", active);
   if (own->token_digest != active->token_digest)
-    return can_not(data, "operators know the active one by another operator.token", active);
+    return can_not(data, "its operator.token differs from the active server's, so operators could not sign in", active);
   return {};
 }
 

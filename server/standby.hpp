@@ -1,5 +1,5 @@
 #pragma once
-// What a server needs that takes over from another one, beside the database: to be known as the same.
+// What a standby server needs besides the database: the identity of the active server, and free ports.
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -13,28 +13,29 @@
 
 namespace headframe {
 
-/// By what robots and operators know the server of this data directory, in the two fields of a card. Makes nothing.
-/// refused: a file is not there; errors of server_identity and operator_token.
+/// The certificate's fingerprint and the digest of the token in this data directory, by which robots and operators
+/// recognise the server; the other fields of the card stay empty. Creates no file. refused: a file is missing; also
+/// fails like server_identity and operator_token.
 Result<ServerCard> known_by(const std::filesystem::path& data);
 
-/// refused: robots and operators would not take the server of this data directory for the active one; the line says
-/// which files to copy from where. `active`: what that one tells of itself; none: it tells nothing, and files that are
-/// there are believed.
+/// Checks that robots and operators will accept the server of this data directory in place of the active one. `active`
+/// is the card of the active server; if there is none, it is only checked that the files exist and are valid. refused:
+/// they will not accept it; the message says which files to copy from where.
 Result<void> fit_to_stand_by(const std::filesystem::path& data, const std::optional<ServerCard>& active);
 
-/// A port that this server will listen on: nobody else gets it meanwhile. Who connects to it is turned away, unless a
-/// Relay listens there.
+/// Reserves a port on which this server will listen later, so that no other program takes it meanwhile. Connections to
+/// it are refused until a Relay listens there.
 class ReservedPort {
  public:
   /// unavailable: the port is in use, or the address is not of this machine.
   static Result<ReservedPort> at(const Endpoint& endpoint);
-  const Endpoint& endpoint() const { return endpoint_; }  // with the real port
+  const Endpoint& endpoint() const { return endpoint_; }  // with the actual port, if 0 was asked for
 
  private:
   ReservedPort() : io_(std::make_unique<boost::asio::io_context>(1)), socket_(*io_) {}
 
   std::unique_ptr<boost::asio::io_context> io_;
-  boost::asio::ip::tcp::acceptor socket_;  // bound, and does not listen
+  boost::asio::ip::tcp::acceptor socket_;  // bound, but not listening
   Endpoint endpoint_;
 };
 

@@ -10,7 +10,7 @@
 namespace headframe {
 namespace {
 
-/// A key of the file and the member that it sets, between low and high.
+/// A key of the file, the member that it sets, and the range of a number.
 struct Key {
   std::string_view section, name;
   std::variant<int*, double*, bool*, RegistrationEngine*, OperatorTls*, KeepClouds*, std::string*,
@@ -121,9 +121,10 @@ Result<void> set_file(std::string& file, std::string_view name, const toml::node
 Result<void> set_url(std::string& url, const toml::node& node, const std::string& where) {
   url = node.value<std::string>().value_or("");
   if (url.starts_with("postgresql://") || url.starts_with("postgres://")) return {};
-  return failure(ErrorCode::bad_input, where +
-                                           ": url must begin with postgresql://; leave it away and the server keeps an "
-                                           "SQLite database in --data");
+  return failure(ErrorCode::bad_input,
+                 where +
+                     ": url must begin with postgresql://; without url the server keeps an SQLite "
+                     "database in --data");
 }
 
 Result<void> set_name(std::string& name, const toml::node& node, const std::string& where) {
@@ -137,7 +138,7 @@ Result<void> set_address(std::optional<Endpoint>& address, const toml::node& nod
   auto peer = parse_peer(node.value<std::string>().value_or(""));
   if (!peer || is_any_address(*peer))
     return failure(ErrorCode::bad_input,
-                   where + ": public must be \"HOST:PORT\", the address of this machine where robots connect");
+                   where + ": public must be \"HOST:PORT\", the address at which robots reach this server");
   address = std::move(*peer);
   return {};
 }
@@ -186,7 +187,7 @@ Result<void> read_section(const std::vector<Key>& keys, std::string_view section
     });
     if (key == keys.end())
       return failure(ErrorCode::bad_input, where + ": unknown key '" + std::string(entry.str()) + "' in [" +
-                                               std::string(section) + "]; there are: " + known_names(keys, section));
+                                               std::string(section) + "]; its keys are " + known_names(keys, section));
     if (auto done = set(*key, node, where); !done) return done;
   }
   return {};
@@ -202,45 +203,53 @@ Result<ServerConfig> parse_config(std::string_view text, const std::string& name
     for (const auto& [entry, node] : file) {
       const std::string section(entry.str());
       if (!node.is_table() || known_names(keys, section).empty())
-        return failure(ErrorCode::bad_input, place(name, node.source()) + ": unknown section or key '" + section +
-                                                 "'; there are: [server], [store], [operator], [limits], [merge]");
+        return failure(ErrorCode::bad_input,
+                       place(name, node.source()) + ": unknown section or key '" + section +
+                           "'; the sections are [server], [store], [operator], [limits] and [merge]");
       if (auto done = read_section(keys, section, *node.as_table(), name); !done) return tl::unexpected(done.error());
     }
   } catch (const toml::parse_error& error) {
     return failure(ErrorCode::bad_input, place(name, error.source()) + ": " + std::string(error.description()));
   }
   if (!config.store_url.empty() && config.database_mib > 0)
-    return failure(ErrorCode::bad_input, name +
-                                             ": database_mib in [limits] is of SQLite's file, and [store] url says "
-                                             "that there is none: leave one of them away");
-  if (config.standby && config.store_url.empty())
     return failure(ErrorCode::bad_input,
                    name +
-                       ": standby in [store] waits for a PostgreSQL that another server uses, and "
-                       "there is no url: SQLite is one server's alone");
+                       ": database_mib in [limits] is for SQLite only, but url in [store] selects "
+                       "PostgreSQL; remove one of them");
+  if (config.standby && config.store_url.empty())
+    return failure(
+        ErrorCode::bad_input,
+        name +
+            ": standby in [store] needs PostgreSQL, because only one server can use an SQLite database; set url in "
+            "[store], or remove standby");
   if (config.clouds_mib > 0 && config.store_url.empty())
-    return failure(ErrorCode::bad_input, name +
-                                             ": clouds_mib in [store] is of PostgreSQL; beside SQLite the disk, or "
-                                             "database_mib in [limits], says how much is free");
+    return failure(ErrorCode::bad_input,
+                   name +
+                       ": clouds_mib in [store] is for PostgreSQL only; remove it (database_mib in "
+                       "[limits] limits SQLite's file), or set url in [store]");
   if (config.keep == KeepClouds::newest && !config.store_url.empty() && config.clouds_mib == 0)
-    return failure(ErrorCode::bad_input, name +
-                                             ": keep = \"newest\" in [store] has to know how much clouds may take in "
-                                             "PostgreSQL: give clouds_mib");
+    return failure(ErrorCode::bad_input,
+                   name +
+                       ": keep = \"newest\" in [store] needs to know how much space clouds may take in "
+                       "PostgreSQL; set clouds_mib in [store]");
   if (config.clouds_mib > 0 && config.clouds_mib <= config.free_mib)
-    return failure(ErrorCode::bad_input, name + ": of clouds_mib in [store], " + std::to_string(config.clouds_mib) +
-                                             ", free_mib, " + std::to_string(config.free_mib) + ", can not stay free");
+    return failure(ErrorCode::bad_input, name + ": clouds_mib in [store] is " + std::to_string(config.clouds_mib) +
+                                             "; it must be larger than free_mib, " + std::to_string(config.free_mib));
   const OperatorConfig& operators = config.operators;
   if (operators.certificate.empty() && !operators.key.empty())
-    return failure(ErrorCode::bad_input, name + ": [operator] has a key and no certificate: give both, or neither");
+    return failure(ErrorCode::bad_input,
+                   name + ": [operator] has a key but no certificate; set certificate, or remove key");
   if (operators.tls == OperatorTls::never && !operators.certificate.empty())
     return failure(ErrorCode::bad_input,
-                   name + ": [operator] has a certificate, and tls says that it is never used: leave one of them away");
+                   name + ": [operator] has a certificate, but tls = \"never\" does not use it; remove one of them");
   return config;
 }
 
 Result<ServerConfig> load_config(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) return failure(ErrorCode::not_found, "configuration file " + path.string() + " can not be read");
+  if (!file)
+    return failure(ErrorCode::not_found,
+                   "cannot read the configuration file " + path.string() + "; check its name and permissions");
   return parse_config(std::string(std::istreambuf_iterator<char>(file), {}), path.string());
 }
 

@@ -12,27 +12,27 @@
 
 namespace headframe {
 
-/// Passes connections at one port on to another server, byte by byte: TLS goes from end to end. What a connection
-/// carries begins with a header that tells who the client is (security/relay_header.hpp). Its calls belong to the
-/// thread that owns it, but for connections().
+/// Relays connections from one port to another server, byte by byte, so TLS is end to end. Before the client's bytes it
+/// sends a header with the client's address (security/relay_header.hpp). Not thread safe, except connections().
 class Relay {
  public:
-  /// Where to, at this moment; an error: the client is turned away, and `refused` is said once in the log. Called on a
-  /// thread of this; must not wait.
+  /// Returns the server to which to relay now. With an error the client is disconnected; the message of a `refused` is
+  /// logged once. Called on the relay's thread; must not block.
   using Target = std::function<Result<Endpoint>()>;
 
   Relay(std::string key, Target target, const RelayLimits& limits = {});
-  ~Relay();  // stops; waits for the name that is being looked up, if any
+  ~Relay();  // stops; waits for a name lookup in progress
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  /// Once. The endpoint it really listens on. unavailable: the port is in use, or the address is not of this machine.
+  /// Call once. Returns the endpoint with the actual port. unavailable: the port is in use, or the address is not of
+  /// this machine.
   Result<Endpoint> listen(const Endpoint& at);
 
-  /// That are passed on now. Thread safe.
+  /// The number of clients connected now. Thread safe.
   int connections() const { return count_; }
 
-  /// The port is closed and all connections have ended when this returns; it does not wait for anybody.
+  /// Closes the port and all connections before it returns; does not wait for any peer.
   void stop();
 
  private:
@@ -47,7 +47,7 @@ class Relay {
   boost::asio::io_context io_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
-  std::set<std::shared_ptr<RelayedConnection>> connections_;  // of the thread, and so are the next two
+  std::set<std::shared_ptr<RelayedConnection>> connections_;  // used only on the thread, like the next two
   std::deque<std::weak_ptr<RelayedConnection>> silent_;       // oldest first; some may have spoken since
   std::set<std::string> said_;
   std::atomic<int> count_ = 0;

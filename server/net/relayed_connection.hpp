@@ -11,21 +11,21 @@
 
 namespace headframe {
 
-/// One client's connection and the one that carries its bytes on, which is made when the client begins to speak. Of
-/// what is said the first byte alone is looked at: whether a relay has passed the client on already. Each way has one
-/// buffer: who does not read stops who writes. Not thread safe: for an io_context with one thread. Lives until both
-/// have ended.
+/// A client's connection, and the connection to the server that carries its bytes. The second one is made when the
+/// client sends its first bytes. Only the first byte is examined, to detect a client that another relay has passed on
+/// already. There is one buffer for each direction; if a side does not read, its peer is not read from either. Not
+/// thread safe: use an io_context with one thread. The object lives until both connections have ended.
 class RelayedConnection : public std::enable_shared_from_this<RelayedConnection> {
  public:
   using Ended = std::function<void(bool came_back)>;
 
-  /// `header` goes before the client's bytes.
+  /// `header` is sent to the server before the client's bytes.
   RelayedConnection(boost::asio::ip::tcp::socket client, std::string header, const RelayLimits& limits);
 
-  /// Once. `ended` is called once, with whether a relay had passed the client on already.
+  /// Call once. `ended` is called once; came_back: another relay had passed the client on already.
   void start(const Endpoint& target, Ended ended);
   void end(bool came_back = false);
-  /// The client has said something, and the server is on its way.
+  /// Whether the client has sent something, so that the server is being connected.
   bool has_spoken() const { return has_spoken_; }
 
  private:
@@ -47,10 +47,10 @@ class RelayedConnection : public std::enable_shared_from_this<RelayedConnection>
   Socket client_, server_;
   boost::asio::ip::tcp::resolver resolver_;
   boost::asio::steady_timer timer_;
-  std::string to_send_;  // before what is passed on
+  std::string to_send_;  // sent to the server first
   bool has_spoken_ = false;
   const RelayLimits limits_;
-  Ended ended_;  // null: it has not begun, or has ended
+  Ended ended_;  // null: not started, or ended
   Way up_{client_, server_}, down_{server_, client_};
 };
 

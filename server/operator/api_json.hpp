@@ -1,5 +1,5 @@
 #pragma once
-// The JSON of the operator's API, as text. Numbers that are not finite become null. Pure.
+// The JSON of the operator's API, as text. Numbers that are not finite become null. All functions are pure.
 
 #include <string>
 #include <string_view>
@@ -10,7 +10,7 @@
 
 namespace headframe {
 
-/// What came of "?wait=": what was still pending when the answer was made, and whether time ran out.
+/// The outcome of "?wait=": what was still pending when the answer was made, and whether the time ran out.
 struct WaitOutcome {
   Pending pending;
   bool waited_out = false;
@@ -24,33 +24,32 @@ std::string status_json(const std::vector<SessionRow>& sessions, const AtlasView
                         const LinkHealth& links, double uptime_s);
 std::string sessions_json(const std::vector<SessionRow>& sessions, const Atlas& atlas);
 
-/// Transforms are 16 numbers, row-major. Of pairs that were rejected by the evidence alone it says only how many there
-/// are: in a database of some years there are many. `sessions` gives the names of the ids in the atlas; `wait` may be
-/// null.
+/// Of pairs that the evidence alone rejected, only the number is given: a database of several years has many of them.
+/// `sessions` gives the names of the ids in the atlas; `wait` may be null.
 std::string atlas_json(const AtlasView& view, const std::vector<SessionRow>& sessions, const WaitOutcome* wait);
 
-/// Which alignments an answer has.
+/// Selects the alignments of an answer.
 struct AlignmentChoice {
-  std::optional<AlignmentState> state;  // those in this state alone
-  std::optional<AlignmentId> id;        // this one alone
-  std::size_t most_rejected = 0;        // of those that were rejected by the evidence alone, the newest
+  std::optional<AlignmentState> state;  // only those in this state
+  std::optional<AlignmentId> id;        // only this one
+  std::size_t most_rejected = 0;        // at most so many that the evidence alone rejected, the newest ones
 };
 
-/// With the revision they are of, and how many were left out for most_rejected.
+/// Includes the revision, and how many alignments were left out because of most_rejected.
 std::string alignments_json(const AtlasView& view, const AlignmentChoice& choice);
-/// One of them; an error's JSON when it is not there.
+/// One alignment; the JSON of an error if there is none with this id.
 std::string alignment_json(const AtlasView& view, AlignmentId id);
 
-/// alignment may be null: nothing has been tried.
+/// `alignment` is null if the pair has not been tried yet.
 std::string explanation_json(const SessionRow& a, const SessionRow& b, const AlignmentRow* alignment,
                              const Explanation& explanation, const Atlas& atlas);
 
-/// One session, as sessions_json has it.
+/// One session, in the form that sessions_json uses.
 std::string session_json(const SessionRow& row, const Atlas& atlas);
-/// What became of a choice of anchor: the revision, and the component that the session is in now.
+/// The result of choosing an anchor: the revision, and the component that now contains the session.
 std::string anchor_json(const Atlas& atlas, SessionId session);
 
-// Events (event_diff.hpp), one JSON object each, "type" first.
+// Events (event_diff.hpp): one JSON object each, which begins with "type".
 std::string session_event(std::string_view type, const SessionRow& row);
 std::string alignment_event(const AlignmentRow& row);
 std::string revision_event(const Atlas& atlas);

@@ -1,5 +1,5 @@
 #pragma once
-// Numbers in binary files.
+// Appends numbers to binary data.
 
 #include <array>
 #include <bit>
@@ -10,7 +10,7 @@ namespace headframe {
 
 static_assert(std::endian::native == std::endian::little, "what is written so (LAS, PLY) is little-endian");
 
-/// The bytes of a number as they lie in memory.
+/// Appends the bytes of a number as they are in memory.
 template <class T>
 void append_bytes(std::string& out, T value) {
   std::array<char, sizeof value> bytes;

@@ -7,8 +7,8 @@
 
 namespace headframe {
 
-/// A backup of the whole base station, as one file. It is made on the server's disk with the first call of next(), and
-/// has no name there from then on, so that nothing is left of it however this ends.
+/// A backup of the whole base station as one file. The first call of next() makes it on the server's disk and then
+/// unlinks it, so nothing of it remains, whether or not sending succeeds.
 class BackupBody : public BodySource {
  public:
   explicit BackupBody(Station& station) : station_(station) {}

@@ -6,10 +6,10 @@
 
 namespace headframe {
 
-/// The changes as the API lists them; `sessions` gives the names of their ids.
+/// The changes in the form that the API uses; `sessions` gives the names of their ids.
 Json changes_array(const std::vector<PlacedChange>& changes, const std::vector<SessionRow>& sessions);
 
-/// Those of all that is merged, since a date in seconds since 1970.
+/// The changes between all merged sessions since a time, in seconds since 1970.
 std::string changes_json(const AtlasView& view, const std::vector<SessionRow>& sessions, double since_s);
 
 }  // namespace headframe

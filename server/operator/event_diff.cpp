@@ -47,7 +47,7 @@ void add_alignments(const AtlasView& before, const AtlasView& after, std::vector
 }  // namespace
 
 StationLook look_at(const Station& station) {
-  AtlasView view = station.atlas();  // before the sessions, which only grow
+  AtlasView view = station.atlas();  // read before the sessions, so that their list has all it names
   return {station.sessions(), std::move(view), station.pending()};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// What happened at the station, told as the difference of two looks at it. Pure.
+// Derives what happened at the station from the difference between two snapshots of it. All functions are pure, except
+// look_at().
 
 #include <string>
 #include <vector>
@@ -14,15 +15,16 @@ struct StationLook {
   Pending pending;
 };
 
-/// Asks the station; quick.
+/// Takes a snapshot of the station; fast.
 StationLook look_at(const Station& station);
 
-/// One JSON object for each thing that happened, its "type" first: robot_connected, robot_left, keyframes (also of a
-/// new session), renamed, alignment (new, or another state, decision, placement or probability), revision, pending.
-/// What came and went between two looks is not told.
+/// One JSON object for each thing that happened, which begins with its "type": robot_connected, robot_left, keyframes
+/// (a new session, or one whose number of keyframes, clouds or moves changed, or that ended or was cut), live, renamed
+/// (another label, note, site, archived or frozen state), alignment (new, or another state, decision, objection,
+/// placement or probability), revision, pending. A change that was reversed between the two snapshots gives no event.
 std::vector<std::string> events_between(const StationLook& before, const StationLook& after);
 
-/// The whole look as one event of type "snapshot": sessions, atlas, pending.
+/// The whole snapshot as one event of type "snapshot": sessions, atlas, pending.
 std::string snapshot_event(const StationLook& look);
 
 }  // namespace headframe

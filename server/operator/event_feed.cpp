@@ -14,7 +14,7 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using Code = beast::error_code;
 
-/// One client. Everything but tell() and close() runs on the strand of its socket.
+/// One client. Everything except tell() and close() runs on the strand of its socket.
 class EventSocket : public std::enable_shared_from_this<EventSocket> {
  public:
   EventSocket(WebStream stream, std::shared_ptr<EventFeed> feed, std::size_t queued_bytes, OperatorIdentity listener)
@@ -25,8 +25,8 @@ class EventSocket : public std::enable_shared_from_this<EventSocket> {
 
   void accept(EventFeed::Request request) {
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
-    socket_.read_message_max(1024);                                    // nothing is asked of clients
-    if (!request[beast::http::field::sec_websocket_protocol].empty())  // a page's, with its token
+    socket_.read_message_max(1024);                                    // clients need not send anything
+    if (!request[beast::http::field::sec_websocket_protocol].empty())  // a page sends its token in this field
       socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
         response.set(beast::http::field::sec_websocket_protocol, "headframe");
       }));
@@ -98,7 +98,7 @@ void EventFeed::serve(WebStream stream, Request request, const OperatorIdentity&
       ->accept(std::move(request));
 }
 
-/// Under the lock.
+/// Call with the lock held.
 void EventFeed::end_expired() {
   if (people_ == nullptr) return;
   const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
@@ -134,7 +134,7 @@ void EventFeed::start() {
 void EventFeed::join(const std::shared_ptr<EventSocket>& socket) {
   const std::lock_guard lock(mutex_);
   if (stopped_) return socket->close();
-  if (sockets_.empty()) {  // looks were rare so far
+  if (sockets_.empty()) {  // without clients, polls were rare
     news(std::make_shared<const StationLook>(look_at(station_)));
     sockets_.insert(socket);
     look_again();
@@ -149,7 +149,7 @@ void EventFeed::leave(const std::shared_ptr<EventSocket>& socket) {
   sockets_.erase(socket);
 }
 
-/// Under the lock. A wait that is under way is given up.
+/// Call with the lock held. Cancels a wait in progress.
 void EventFeed::look_again() {
   timer_.expires_after(sockets_.empty() ? limits_.look_alone : limits_.look);
   timer_.async_wait([weak = weak_from_this()](Code code) {
@@ -157,7 +157,8 @@ void EventFeed::look_again() {
   });
 }
 
-/// What clients are to be told now that the station is as `now`. Under the lock.
+/// The events that lead clients to the state `now`, which becomes last_; also writes log entries. Call with the lock
+/// held.
 std::vector<std::string> EventFeed::news(const std::shared_ptr<const StationLook>& now) {
   std::vector<std::string> events;
   if (last_) {

@@ -1,5 +1,5 @@
 #pragma once
-// GET /api/v1/events: WebSocket clients that are told what happens. Included by the .cpp files of this room only.
+// GET /api/v1/events: sends events to WebSocket clients. Included only by the .cpp files of this room.
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -22,9 +22,9 @@ namespace headframe {
 
 class EventSocket;
 
-/// Looks at the station, writes the differences into the log, and tells clients of them: each first a snapshot, then
-/// events that lead on from it. A client that reads too slowly loses what was queued and gets a snapshot instead, so
-/// that its queue is bounded and what it knows is never wrong. Thread safe.
+/// Polls the station, writes the differences to the log, and sends them to the clients. A client first gets a snapshot,
+/// then the events that follow it. If a client reads too slowly, its queued events are replaced by a snapshot; so its
+/// queue is bounded, and it never ends up with a wrong state. Thread safe.
 class EventFeed : public std::enable_shared_from_this<EventFeed> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::string_body>;
@@ -37,17 +37,19 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
         people_(people),
         timer_(boost::asio::make_strand(io)) {}
 
-  /// Looks at the station from now on, and writes down what happens. Once.
+  /// Starts polling and logging. Call once.
   void start();
 
-  /// Room for one more; a place that is taken is given back by the socket's end.
+  /// Reserves a place for one more client; false: there is none. The client's socket gives it back when it is
+  /// destroyed.
   bool take_place();
   void give_place();
-  /// Takes over a connection whose request asks for an upgrade, and that has a place; until the operator's token ends.
+  /// Takes over a connection whose request asks for a WebSocket upgrade and which has a place. The connection ends at
+  /// the latest with the operator's token.
   void serve(WebStream stream, Request request, const OperatorIdentity& who);
-  /// Ends what this operator listens to, unless the token still stands.
+  /// Ends all event streams of this operator.
   void end(const std::string& name);
-  /// Ends all clients, after a last look for the log.
+  /// Disconnects all clients, after polling once more for the log.
   void stop();
 
  private:
@@ -63,7 +65,7 @@ class EventFeed : public std::enable_shared_from_this<EventFeed> {
   const EventLimits limits_;
   const std::shared_ptr<EventLog> log_;
   const OperatorRegistry* const people_;  // may be null
-  std::uint64_t told_ = 0;                // the last entry of the log that clients know of
+  std::uint64_t told_ = 0;                // the last entry of the log that was sent to clients
   std::mutex mutex_;
   boost::asio::steady_timer timer_;
   std::shared_ptr<const StationLook> last_;

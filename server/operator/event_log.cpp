@@ -21,7 +21,7 @@ Json entry_object(const LogEntry& entry) {
 std::optional<LogEntry> entry_of(const std::string& line) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object()) return std::nullopt;
-  const auto number = [&](const char* name) {  // 0: none that an id can have
+  const auto number = [&](const char* name) {  // 0 is not a valid id
     return json.contains(name) && json[name].is_number_unsigned() ? json[name].get<std::uint64_t>() : 0;
   };
   const auto words = [&](const char* name) {
@@ -34,7 +34,7 @@ std::optional<LogEntry> entry_of(const std::string& line) {
                  words("by"),
                  number("id"),
                  json.contains("at_s") && json["at_s"].is_number() ? json["at_s"].get<double>() : 0};
-  constexpr std::uint64_t most_id = 1ULL << 53U;  // what JSON's readers can count to
+  constexpr std::uint64_t most_id = 1ULL << 53U;  // JSON readers represent larger integers inexactly
   if (entry.kind.empty() || entry.id == 0 || entry.id > most_id) return std::nullopt;
   return entry;
 }
@@ -59,7 +59,7 @@ void EventLog::read() {
     entries_.push_back(std::move(*entry));
     if (entries_.size() > limits_.entries) entries_.pop_front();
   }
-  if (written_bytes_ > 0 && in.eof()) {  // a line that a crash cut off must not take the next one with it
+  if (written_bytes_ > 0 && in.eof()) {  // ends a line that a crash cut off
     std::ifstream end(file_, std::ios::binary | std::ios::ate);
     end.seekg(-1, std::ios::end);
     if (end.get() != '\n') std::ofstream(file_, std::ios::binary | std::ios::app) << '\n';
@@ -75,7 +75,7 @@ void EventLog::add(LogEntry entry) {
   if (file_.empty()) return;
   const std::string line = text(entry_object(entries_.back()));
   out_ << line << std::flush;
-  if (!out_) {  // a full disk, say: the next entry tries again
+  if (!out_) {  // for example a full disk: the next entry tries again
     out_.clear();
     return;
   }
@@ -83,7 +83,8 @@ void EventLog::add(LogEntry entry) {
   if (written_bytes_ > limits_.file_bytes) begin_anew();
 }
 
-/// Under the lock. The old file stays until the new one is whole.
+/// Rewrites the file with the entries in memory. The old file stays until the new one is complete. Call with the lock
+/// held.
 void EventLog::begin_anew() {
   const std::filesystem::path part = file_.string() + ".part";
   std::string all;

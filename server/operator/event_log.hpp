@@ -1,5 +1,5 @@
 #pragma once
-// What happened at the station and what operators did, kept over restarts.
+// A log of what happened at the station and what operators did, kept across restarts.
 
 #include <cstdint>
 #include <deque>
@@ -15,35 +15,35 @@
 namespace headframe {
 
 struct LogEntry {
-  std::string kind;       // started, connected, left, finished, let_go, merged, withdrawn, held_back, unsure, no_match,
-                          // revision, operator, note
-  std::string text;       // one line for people; sessions are named "robot/session"
-  SessionId session = 0;  // what it is about; 0: no session
-  AlignmentId alignment = 0;  // 0: no alignment
-  std::string by = {};        // the operator's name; empty: nobody did it, or who shows the server's own token
-  std::uint64_t id = 0;       // counts up from 1; the log gives it
-  double at_s = 0;            // since the epoch; the log gives it
+  std::string kind;           // started, connected, left, finished, jumped, let_go, merged, withdrawn, held_back,
+                              // provisional, unsure, no_match, revision, operator, note
+  std::string text;           // one line for humans; sessions are named "robot/session"
+  SessionId session = 0;      // the session concerned; 0: none
+  AlignmentId alignment = 0;  // the alignment concerned; 0: none
+  std::string by = {};        // the operator's name; empty: no operator did it, or one with the server's own token
+  std::uint64_t id = 0;       // increases from 1; set by the log
+  double at_s = 0;            // since the epoch; set by the log
 };
 
 struct EventLogLimits {
-  std::size_t entries = 1000;         // kept at hand; older ones are in the file alone
-  std::size_t file_bytes = 4U << 20;  // beyond it the file begins anew with the entries at hand
+  std::size_t entries = 1000;         // kept in memory; older ones are only in the file
+  std::size_t file_bytes = 4U << 20;  // beyond this size the file is rewritten with the entries in memory
 };
 
-/// Entries are appended to a file, a JSON object a line. A line that cannot be read is left out; a file that cannot be
-/// written leaves the log in memory alone. Thread safe; an entry that was added is in the file unless the machine
-/// fails.
+/// Appends entries to a file, one JSON object per line. A line that cannot be read is skipped. An entry that cannot be
+/// written is kept only in memory. Thread safe. An entry that was written survives a crash of the process, but not
+/// necessarily one of the machine.
 class EventLog {
  public:
-  /// An empty path: memory alone.
+  /// With an empty path, entries are kept only in memory.
   explicit EventLog(std::filesystem::path file = {}, const EventLogLimits& limits = {});
 
   void add(LogEntry entry);
-  /// The newest last, at most so many.
+  /// The latest entries, at most so many; the newest is last.
   std::vector<LogEntry> latest(std::size_t most) const;
-  /// Those that came after the one with this id, as far as they are at hand.
+  /// The entries after the one with this id, as far as they are in memory.
   std::vector<LogEntry> since(std::uint64_t id) const;
-  /// Of the newest entry; 0: there is none.
+  /// The id of the newest entry; 0: there is none.
   std::uint64_t newest() const;
 
  private:
@@ -59,7 +59,7 @@ class EventLog {
   std::size_t written_bytes_ = 0;
 };
 
-/// {"entries": [...]}, the newest last.
+/// {"entries": [...]}; the newest is last.
 std::string log_json(const std::vector<LogEntry>& entries);
 /// {"type": "log", "entry": {...}}
 std::string log_event(const LogEntry& entry);

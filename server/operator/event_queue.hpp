@@ -9,13 +9,14 @@ namespace headframe {
 
 using Event = std::shared_ptr<const std::string>;
 
-/// What one listener has still to be sent. When more than most_bytes wait, all of it is replaced by a snapshot, so that
-/// the queue is bounded and what the listener knows in the end is never wrong. Not thread safe.
+/// The events that are still to be sent to one client. If several together exceed most_bytes, a snapshot replaces all
+/// of them; so the queue never holds more than most_bytes or one event, and the client still ends up with the right
+/// state. Not thread safe.
 class EventQueue {
  public:
   explicit EventQueue(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// snapshot() stands for all that was pushed up to this event.
+  /// snapshot() returns an event that replaces all events up to and including this one.
   void push(const Event& event, const std::function<Event()>& snapshot) {
     events_.push_back(event);
     bytes_ += event->size();
@@ -23,7 +24,7 @@ class EventQueue {
     events_.assign(1, snapshot());
     bytes_ = events_.front()->size();
   }
-  /// Null when there is nothing.
+  /// Null if the queue is empty.
   Event pop() {
     if (events_.empty()) return nullptr;
     Event event = std::move(events_.front());

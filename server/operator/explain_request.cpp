@@ -22,7 +22,7 @@ bool together(const Atlas& atlas, SessionId a, SessionId b) {
   });
 }
 
-/// a.id < b.id; known: null: nothing has been tried.
+/// Requires a.id < b.id. `known` is null if the pair has not been tried yet.
 std::string explained_json(const Station& station, const AtlasView& view, const SessionRow& a, const SessionRow& b,
                            const AlignmentRow* known) {
   const auto sessions = station.sessions();

@@ -48,7 +48,7 @@ Result<double> height(const Query& query, const char* name, double otherwise) {
   return text == query.end() ? otherwise : parse_number(name, text->second, -most_m, most_m);
 }
 
-/// The component that is asked for, when it can be shown in the frame that is asked for.
+/// The requested component, if it can be output in the requested frame.
 Result<SessionId> component_in(const Query& query, const Context& context, OutputFrame frame) {
   const auto text = required(query, "component");
   if (!text) return tl::unexpected(text.error());

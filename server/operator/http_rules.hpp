@@ -1,6 +1,6 @@
 #pragma once
-// What a request's header has to be beyond what the parser asks: where two programs could read it differently, it is
-// refused.
+// Checks of a request's header that are stricter than the parser's. A header that two programs could read differently
+// is refused. All functions are pure.
 
 #include <optional>
 #include <string>
@@ -8,22 +8,24 @@
 
 namespace headframe {
 
-/// What is wrong with a header, as it came, that the parser let through; nullopt: nothing. A field folded over lines, a
-/// transfer encoding other than chunked, chunks beside a length, and of HTTP/1.1 anything but one Host. Pure.
+/// What is wrong with a received header that the parser accepted; nullopt: nothing. Faults are a field folded over
+/// several lines, a transfer encoding other than chunked, both chunks and a length, more than one Host, and no Host in
+/// HTTP/1.1.
 std::optional<std::string> header_fault(std::string_view header);
 
-/// Whether a request with this Host may be answered by a server that asks for no token: a browser may be led to this
-/// address under a stranger's name. An address, a name without dots, or the name that the server is served under.
+/// Whether a server that requires no token may answer a request with this Host. DNS rebinding lets a foreign page reach
+/// this address under the page's own name; so the host must be an address, a name without dots, or the name that the
+/// server is served under.
 bool own_host(std::string_view host, std::string_view served_under);
 
-/// Whether a page of this origin is the server's own; an empty one: no browser sent it. tls: it was asked over TLS,
-/// where a page that came in the clear is a stranger's.
+/// Whether a page of this origin is the server's own; with an empty origin the request did not come from a page. With
+/// tls, a page that was loaded without TLS counts as foreign.
 bool same_origin(std::string_view origin, std::string_view host, bool tls = false);
 
-/// The cookie of a page's session: cookies do not tell ports apart, so each has a name of its own. Pure, as the next.
+/// The name of the cookie for a page session. It contains the port, because cookies do not distinguish ports.
 std::string page_cookie_name(std::string_view host);
 
-/// The value of the cookie in a Cookie header; empty: it is not there.
+/// The value of this cookie in a Cookie header; empty: it is not there.
 std::string_view cookie_value(std::string_view cookies, std::string_view name);
 
 }  // namespace headframe

@@ -17,7 +17,7 @@ namespace http = boost::beast::http;
 
 std::string_view text(beast::string_view view) { return {view.data(), view.size()}; }
 
-/// A page can give a WebSocket no header: it offers the protocols "headframe" and the token.
+/// A page cannot set headers of a WebSocket, so it offers the subprotocols "headframe" and the token instead.
 template <class Request>
 std::string credentials_of(const Request& request) {
   const std::string_view offered = text(request[http::field::sec_websocket_protocol]);
@@ -42,7 +42,8 @@ void HttpSession::start() {
   net::post(stream_.get_executor(), [self = shared_from_this()] { self->meet(); });
 }
 
-/// Seeing the first byte before reading it, we can tell a server that passes an operator on from the operator.
+/// Looks at the first byte without reading it, to distinguish a standby server that relays an operator from an
+/// operator.
 void HttpSession::meet() {
   const OperatorLimits& limits = shared_->limits;
   const double patience_s = turn_away_ ? linger_s : shared_->tls != nullptr ? limits.handshake_s : limits.idle_s;
@@ -68,12 +69,12 @@ void HttpSession::meet_relay() {
 
 void HttpSession::begin() { shared_->tls == nullptr ? read() : detect_tls(); }
 
-/// By the timer's executor, which is the stream's: the stream itself may just be on its way to the event feed.
+/// Uses the timer's executor, which is the stream's, because the stream itself may just be moving to the event feed.
 void HttpSession::close() {
   net::post(look_.get_executor(), [self = shared_from_this()] { self->finish(); });
 }
 
-/// A client that begins with a TLS handshake gets one; what others ask for in the clear, in_the_clear() answers.
+/// Performs a TLS handshake if the client begins one. Requests without TLS are answered by in_the_clear().
 void HttpSession::detect_tls() {
   allow(turn_away_ ? linger_s : shared_->limits.handshake_s);
   beast::async_detect_ssl(stream_, buffer_, [self = shared_from_this()](Code code, bool tls) {
@@ -98,8 +99,8 @@ void HttpSession::read() {
   read_header();
 }
 
-/// Piece by piece, and kept as it came: Beast 1.74 counts its header limit anew after each complete field, so that a
-/// header could be endless, and takes what header_fault() does not.
+/// Reads piece by piece and keeps the header as received, for two reasons: Beast 1.74 applies its header limit to each
+/// field separately, so a header could be endless; and it accepts headers that header_fault() refuses.
 void HttpSession::read_header() {
   parser_->eager(false);
   Code code;
@@ -147,15 +148,15 @@ void HttpSession::on_read(Code code) {
   try {
     perform(route({text(request.method_string()), text(request.target()), request.body(), who_}, shared_->station,
                   shared_->tiles, shared_->limits, uptime.count(), shared_->robots, shared_->records));
-  } catch (const std::exception& exception) {  // of a library: ends here, with this request
+  } catch (const std::exception& exception) {  // thrown by a library: only this request fails
     send(error_reply({ErrorCode::internal, exception.what()}));
   }
 }
 
-/// Counts the request; the answer when its address asks too often.
+/// Counts the request. Returns a refusal if its address sends too many.
 std::optional<Ready> HttpSession::too_many(AttemptLimiter& requests, AttemptLimiter::Time now) const {
   if (requests.allowed(from_, now)) {
-    requests.failed(from_, now);  // one more of those that it may have open
+    requests.failed(from_, now);  // counts this request
     return std::nullopt;
   }
   std::ostringstream message;
@@ -164,8 +165,8 @@ std::optional<Ready> HttpSession::too_many(AttemptLimiter& requests, AttemptLimi
   return error_reply(429, {ErrorCode::refused, message.str()});
 }
 
-/// Where TLS is asked for, the answer to who speaks without: the page is there under another address, and probes, which
-/// tell and ask for nothing, need none.
+/// If TLS is required, the answer to a request without it. Public targets are redirected to HTTPS. Health probes are
+/// allowed, because they neither reveal nor require a secret.
 std::optional<Ready> HttpSession::in_the_clear() const {
   if (shared_->tls == nullptr || stream_.is_tls()) return std::nullopt;
   const auto& request = parser_->get();
@@ -175,12 +176,12 @@ std::optional<Ready> HttpSession::in_the_clear() const {
   Ready answer = error_reply(
       {ErrorCode::refused, "this server speaks HTTPS: " + there + "; what was sent just now, others may have read"});
   if (host.empty() || !is_public(target)) return answer;
-  answer.status = 307;  // not for good: TLS may be switched off again
+  answer.status = 307;  // temporary: TLS may be switched off again
   answer.location = there + std::string(target);
   return answer;
 }
 
-/// Where no token is asked for, the answer to what a stranger's page may have made a browser here send.
+/// If no token is required, refuses requests that a foreign page may have made a browser on this network send.
 std::optional<Ready> HttpSession::foreign() const {
   if (shared_->asks_token) return std::nullopt;
   const auto& request = parser_->get();
@@ -192,7 +193,8 @@ std::optional<Ready> HttpSession::foreign() const {
   return std::nullopt;
 }
 
-/// Of who signed in before; empty: nobody did, or a stranger's page may have made the browser send the cookie.
+/// The credentials with which this page signed in. Empty: it did not, or a foreign page may have made the browser send
+/// the cookie.
 std::string HttpSession::credentials_of_page(std::chrono::steady_clock::time_point now) const {
   const auto& request = parser_->get();
   const std::string_view host = text(request[http::field::host]), origin = text(request[http::field::origin]);
@@ -202,7 +204,8 @@ std::string HttpSession::credentials_of_page(std::chrono::steady_clock::time_poi
   return secret.empty() ? "" : shared_->pages.credentials(secret, now).value_or("");
 }
 
-/// A cookie that scripts can not read, and that no other site's page can make the browser send.
+/// The Set-Cookie value that begins or ends a page session. Scripts cannot read the cookie, and pages of other sites
+/// cannot make the browser send it.
 std::string HttpSession::page_cookie(Ready::Page page) const {
   const auto& request = parser_->get();
   const std::string name = page_cookie_name(text(request[http::field::host]));
@@ -213,7 +216,7 @@ std::string HttpSession::page_cookie(Ready::Page page) const {
   return name + "=; Max-Age=0" + kept;
 }
 
-/// The answer to a request that lacks the operator's token, or comes too often.
+/// The refusal of a request that lacks a valid token or exceeds a limit; nullopt: it is accepted.
 std::optional<Ready> HttpSession::turned_down() {
   using Verdict = OperatorGuard::Verdict;
   const auto& request = parser_->get();
@@ -274,7 +277,7 @@ void HttpSession::perform(Reply reply) {
   pull();
 }
 
-/// The connection goes over to the event feed.
+/// Hands the connection over to the event feed.
 void HttpSession::upgrade() {
   const auto& request = parser_->get();
   if (!beast::websocket::is_upgrade(request))

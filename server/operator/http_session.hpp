@@ -1,6 +1,6 @@
 #pragma once
-// One HTTP connection: reads requests, does what the router says, writes responses. Included by the .cpp files of this
-// room only.
+// One HTTP connection: reads requests, calls the router, writes responses. Included only by the .cpp files of this
+// room.
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -30,7 +30,7 @@ namespace headframe {
 
 class HttpSession;
 
-/// What all connections share. Thread safe.
+/// State that all connections share. Thread safe.
 class HttpShared : public std::enable_shared_from_this<HttpShared> {
  public:
   HttpShared(boost::asio::io_context& io, Station& the_station, const OperatorLimits& the_limits,
@@ -55,9 +55,9 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   OperatorGuard guard;
   PageSessions pages;
   const bool asks_token;
-  const std::string relay_key;           // of the servers that pass operators on
+  const std::string relay_key;           // authenticates standby servers that relay operators' connections
   boost::asio::ssl::context* const tls;  // null: plain HTTP
-  AttemptLimiter strangers, operators;   // requests, by address
+  AttemptLimiter strangers, operators;   // limit requests per address
   RobotAdmin* const robots;              // may be null
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   PointTiles tiles;
@@ -66,22 +66,24 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   const OperatorRecords records;
   boost::asio::thread_pool disk{2};  // runs BodySource::next()
 
-  /// Starts a connection. Where limits.connections are served already the one makes room that has waited longest for a
-  /// request, of those that have not shown the token; and where there is none the new one is told 503, or dropped when
-  /// as many are being told so.
+  /// Starts a connection. If limits.connections are being served already, one without the token is closed to make room:
+  /// the one that has waited longest for a request, or if none waits and a token is required, the one whose request
+  /// came first. If there is none, the new client is answered 503; it is dropped if limits.connections clients are
+  /// being answered so already.
   void accept(boost::asio::ip::tcp::socket socket);
-  /// It waits for a request, or serves one; it has shown the token.
+  /// Call when a connection begins to wait for a request, or begins to serve one. has_token: it has shown the token.
   void note(const std::shared_ptr<HttpSession>& session, bool waits, bool has_token);
-  /// The name that the API listens under; before the first connection.
+  /// Sets the host name on which the API listens; call before the first connection.
   void serve_under(const std::string& host) { host_ = host; }
   const std::string& served_under() const { return host_; }
   void forget(const std::shared_ptr<HttpSession>& session);
-  /// Ends all connections and the work on disk, and takes no new ones. Waits for the piece being read.
+  /// Closes all connections, cancels the work on the disk, and accepts no new connections. Waits for disk work that is
+  /// running.
   void stop();
 
  private:
   struct Seat {
-    std::uint64_t since = 0;  // when it came, or began to wait: greater is later
+    std::uint64_t since = 0;  // when it connected, or last began to wait or to serve; a counter
     bool turned_away = false, waits = true, has_token = false;
   };
   bool make_room();
@@ -93,7 +95,7 @@ class HttpShared : public std::enable_shared_from_this<HttpShared> {
   bool stopped_ = false;
 };
 
-/// Everything but start() and close() runs on the strand of its socket.
+/// Everything except start() and close() runs on the strand of its socket.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(boost::asio::ip::tcp::socket socket, std::shared_ptr<HttpShared> shared, bool turn_away);
@@ -138,21 +140,21 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   bool client_gone();
 
   WebStream stream_;
-  boost::asio::steady_timer look_;  // whether it has said anything; later: whether it is still there
+  boost::asio::steady_timer look_;  // limits the wait for the first byte, later polls whether the client is there
   boost::asio::ip::address from_;
   const std::shared_ptr<HttpShared> shared_;
   const bool turn_away_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
-  std::string header_;  // as it came
+  std::string header_;  // as received
   bool has_token_ = false, keep_alive_ = false, handed_over_ = false;
-  OperatorIdentity who_;               // of the request
-  std::string credentials_;            // that were shown with it, or when the page signed in
-  bool head_sent_ = false;             // of the Stream under way
-  std::optional<std::uint64_t> left_;  // bytes of it that are still to come; none: it is sent in chunks
+  OperatorIdentity who_;               // who sent the request
+  std::string credentials_;            // shown with the request, or when the page signed in
+  bool head_sent_ = false;             // of the Stream that is being sent
+  std::optional<std::uint64_t> left_;  // bytes of it that are still to be sent; nullopt: it is sent in chunks
   std::unique_ptr<Stream> body_;
   std::string head_, piece_;
-  std::shared_ptr<void> response_;  // lives until it is written
+  std::shared_ptr<void> response_;  // kept alive until it is written
 };
 
 }  // namespace headframe

@@ -1,4 +1,4 @@
-// What a session of the operator's HTTP sends, whole or piece by piece, and how its connection ends.
+// The sending half of HttpSession: responses, whole or in pieces, and how the connection ends.
 
 #include <poll.h>
 
@@ -20,7 +20,8 @@ namespace http = boost::beast::http;
 
 constexpr std::size_t linger_bytes = 1024 * 1024;
 
-/// The page's own script and nobody else's: which inline one is its own, the page says itself (vite.config.js).
+/// Allows scripts only from this server, and inline ones; a policy in the page itself then allows only its own inline
+/// script (vite.config.js).
 constexpr const char* page_policy =
     "default-src 'self'; script-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
@@ -60,7 +61,7 @@ void HttpSession::send(Ready ready) {
   });
 }
 
-/// Answers when the answer comes; ends when the client goes before that.
+/// Sends the answer when it is available; closes the connection if the client disconnects before.
 void HttpSession::answer_later(const Later& later) {
   watch_client();
   const auto answer = [weak = weak_from_this()](Ready ready) {
@@ -93,10 +94,10 @@ void HttpSession::pull() {
 void HttpSession::on_piece(Piece piece) {
   if (!tcp().socket().is_open()) return finish();
   if (!piece) {
-    if (head_sent_) return finish();  // without the last chunk: the client knows that something is missing
+    if (head_sent_) return finish();  // without the last chunk, so the client notices that the body is incomplete
     Error error = piece.error();
     body_.reset();
-    const bool ours = error.code == ErrorCode::bad_input;  // what is on our disk, not what was asked
+    const bool ours = error.code == ErrorCode::bad_input;  // our stored data is bad, not the request
     return send(ours ? error_reply(500, error) : error_reply(error));
   }
   if (*piece && (*piece)->empty()) return pull();
@@ -114,7 +115,7 @@ void HttpSession::write_piece(std::optional<std::string> piece) {
     head << response.base();
   }
   if (left_) {
-    if (last ? *left_ > 0 : piece->size() > *left_) return finish();  // not what was promised: it must not look whole
+    if (last ? *left_ > 0 : piece->size() > *left_) return finish();  // a wrong length: it must not look complete
     *left_ -= last ? 0 : piece->size();
   } else {
     head << std::hex << (last ? 0 : piece->size()) << "\r\n";
@@ -134,8 +135,8 @@ void HttpSession::write_piece(std::optional<std::string> piece) {
 
 void HttpSession::on_written() { keep_alive_ ? read() : linger(); }
 
-/// Closes so that the client can still read the response: what it goes on to send is taken for a while, or the kernel
-/// would reset the connection.
+/// Closes the connection so that the client can still read the response: received data is discarded for a while,
+/// because otherwise the kernel would reset the connection.
 void HttpSession::linger() {
   Code ignored;
   tcp().socket().shutdown(net::ip::tcp::socket::shutdown_send, ignored);
@@ -167,7 +168,7 @@ void HttpSession::watch_client() {
   });
 }
 
-/// It has closed, whatever it sent before, such as TLS's own goodbye.
+/// Whether the client has closed the connection, even if unread data such as TLS's close notification precedes that.
 bool HttpSession::client_gone() {
   pollfd look{tcp().socket().native_handle(), POLLRDHUP, 0};
   return ::poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;

@@ -1,5 +1,5 @@
 #pragma once
-// How the operator's API writes JSON: one line, names in the order that they were given.
+// How the operator's API writes JSON: on one line, with names in the order in which they were added.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,7 +8,7 @@ namespace headframe {
 
 using Json = nlohmann::ordered_json;
 
-/// Never throws: names are peers' bytes, and what is no UTF-8 is replaced.
+/// Never throws: names come from peers, and invalid UTF-8 in them is replaced.
 inline std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 }  // namespace headframe

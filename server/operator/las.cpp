@@ -47,7 +47,7 @@ std::string las_header(const LasHead& head) {
   append_bytes(out, std::uint8_t{3});
   append_bytes(out, las_point_bytes);
   append_bytes(out, head.points);
-  append_bytes(out, head.points);  // of the first return
+  append_bytes(out, head.points);  // by return: all are first returns
   out.append(4 * sizeof(std::uint32_t), '\0');
   for (int axis = 0; axis < 3; ++axis) append_bytes(out, las_unit_m);
   for (int axis = 0; axis < 3; ++axis) append_bytes(out, head.offset_m[axis]);
@@ -60,8 +60,8 @@ std::string las_header(const LasHead& head) {
 
 void append_las_point(std::string& out, const LasPoint& point, const Eigen::Vector3d& offset_m) {
   for (const std::int32_t value : units(point.p_m, offset_m)) append_bytes(out, value);
-  append_bytes(out, static_cast<std::uint16_t>(point.intensity * 257));  // 16 bits of full scale, as for colours
-  append_bytes(out, std::uint8_t{0x09});                                 // the first return of one
+  append_bytes(out, static_cast<std::uint16_t>(point.intensity * 257));  // scales 8 bits to 16, as for colours
+  append_bytes(out, std::uint8_t{0x09});                                 // first of one return
   out.append(3, '\0');                                                   // class, angle, user data
   append_bytes(out, point.source);
   append_bytes(out, point.time_s);
@@ -77,7 +77,7 @@ Eigen::Vector3d las_place(const Eigen::Vector3d& p_m, const Eigen::Vector3d& off
 
 double adjusted_gps_s(double unix_s) {
   constexpr double gps_epoch_s = 315964800;  // 6 January 1980
-  // UTC lags behind GPS by a second more after each of these.
+  // UTC falls one more second behind GPS at each of these times.
   constexpr std::array<double, 4> leaps{1230768000, 1341100800, 1435708800, 1483228800};
   double behind_s = 14;
   for (const double leap : leaps) behind_s += unix_s >= leap ? 1 : 0;

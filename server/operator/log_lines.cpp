@@ -106,7 +106,7 @@ std::vector<LogEntry> log_lines(const StationLook& before, const StationLook& af
   for (const AlignmentRow& row : after.view.alignments) {
     const Alignment& now = row.alignment;
     const bool across_sites = now.ruling == Ruling::none && sites[now.a] != sites[now.b];
-    if (left_out.contains(now.a) || left_out.contains(now.b) || across_sites) continue;  // not for its evidence
+    if (left_out.contains(now.a) || left_out.contains(now.b) || across_sites) continue;  // not due to evidence
     const auto known = was.find(row.alignment.id);
     if (auto line = line_of(known == was.end() ? nullptr : known->second, row)) lines.push_back(std::move(*line));
   }

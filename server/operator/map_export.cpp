@@ -12,8 +12,7 @@
 namespace headframe {
 namespace {
 
-constexpr double wall_clock_s =
-    1e9;  // stamps beyond are seconds since 1970; below they count from a start of the robot's own
+constexpr double wall_clock_s = 1e9;  // greater stamps are seconds since 1970; others count from the robot's own start
 
 constexpr std::array<std::array<std::uint8_t, 3>, 8> palette{{{230, 97, 1},
                                                               {31, 120, 180},
@@ -24,14 +23,14 @@ constexpr std::array<std::array<std::uint8_t, 3>, 8> palette{{{230, 97, 1},
                                                               {200, 160, 0},
                                                               {120, 120, 120}}};
 
-/// Names are peers' bytes: a line break in one must not end the header's line.
+/// Names come from peers: a line break in one must not end the header's line.
 std::string one_line(std::string name) {
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '_');
   return name;
 }
 
-/// Of all sweeps together. Where one of them has intensities, those of the others count as 0.
+/// The returns of all sweeps. If only some sweeps have intensities, the others' count as 0.
 Returns all_returns(const KeyframeCloud& cloud) {
   Returns out;
   out.points.reserve(point_count(cloud));
@@ -101,7 +100,7 @@ Result<void> MapExport::count(Item& item) {
     if (request_.format == CloudFormat::las)
       for (const Eigen::Vector3f& p_sensor : points->points)
         box_m_.extend(las_place(item.T_frame_sensor * p_sensor.cast<double>(), origin_m_));
-  } else if (points.error().code != ErrorCode::not_found) {  // a keyframe whose cloud is not stored is left out
+  } else if (points.error().code != ErrorCode::not_found) {  // a keyframe without a stored cloud is left out
     return tl::unexpected(points.error());
   }
   return {};
@@ -153,7 +152,7 @@ void MapExport::append_point(std::string& out, const Eigen::Vector3d& p_frame, s
   if (has_intensity_) append_bytes(out, intensity);
 }
 
-/// Coordinates far from zero are doubles in PLY; the other formats count from an origin.
+/// Whether coordinates are doubles: in PLY if they are far from zero. The other formats use an offset.
 bool MapExport::wide() const {
   return request_.format == CloudFormat::ply && (request_.frame == OutputFrame::grid || !origin_m_.isZero());
 }
@@ -201,7 +200,7 @@ std::string MapExport::text_header(std::size_t points) const {
     if (has_intensity_) out << "property uchar intensity\n";
     out << "end_header\n";
   } else {
-    // PCL wants a packed "rgb" declared as a float; its bits are the integer 0x00RRGGBB.
+    // PCL requires a packed "rgb" to be declared as float; its bits are the integer 0x00RRGGBB.
     out << (has_intensity_
                 ? "VERSION 0.7\nFIELDS x y z rgb intensity\nSIZE 4 4 4 4 4\nTYPE F F F F F\nCOUNT 1 1 1 1 1\nWIDTH "
                 : "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH ")

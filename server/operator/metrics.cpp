@@ -16,7 +16,7 @@ class Page {
     name_ = name;
     out_ << "# HELP headframe_" << name << ' ' << help << "\n# TYPE headframe_" << name << ' ' << type << '\n';
   }
-  /// labels: {key="value"} or nothing; values are ours, never a peer's.
+  /// labels: {key="value"} or empty. Values must not come from a peer, because they are not escaped.
   template <class Value>
   void sample(Value value, const std::string& labels = {}) {
     out_ << "headframe_" << name_ << labels << ' ' << value << '\n';
@@ -52,7 +52,7 @@ void add_effort(Page& page, const MergeEffort& work) {
   page.one("merges_withdrawn_total", "counter", "Published merges that later evidence contradicted.", work.withdrawn);
 }
 
-/// By state as they stand, and by verdict: what the evidence alone says.
+/// Counts alignments by state, and by verdict, which depends on the evidence alone.
 void add_alignments(Page& page, const AtlasView& view) {
   std::map<AlignmentState, std::size_t> states, verdicts;
   for (const auto state : {AlignmentState::candidate, AlignmentState::provisional, AlignmentState::verified,

@@ -6,7 +6,7 @@
 
 namespace headframe {
 
-/// GET /metrics: Prometheus text (exposition format 0.0.4). Totals end in _total; seconds and bytes are base units.
+/// GET /metrics: Prometheus text (exposition format 0.0.4). Totals end in _total; base units are seconds and bytes.
 /// Pure.
 std::string metrics_text(const std::vector<SessionRow>& sessions, const AtlasView& view, const Pending& pending,
                          const Workload& work, const LinkHealth& links, const std::vector<Survey>& surveys,

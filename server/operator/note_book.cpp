@@ -14,7 +14,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t lines_for_a_note = 4;  // of the file, dead ones too, before it begins anew
+constexpr std::size_t lines_for_a_note = 4;  // lines per permitted note, beyond which the file is rewritten
 constexpr double farthest_m = 1e7;
 
 double clock_s() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
@@ -28,7 +28,7 @@ bool write_whole(int file, std::string_view bytes) {
   return true;
 }
 
-/// Places that a note of this kind needs at least; 0: there is no such kind.
+/// The minimum number of places for a note of this kind; 0: there is no such kind.
 std::size_t least_places(const std::string& kind) {
   static const std::map<std::string, std::size_t> kinds{{"note", 1}, {"distance", 2}, {"line", 2}, {"area", 3}};
   const auto found = kinds.find(kind);
@@ -60,8 +60,8 @@ void NoteBook::read() {
   }
 }
 
-/// The file as it would be if nothing had been taken away; the old one stays until the new one is on the disk. The
-/// newest id is kept, so that none is given twice. Under the lock, or alone.
+/// Rewrites the file without removed notes. The old file stays until the new one is on the disk. The newest id is kept
+/// in it, so that no id is given twice. Call with the lock held, or in the constructor.
 bool NoteBook::begin_anew() {
   std::string all = removal_line(newest_);
   for (const auto& [id, note] : notes_) all += note_json(note);
@@ -105,7 +105,8 @@ Result<void> NoteBook::check(const Note& note) const {
   return {};
 }
 
-/// Under the lock. After a fault the file is as it was, so that what was refused does not come back.
+/// Appends a line. After a failure the file is as before, so that a refused note does not reappear. Call with the lock
+/// held.
 Result<void> NoteBook::write(const std::string& line) {
   if (file_.empty()) return {};
   const off_t before = descriptor_ < 0 ? -1 : ::lseek(descriptor_, 0, SEEK_END);

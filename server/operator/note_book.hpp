@@ -1,5 +1,5 @@
 #pragma once
-// What operators wrote on the map: notes and measurements that others see, kept over restarts.
+// Notes and measurements that operators made on the map. All operators see them; they are kept across restarts.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace headframe {
 
-/// A place of a session's map, in the session's own frame (m): it stays where it is when maps move.
+/// A position in a session's own frame (m), so that it moves along with the session's map.
 struct NotePlace {
   SessionId session = 0;
   std::array<double, 3> p_session{};
@@ -22,36 +22,37 @@ struct NotePlace {
 
 struct Note {
   std::string kind;  // note, distance, line, area
-  std::string text;  // UTF-8, may be empty but of a note
+  std::string text;  // UTF-8; may be empty unless kind is "note"
   std::vector<NotePlace> places;
-  std::string by;        // the operator's name; empty: who has the server's own token
-  std::uint64_t id = 0;  // counts up from 1; the book gives it
-  double at_s = 0;       // since the epoch; the book gives it
+  std::string by;        // the operator's name; empty: one with the server's own token
+  std::uint64_t id = 0;  // increases from 1; set by the book
+  double at_s = 0;       // since the epoch; set by the book
 };
 
 struct NoteLimits {
   std::size_t notes = 1000;
   std::size_t text_bytes = 500;
-  std::size_t places = 100;  // of a note
+  std::size_t places = 100;  // per note
 };
 
-/// A file of JSON objects, one a line: notes, and the ids of those that were taken away. What add() and remove() return
-/// well is on the disk; they wait for it, so that no I/O thread may call them. A line that cannot be read is left out.
-/// Thread safe.
+/// Notes in a file of JSON objects, one per line: notes, and the ids of those that were removed. When add() and
+/// remove() succeed, the change is on the disk; they wait for it, so do not call them on an I/O thread. A line that
+/// cannot be read is skipped. Thread safe.
 class NoteBook {
  public:
-  /// An empty path: memory alone.
+  /// With an empty path, notes are kept only in memory.
   explicit NoteBook(std::filesystem::path file = {}, const NoteLimits& limits = {});
   ~NoteBook();
   NoteBook(const NoteBook&) = delete;
   NoteBook& operator=(const NoteBook&) = delete;
 
-  /// By their ids.
+  /// Ordered by id.
   std::vector<Note> notes() const;
-  /// With its id and time. invalid_argument: of an unknown kind, with too few or too many places or one that is not
-  /// finite, too long; refused: there are too many notes; unavailable: the disk.
+  /// Returns the note with its id and time. invalid_argument: an unknown kind, too few or too many places, a place that
+  /// is not finite or beyond any mine, a text that is too long, or none for a "note"; refused: there are too many
+  /// notes; unavailable: the disk failed.
   Result<Note> add(Note note);
-  /// What it was. not_found; unavailable: the disk.
+  /// Returns the removed note. not_found: there is none with this id; unavailable: the disk failed.
   Result<Note> remove(std::uint64_t id);
 
  private:
@@ -65,7 +66,7 @@ class NoteBook {
   mutable std::mutex mutex_;
   std::map<std::uint64_t, Note> notes_;
   std::uint64_t newest_ = 0;
-  std::size_t lines_ = 0;  // of the file
+  std::size_t lines_ = 0;  // in the file
   int descriptor_ = -1;
 };
 

@@ -5,7 +5,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::uint64_t most_note_id = 1ULL << 53U;  // what JSON's readers can count to
+constexpr std::uint64_t most_note_id = 1ULL << 53U;  // JSON readers represent larger integers inexactly
 
 Json note_object(const Note& note) {
   Json places = Json::array();

@@ -10,10 +10,10 @@
 namespace headframe {
 
 struct OperatorAccess {
-  std::string token = {};                    // what every request but the public ones has to show; empty: none
-  RobotAdmin* robots = nullptr;              // must outlive the API; null: robots come in without enrolling
-  std::filesystem::path log = {};            // where what happens is written down; empty: kept in memory alone
-  std::filesystem::path notes = {};          // where notes are kept; empty: in memory alone
+  std::string token = {};                    // required by every request that is not public; empty: none is required
+  RobotAdmin* robots = nullptr;              // must outlive the API; null: robots connect without enrolling
+  std::filesystem::path log = {};            // file of the event log; empty: it is kept only in memory
+  std::filesystem::path notes = {};          // file of the notes; empty: they are kept only in memory
   OperatorRegistry* people = nullptr;        // named operators; must outlive the API; null: there are none
   boost::asio::ssl::context* tls = nullptr;  // HTTPS; must outlive the API; null: plain HTTP
 };

@@ -30,7 +30,8 @@ void HttpShared::accept(tcp::socket socket) {
   session->start();
 }
 
-/// For one more. Under the lock.
+/// Makes room for one more connection, by closing another if necessary; false: none may be closed. Call with the lock
+/// held.
 bool HttpShared::make_room() {
   std::size_t served = 0;
   auto oldest = sessions_.end();
@@ -38,7 +39,7 @@ bool HttpShared::make_room() {
     const Seat& seat = it->second;
     if (seat.turned_away) continue;
     ++served;
-    // Who has not shown a token that is asked for is served but the page: that may end in the middle as well.
+    // If a token is required, a client without it gets only public targets; such a response may be cut off too.
     const bool may_go = !seat.has_token && (seat.waits || asks_token);
     const auto rank = [](const Seat& s) { return std::pair(!s.waits, s.since); };
     if (may_go && (oldest == sessions_.end() || rank(seat) < rank(oldest->second))) oldest = it;

@@ -13,9 +13,9 @@
 
 namespace headframe {
 
-/// The operator's API over HTTP/1.1 (README of this room). Connections live on `io`, each on its own strand, so any
-/// number of threads may run it; what reads from disk runs on two threads of its own. Nothing a client sends ends the
-/// process, and every connection, header, body and wait has a limit.
+/// The operator's API over HTTP/1.1 (README of this room). Each connection runs on `io` on a strand of its own, so any
+/// number of threads may run `io`; work that reads from the disk runs on two extra threads. Nothing that a client sends
+/// ends the process. Connections, headers, bodies and waits are all limited.
 ///
 /// The station must outlive this object. `io` must outlive the callbacks that Station::when_idle still holds.
 class OperatorApi {
@@ -26,13 +26,13 @@ class OperatorApi {
   OperatorApi(const OperatorApi&) = delete;
   OperatorApi& operator=(const OperatorApi&) = delete;
 
-  /// Opens the port (0: any free one); once. `host` is an address or a name. unavailable: the port is in use;
-  /// invalid_argument: the host is not of this machine.
+  /// Opens the port (0: any free one). Call once. `host` is an address or a name. unavailable: the port is in use, or
+  /// cannot be opened; invalid_argument: the host is unknown, or not an address of this machine.
   Result<void> listen(const std::string& host, std::uint16_t port);
-  /// The port that is listened on; 0 before listen().
+  /// The port on which the API listens; 0 before listen().
   std::uint16_t port() const;
-  /// Closes the port and all connections, and waits for the cloud that is being read, if any. From any thread, any
-  /// number of times. Station is not called again once `io` has stopped too.
+  /// Closes the port and all connections, and waits for disk work that is running. May be called from any thread, any
+  /// number of times. The station is not called any more once `io` has stopped too.
   void stop();
 
  private:

@@ -11,10 +11,10 @@
 namespace headframe {
 namespace {
 
-constexpr double meet_m = 10;           // keyframes this near to one of the other session's are of the overlap
-constexpr double around_m = 15;         // points this near to such a keyframe are shown
-constexpr std::size_t keyframes = 12;   // of each session, spread over the overlap
-constexpr float surface_leaf_m = 0.1F;  // before distances are taken
+constexpr double meet_m = 10;           // keyframes this near to one of the other session belong to the overlap
+constexpr double around_m = 15;         // points this near to such a keyframe are used
+constexpr std::size_t keyframes = 12;   // maximum per session, spread over the overlap
+constexpr float surface_leaf_m = 0.1F;  // thinning before distances are measured
 constexpr float bin_m = 0.02F, reach_m = 0.5F;
 constexpr std::size_t bins = 25;
 
@@ -26,7 +26,7 @@ double distance_m(const Eigen::Vector3d& p, const Keyframes& others, const Pose&
   return nearest;
 }
 
-/// Of `own`, those within the overlap; the nearest one when there is no overlap (any more). T takes others into own.
+/// The keyframes of `own` in the overlap; if there is no overlap (any more), those nearest to the other session.
 Keyframes of_overlap(const Keyframes& own, const Keyframes& others, const Pose& T_own_others) {
   std::vector<double> distances;
   distances.reserve(own.size());
@@ -40,7 +40,8 @@ Keyframes of_overlap(const Keyframes& own, const Keyframes& others, const Pose& 
   return out;
 }
 
-/// The stored clouds of some keyframes, thinned, in the frame that T_frame_session leads to; its origin is near.
+/// The stored clouds of some of the keyframes, thinned, in the target frame of T_frame_session. The frame's origin
+/// should be near, because points have single precision.
 Result<Points> points_around(const Station& station, SessionId session, const Keyframes& near,
                              const Pose& T_frame_session) {
   Points all;
@@ -57,7 +58,7 @@ Result<Points> points_around(const Station& station, SessionId session, const Ke
   return voxel_grid(all, surface_leaf_m);
 }
 
-/// At most so many, spread evenly.
+/// Thins the points evenly to at most `most`.
 Points thinned(Points points, std::size_t most) {
   for (float leaf_m = surface_leaf_m; points.size() > most && leaf_m < 100;) {
     leaf_m *= std::max(
@@ -107,7 +108,7 @@ Result<std::optional<std::string>> OverlayJson::next() {
     if (!*path) return tl::unexpected(path->error());
   const Pose& T_a_b = alignment_.T_a_b;
   const Keyframes near_a = of_overlap(*of_a, *of_b, T_a_b), near_b = of_overlap(*of_b, *of_a, T_a_b.inverse());
-  // Points are single precision, and a's frame may have its origin far away.
+  // Points have single precision, and the origin of a's frame may be far away.
   const Eigen::Vector3d origin_m =
       near_a.empty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(near_a.front().T_local_sensor.translation());
   const Pose T_near_a(Eigen::Translation3d(-origin_m));

@@ -1,21 +1,21 @@
 #pragma once
-// An alignment's evidence as a picture: both sessions' points around the overlap, laid on each other.
+// Data for a picture of an alignment's evidence: both sessions' points around the overlap, in one frame.
 
 #include "server/operator/body_source.hpp"
 #include "server/station/station.hpp"
 
 namespace headframe {
 
-/// JSON, in a's frame at the alignment's T_a_b: points "a" and "b" [[x, y, z], ...]; "residuals_m": how many of b's
-/// points lie 0 to 1, 1 to 2, ... times "bin_m" from a's surface (along its normal), and "unmatched": how many have no
-/// surface of a within half a metre; "runner_up": the best different placement with its probability, or null.
+/// JSON, in a's frame, with b placed by the alignment's T_a_b: points "a" and "b" [[x, y, z], ...]; "residuals_m": how
+/// many of b's points are 0 to 1, 1 to 2, ... times "bin_m" from a's surface (along its normal); "unmatched": how many
+/// have no surface of a within half a metre; "runner_up": the best different placement with its probability, or null.
 class OverlayJson : public BodySource {
  public:
-  /// most: of each of both sessions' points.
+  /// most: maximum number of points of each session.
   OverlayJson(const Station& station, Alignment alignment, std::size_t most)
       : station_(station), alignment_(std::move(alignment)), most_(most) {}
 
-  /// not_found: no cloud around the overlap is stored.
+  /// not_found: one of the sessions has no stored cloud around the overlap.
   Result<std::optional<std::string>> next() override;
 
  private:

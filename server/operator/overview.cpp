@@ -18,7 +18,7 @@ void append_part(std::string& out, const std::string& part) {
   out.append(head.data(), head.size()).append(part);
 }
 
-/// Appends all that the body still gives.
+/// Appends all remaining pieces of the body.
 Result<void> drain(BodySource& body, std::string& out) {
   for (;;) {
     auto piece = body.next();

@@ -9,13 +9,15 @@
 
 namespace headframe {
 
-/// What a first picture needs, in one answer: parts, each after its length in bytes (u32, little-endian). The snapshot
-/// event comes first; then of each session in its order the keyframes as PathJson, and the first points as PointStream.
+/// All data for a first picture in one response. It consists of parts; each begins with its length in bytes (u32,
+/// little-endian). The first part is the snapshot event. Two parts follow for each session, in its order: its keyframes
+/// as PathJson, and its first points as PointStream.
 class Overview : public BodySource {
  public:
-  /// most_points: of each session that has points. To read the clouds of a thousand sessions takes minutes: points have
-  /// those whose tiles are in memory, and of the others those that are connected and then the newest, while they have
-  /// no more than most_clouds together. Paths are thinned by path_tolerance_m (thin_path.hpp).
+  /// most_points: for each session that gets points. Reading the clouds of a thousand sessions takes minutes, so not
+  /// all sessions get points: those whose tiles are in memory do, and of the others first the connected ones and then
+  /// the newest, as long as they have no more than most_clouds clouds together. Paths are thinned by path_tolerance_m
+  /// (thin_path.hpp).
   Overview(const Station& station, PointTiles& tiles, std::size_t level, std::size_t most_points,
            double path_tolerance_m = 0, std::size_t most_clouds = 2000)
       : station_(station),
@@ -25,7 +27,7 @@ class Overview : public BodySource {
         path_tolerance_m_(path_tolerance_m),
         most_clouds_(most_clouds) {}
 
-  /// One session for each call.
+  /// Handles one session per call.
   Result<std::optional<std::string>> next() override;
 
  private:
@@ -38,7 +40,7 @@ class Overview : public BodySource {
   const double path_tolerance_m_;
   const std::size_t most_clouds_;
   std::set<SessionId> with_points_;
-  std::optional<StationLook> look_;  // when the answer began
+  std::optional<StationLook> look_;  // taken when the response began
   std::size_t at_ = 0;
 };
 

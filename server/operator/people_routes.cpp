@@ -22,7 +22,7 @@ Json identity_object(const OperatorIdentity& who) {
 
 }  // namespace
 
-/// Who asks, and every route that this operator may use.
+/// The operator who asks, and all routes that this operator may use.
 Result<Reply> me(const Query&, const Context& context) {
   Json out = identity_object(context.who);
   out["may"] = Json::array();
@@ -32,7 +32,7 @@ Result<Reply> me(const Query&, const Context& context) {
   return json(text(out));
 }
 
-/// The connection makes the cookie: it knows what was shown.
+/// The connection creates the cookie, because it knows which credentials were shown.
 Result<Reply> sign_in(const Query&, const Context& context) {
   Ready out = json(text(identity_object(context.who)));
   out.page = Ready::Page::begins;
@@ -69,7 +69,7 @@ Result<Reply> add_operator(const Query& query, const Context& context) {
                  const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
                  const auto token = people->add(name, role, days * 86400, now.count());
                  if (!token) return answer(error_reply(token.error()));
-                 if (ended) ended(name);  // an earlier token of this name
+                 if (ended) ended(name);  // event streams opened with an earlier token of this name
                  Json out = identity_object({name, role, now.count() + days * 86400});
                  out["token"] = *token;
                  answer(json(text(out), 201));

@@ -1,4 +1,4 @@
-// An operator lays one session on another, roughly.
+// An operator places one session on another, roughly.
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -19,7 +19,7 @@ tl::unexpected<Error> broken() {
       "[x, y, z], \"p_b\": [x, y, z]}, ...], three or more");
 }
 
-/// Empty: it is no list of so many numbers.
+/// Empty if the value is not a list of `count` numbers.
 std::vector<double> numbers(const Json& object, const char* name, std::size_t count) {
   const auto found = object.find(name);
   if (found == object.end() || !found->is_array() || found->size() != count) return {};
@@ -49,7 +49,7 @@ Result<Pose> placement_in(std::string_view body) {
   return rough_placement(pairs);
 }
 
-/// Where nothing registered, nothing was moved.
+/// If the registration failed, moved_m and turned_deg are null.
 std::string answer_of(const HandPlacement& placed, const std::string& explanation) {
   constexpr double deg = 180 / std::numbers::pi;
   const bool registered = has_placement(placed.alignment);

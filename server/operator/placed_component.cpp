@@ -7,14 +7,16 @@
 namespace headframe {
 namespace {
 
-/// A robot may count its metres from far away (UTM), and what it anchors lies there.
+/// A robot's coordinates may have a distant origin (UTM); then the component that it anchors is far from its origin
+/// too.
 Eigen::Vector3d origin_near(const Eigen::Vector3d& p_m) {
-  constexpr double near_m = 10e3;  // single precision holds a millimetre there
+  constexpr double near_m = 10e3;  // up to there single precision resolves a millimetre
   if (p_m.cwiseAbs().maxCoeff() < near_m) return Eigen::Vector3d::Zero();
   return p_m.array().round();
 }
 
-/// The survey again, with its points where the pose graph puts the rock around them.
+/// T_grid_component for a session that the pose graph corrects: the survey is fitted again with its control points
+/// moved as the keyframe nearest to each was moved.
 std::optional<Pose> grid_of_bent(const Station& station, const Correction& correction, const Survey& survey) {
   if (survey.points.empty()) return survey.T_grid_session * correction.keyframes.front().T_component_session.inverse();
   const auto keyframes = station.trajectory(survey.session);

@@ -14,10 +14,11 @@ namespace headframe {
 namespace {
 
 constexpr double roof_m = 0.5;  // above the sensor
-constexpr double margin_m = 1;  // at least, around what is shown
+constexpr double margin_m = 1;  // minimum margin around the points
 constexpr double most_px = 12e6;
 constexpr double png_px_per_mm = 6;
-// Stamps beyond the first are seconds since 1970, beyond the second of a year that has five digits, or of no calendar.
+// Stamps above wall_clock_s are seconds since 1970. Dates are printed only before year_10000_s: later ones are not real
+// dates.
 constexpr double wall_clock_s = 1e9, year_10000_s = 253402300800;
 
 std::string day_of(double unix_s) {
@@ -112,7 +113,7 @@ void Plan::paint(const Eigen::Vector3d& p_m, std::size_t session) {
   const auto [x, y] = paper_.at(p_m.head<2>());
   const int column = static_cast<int>((x - paper_.map_x_mm) / mm_per_px_),
             row = static_cast<int>((y - paper_.map_y_mm) / mm_per_px_);
-  if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return;  // of a cloud that came after the measuring
+  if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return;  // from a cloud stored after measuring
   const std::size_t pixel =
       static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   counts_[pixel] =

@@ -11,7 +11,7 @@ using picture::Align;
 using picture::Rgb;
 using picture::Sheet;
 
-constexpr double left_mm = 22, right_mm = 10, top_mm = 10, bottom_mm = 46;  // of these the block takes block_mm
+constexpr double left_mm = 22, right_mm = 10, top_mm = 10, bottom_mm = 46;  // includes the title block of block_mm
 constexpr double block_mm = 28, edge_mm = 10;
 constexpr double lines_every_mm = 40, bar_most_mm = 50;
 constexpr std::array usual_scales{50, 100, 200, 250, 500, 1000, 2000, 2500, 5000, 10000, 20000, 50000, 100000};
@@ -40,7 +40,7 @@ PlanPaper laid_out(const Eigen::AlignedBox2d& box_m, std::size_t paper, bool upr
   return out;
 }
 
-/// 1, 2 or 5 times a power of ten, at least so much.
+/// The smallest number that is at least `least` and 1, 2 or 5 times a power of ten, but at least 0.1.
 double round_step(double least) {
   double step = 0.1;
   for (int i = 0; step < least; ++i) step *= i % 3 == 1 ? 2.5 : 2;

@@ -12,7 +12,7 @@ static_assert(std::endian::native == std::endian::little, "blocks are written as
 
 constexpr double unit_m = 0.005;
 constexpr std::size_t block_head_bytes = 20, point_bytes = 6;
-constexpr std::size_t filled_bytes = 40;  // of memory for a cube that is filled, about
+constexpr std::size_t filled_bytes = 40;  // approximate memory per filled cube
 
 template <class T>
 void append(std::string& out, T value) {
@@ -21,7 +21,7 @@ void append(std::string& out, T value) {
   out.append(bytes.data(), bytes.size());
 }
 
-/// 21 bits an axis: 200 km at the finest level; beyond, cubes share a key.
+/// 21 bits per axis: 200 km at the finest level; farther apart, cubes share a key.
 std::uint64_t cube_key(const Eigen::Vector3d& p_m, double cube_m) {
   std::uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -42,20 +42,20 @@ Result<std::optional<std::string>> PointTile::block(std::size_t index) {
   return blocks_[index];
 }
 
-/// The next cloud that no block has been made of; false: none is stored. Under the lock.
+/// Makes a block of the next cloud that has none; false: no such cloud is stored. Call with the lock held.
 Result<bool> PointTile::make_block() {
   if (keyframes_.empty()) {
     auto read = station_.trajectory(session_);
     if (!read) return tl::unexpected(read.error());
     keyframes_ = std::move(*read);
-    for (Keyframe& keyframe : keyframes_) keyframe.descriptor = {};  // they may lie here for long
+    for (Keyframe& keyframe : keyframes_) keyframe.descriptor = {};  // to save memory: they may stay for long
     at_ = 0;
   }
   while (at_ < keyframes_.size()) {
     const Keyframe& keyframe = keyframes_[at_++];
     if (done_.contains(keyframe.sequence)) continue;
     const auto cloud = station_.cloud(session_, keyframe.sequence);
-    if (!cloud && cloud.error().code == ErrorCode::not_found) continue;  // it may still come
+    if (!cloud && cloud.error().code == ErrorCode::not_found) continue;  // it may still arrive
     if (!cloud) return tl::unexpected(cloud.error());
     done_.insert(keyframe.sequence);
     newest_ = std::max(newest_.load(), keyframe.sequence);

@@ -79,7 +79,7 @@ constexpr std::array all_routes =
                           {"POST", "/api/v1/robots/rate", {"robot", "kib_s"}, rate_robot},
                           {"POST", "/api/v1/robots/revoke", {"robot"}, revoke_robot}});
 
-/// "{name}" in the pattern takes one piece of the path, however it is spelt.
+/// "{name}" in the pattern matches any one segment of the path that is not empty.
 bool matches(std::string_view pattern, std::string_view path, Query& captured) {
   while (!pattern.empty() && !path.empty()) {
     const std::string_view want = pattern.substr(0, pattern.find('/', 1)), have = path.substr(0, path.find('/', 1));
@@ -113,7 +113,7 @@ Ready not_allowed(const std::string& path, const std::vector<const Route*>& ther
   return refusal;
 }
 
-/// Does what the route does, and notes what an operator changed once it is done.
+/// Calls the route's handler, and logs the operator's change if it succeeds.
 Result<Reply> noted(const Route& route, const Query& query, const Context& context) {
   const auto& log = context.records.log;
   auto line = log ? operator_line(route.method, route.path, query, context.station, context.who.name) : std::nullopt;
@@ -164,8 +164,8 @@ Result<Reply> routed(const Request& request, const Context& context) {
 
 }  // namespace
 
-/// Who may do more may do less; what lets others in, holds the server's secrets, or is gone for good, is for the
-/// fewest.
+/// A higher role includes the lower ones. Only administer allows routes that control access, reveal the server's
+/// secrets, or delete sessions or clouds for good.
 Role role_for(std::string_view method, std::string_view path) {
   const bool of_people = path.starts_with("/api/v1/robots/") || path.starts_with("/api/v1/operators");
   if (of_people || path == "/api/v1/backup" || path == "/api/v1/store/let-go" ||
@@ -186,7 +186,7 @@ std::vector<RouteName> route_names() {
   return names;
 }
 
-/// Probes, and the page, which asks for the token itself.
+/// Health probes, and the page, which asks for the token itself.
 bool is_public(std::string_view target) {
   const std::string_view path = target.substr(0, target.find('?'));
   return path == "/healthz" || path == "/readyz" || path == "/" || embedded_file(path);

@@ -1,5 +1,5 @@
 #pragma once
-// From a request to what has to be done for it. No I/O: http_session does it.
+// Maps a request to what has to be done for it. Does no I/O on connections; HttpSession does that.
 
 #include <cstddef>
 #include <functional>
@@ -19,66 +19,67 @@
 
 namespace headframe {
 
-/// A response that is known at once.
+/// A response that is available at once.
 struct Ready {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string allow;          // of a 405
-  bool gzip = false;          // how the body is encoded
-  bool bearer = false;        // of a 401: a token is wanted
-  std::string location = {};  // of a redirection
+  std::string allow;          // for a 405: the allowed methods
+  bool gzip = false;          // the body is compressed
+  bool bearer = false;        // for a 401: a bearer token is required
+  std::string location = {};  // for a redirection
   enum class Page { as_it_is, begins, ends };
-  Page page = Page::as_it_is;  // what becomes of the page's session, which a cookie stands for
+  Page page = Page::as_it_is;  // whether a page session, identified by a cookie, begins or ends
 };
-/// A response that is known later: start() is to be called once; it calls `answer` once, from any thread.
+/// A response that is available later. Call start() once; it calls `answer` once, from any thread.
 struct Later {
   std::function<void(std::function<void(Ready)> answer)> start;
-  bool on_disk = false;  // start() waits for the disk: not on an I/O thread
+  bool on_disk = false;  // start() waits for the disk: do not call it on an I/O thread
 };
 struct Stream {
   std::string content_type;
   std::unique_ptr<BodySource> body;
 };
-/// The connection becomes a WebSocket that is told events.
+/// The connection becomes a WebSocket that receives events.
 struct Upgrade {};
 using Reply = std::variant<Ready, Later, Stream, Upgrade>;
 
-/// What a client asks for; the views live as long as the request.
+/// A request; its views stay valid as long as the request is handled.
 struct Request {
   std::string_view method, target;
   std::string_view body = {};
-  OperatorIdentity who = {};  // asks; anybody where no token is asked for
+  OperatorIdentity who = {};  // who sent it; the default if no token is required
 };
 
-/// Whether a target is for everybody; all others want the operator's token.
+/// Whether a target needs no token.
 bool is_public(std::string_view target);
 
-/// What operators left here, beside what the station knows. Each may be null: nothing is kept, and nobody has a name.
+/// Records of operators, which the station does not have. Each may be null: then nothing is kept, or there are no named
+/// operators.
 struct OperatorRecords {
   std::shared_ptr<EventLog> log = {};
   std::shared_ptr<NoteBook> notes = {};
   OperatorRegistry* people = nullptr;
-  std::function<void(const std::string& name)> on_revoked = {};  // ends what this operator still listens to
+  std::function<void(const std::string& name)> on_revoked = {};  // ends this operator's event streams
 };
 
-/// Calls only what is quick in Station, so that an I/O thread may call this. A Later holds on to the station and to
-/// `robots`, which is null where none has to enrol. What changed something is written to the log, if there is one. Who
-/// may not do what is asked is told so (403).
+/// Handles a request. Calls only fast functions of the station, so it may run on an I/O thread; a Later that waits for
+/// the disk says so (on_disk). A Later refers to the station and to `robots`, which is null if robots need not enrol.
+/// Successful changes are logged if there is a log. 403: the operator's role does not allow the request.
 Reply route(const Request& request, Station& station, PointTiles& tiles, const OperatorLimits& limits, double uptime_s,
             RobotAdmin* robots = nullptr, const OperatorRecords& records = {});
 
-/// What a route asks of who wants it.
+/// The least role that a route requires.
 Role role_for(std::string_view method, std::string_view path);
 
-/// Method and path of every route, "{name}" for a piece of the path that may be anything; with its query parameters.
+/// Method and path of every route, with its query parameters. "{name}" stands for one segment of the path.
 struct RouteName {
   std::string_view method, path;
   std::vector<std::string_view> parameters;
 };
 std::vector<RouteName> route_names();
 
-/// An error as JSON, with the HTTP status that fits its code, or with the one given.
+/// An error as JSON, with the HTTP status that corresponds to its code, or with the given one.
 Ready error_reply(const Error& error);
 Ready error_reply(int status, const Error& error);
 

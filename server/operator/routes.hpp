@@ -1,5 +1,5 @@
 #pragma once
-// What the routes do, by concern; router.cpp finds which one. Included by the .cpp files of this room only.
+// The handlers of the routes, by topic; router.cpp selects one. Included only by the .cpp files of this room.
 
 #include <map>
 
@@ -8,7 +8,7 @@
 
 namespace headframe::routes {
 
-/// Parameters of the query and pieces of the path, by name.
+/// Query parameters and path parameters, by name.
 using Query = std::map<std::string, std::string>;
 
 struct Context {
@@ -17,24 +17,24 @@ struct Context {
   const OperatorLimits& limits;
   double uptime_s;
   RobotAdmin* robots;
-  std::string_view body;  // of the request
+  std::string_view body;  // the request's body
   OperatorIdentity who;
-  const OperatorRecords& records;  // lives as long as the request: a Later takes what it needs of it
+  const OperatorRecords& records;  // valid only while the request is handled: a Later copies what it needs
 };
 
-// routes.cpp: what several of them need.
+// routes.cpp: helpers that several handlers need.
 Ready json(std::string body, int status = 200);
 Ready file_reply(const EmbeddedFile& file);
-/// invalid_argument when it is missing or empty.
+/// invalid_argument: it is missing or empty.
 Result<std::string> required(const Query& query, const std::string& name);
-/// A whole number, such as an id.
+/// An integer, such as an id; nullopt: the text is not one.
 std::optional<std::int64_t> whole(const std::string& text);
 Result<std::size_t> whole_number(const Query& query, const char* name, double otherwise, double most);
-/// The session with this id.
+/// The session with this id. not_found: there is none.
 Result<SessionRow> session_with(const std::string& id, const Context& context);
 /// The session whose id is in the path.
 Result<SessionRow> session_in_path(const Query& query, const Context& context);
-/// The id of the alignment in the path or the query; whether there is one, the station knows.
+/// The alignment id in the path or query. Whether the alignment exists is not checked.
 Result<AlignmentId> alignment_named(const Query& query);
 
 // service_routes.cpp

@@ -6,7 +6,7 @@
 
 namespace headframe {
 
-/// All sessions together.
+/// Sums over all sessions.
 struct SessionTotals {
   std::uint64_t connected = 0, keyframes = 0, clouds = 0, bytes_received = 0, cloud_bytes = 0, backlog = 0, aside = 0;
 };

@@ -8,7 +8,7 @@ namespace headframe::routes {
 namespace {
 
 struct Site {
-  Json robots = Json::array();  // what they begin belongs to it
+  Json robots = Json::array();  // whose next sessions belong to this site
   Json sessions = Json::array();
 };
 

@@ -1,4 +1,4 @@
-// How much room there is, and which clouds go for more.
+// How much space is free, and which clouds can be deleted to make more.
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -49,7 +49,7 @@ Result<Reply> store(const Query&, const Context& context) {
   return Later{look, true};
 }
 
-/// What may go is found anew: it may have become less since it was shown.
+/// Determines again which clouds may be deleted, because this may have changed since the operator saw the list.
 Result<Reply> let_go(const Query& query, const Context& context) {
   constexpr double most = 1e18;
   const auto bytes = whole_number(query, "bytes", most, most);

@@ -1,5 +1,5 @@
 #pragma once
-// The JSON of surveys. Pure.
+// The JSON of surveys.
 
 #include <string>
 #include <string_view>
@@ -8,13 +8,14 @@
 
 namespace headframe {
 
-/// What POST /api/v1/survey has in its body: a transform, or points to find one from. bad_input says what is wrong;
-/// refused: the points do not fit each other as well as they should, unless that is to be accepted.
+/// Reads the body of POST /api/v1/survey: a transform, or points from which one is fitted. bad_input: the message says
+/// what is wrong; refused: the points contradict each other, and `accept` is false. Pure.
 Result<Survey> survey_from_json(std::string_view body, SessionId session, bool accept = false);
 
-/// One survey: T_grid_session, each point with its residual, rms; T_grid_component and whether it counts there.
+/// One survey: T_grid_session, each point with its residual, the RMS, the suspected blunder, the component and
+/// T_grid_component.
 std::string survey_json(const Survey& survey, const Station& station);
-/// All of them, the one set last at the end.
+/// All surveys; the one set last is at the end.
 std::string surveys_json(const Station& station);
 
 }  // namespace headframe

@@ -1,4 +1,4 @@
-// What operators make of sessions over the years.
+// How operators maintain sessions: archive, freeze, sites, notes, and what depends on a session.
 #include <nlohmann/json.hpp>
 
 #include "server/atlas/dependents.hpp"
@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::json;
 using Callback = std::function<void(const Result<void>&)>;
 
-/// Does it to the session in the path, and answers with the session as it is then.
+/// Applies `act` to the session in the path, and answers with the changed session.
 Result<Reply> tend(const Query& query, const Context& context, std::function<void(Station&, SessionId, Callback)> act) {
   const auto row = session_in_path(query, context);
   if (!row) return tl::unexpected(row.error());
@@ -43,7 +43,7 @@ Result<Reply> thaw(const Query& query, const Context& context) {
   return tend(query, context, [](Station& s, SessionId id, Callback done) { s.freeze(id, false, std::move(done)); });
 }
 
-/// None given: it is of no site.
+/// Without the parameter the session belongs to no site.
 Result<Reply> set_site(const Query& query, const Context& context) {
   const auto given = query.find("site");
   return tend(query, context,

@@ -6,16 +6,17 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t most_together = 512;  // keyframes under one line: a crooked path takes their square
+constexpr std::size_t most_together = 512;  // keyframes per section, because a crooked section takes quadratic time
 
-/// Where the line from `from` to `to` is at this keyframe's sequence.
+/// The position on the line from `from` to `to` at the sequence number of `at`.
 Eigen::Vector3d stand_in(const Keyframe& from, const Keyframe& to, const Keyframe& at) {
   const double share =
       static_cast<double>(at.sequence - from.sequence) / static_cast<double>(to.sequence - from.sequence);
   return (1 - share) * position(from) + share * position(to);
 }
 
-/// Douglas and Peucker's, with time in place of the nearest point of the line.
+/// The Douglas-Peucker algorithm, but compares with the position at the same sequence number instead of the nearest
+/// point of the line.
 void mark(const std::vector<Keyframe>& path, std::size_t first, std::size_t last, double tolerance_m,
           std::vector<bool>& stays) {
   std::vector<std::pair<std::size_t, std::size_t>> lines{{first, last}};

@@ -28,7 +28,7 @@ Result<PlacedSession> placed(const Station& station, SessionId session, OutputFr
   return failure(ErrorCode::unavailable, "the session is not in the atlas yet; try again in a moment");
 }
 
-constexpr std::size_t most_line_bytes = 640;  // a stamp may be any number, and has up to 316 digits
+constexpr std::size_t most_line_bytes = 640;  // a stamp may be any double, with up to 316 characters
 
 std::string line_of(double stamp_s, const Pose& T, TrajectoryFormat format) {
   const Eigen::Vector3d t = T.translation();

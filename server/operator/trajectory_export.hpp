@@ -10,8 +10,8 @@ namespace headframe {
 enum class TrajectoryFormat { tum, csv };
 
 /// A session's keyframes in its component's frame or the mine's grid, in one piece: as TUM text ("stamp x y z qx qy qz
-/// qw", s and m) after a comment that names the frame, or as CSV with the same columns named in its first line.
-/// not_found: no such robot or session, or no survey.
+/// qw", s and m) after a comment that names the frame, or as CSV with a header line that names the same columns.
+/// not_found: no such robot or session, or no survey; unavailable: the session is not in the atlas yet.
 class TrajectoryExport : public BodySource {
  public:
   TrajectoryExport(const Station& station, SessionKey key, TrajectoryFormat format = TrajectoryFormat::tum,
@@ -29,8 +29,8 @@ class TrajectoryExport : public BodySource {
   bool done_ = false;
 };
 
-/// Keyframes from sequence `first` on in the session's own frame, as JSON: {"columns": [...], "keyframes": [[...],
-/// ...]}; with a tolerance those alone that thin_path() keeps.
+/// Keyframes from sequence `first` on, in the session's own frame, as JSON: {"columns": [...], "keyframes": [[...],
+/// ...]}. With a tolerance, only those that thin_path() keeps.
 class PathJson : public BodySource {
  public:
   PathJson(const Station& station, SessionId session, std::uint64_t first, double tolerance_m = 0)

@@ -24,7 +24,7 @@ Result<Reply> sessions(const Query&, const Context& context) {
 Result<Reply> atlas(const Query& query, const Context& context) {
   const auto wait = query.find("wait");
   if (wait == query.end()) {
-    const AtlasView view = context.station.atlas();  // before the names, which only grow
+    const AtlasView view = context.station.atlas();  // read before the sessions, so that their list has all it names
     return json(atlas_json(view, context.station.sessions(), nullptr));
   }
   const auto timeout_s = parse_number("wait", wait->second, 0, context.limits.wait_s);
@@ -67,7 +67,7 @@ Result<Reply> changes(const Query& query, const Context& context) {
     if (!given) return tl::unexpected(given.error());
     since_s = *given;
   }
-  const AtlasView view = context.station.atlas();  // before the names, which only grow
+  const AtlasView view = context.station.atlas();  // read before the sessions, so that their list has all it names
   return json(changes_json(view, context.station.sessions(), since_s));
 }
 
@@ -78,7 +78,7 @@ Result<Reply> explain_pair(const Query& query, const Context& context) {
   return explain_request(context.station, *a, *b).map([](std::string body) -> Reply { return json(std::move(body)); });
 }
 
-/// Metres that a thinned path may be off; 0: all of it is sent.
+/// The tolerance of a thinned path in metres; 0: the whole path is sent.
 Result<double> path_tolerance(const Query& query) {
   constexpr double most_m = 1000;
   const auto given = query.find("tolerance");

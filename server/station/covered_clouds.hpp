@@ -22,7 +22,7 @@ struct KeepPolicy {
   std::uint64_t free_bytes = 0;
 };
 
-/// As many from the start as are needed for this number of bytes, or all.
+/// The first clouds, in order, that have at least this many bytes together, or all.
 inline std::vector<CoveredClouds> first_bytes(const std::vector<CoveredClouds>& covered, std::uint64_t bytes) {
   std::vector<CoveredClouds> out;
   std::uint64_t taken = 0;

@@ -17,8 +17,8 @@ struct RobotRow {
   std::uint64_t rate_kib_s = 0;  // limit of what it may send; 0: none of its own
 };
 
-/// The operator's control over which robots may connect. Thread safe and fast; callbacks run once, from any thread,
-/// when the change is on the disk.
+/// The operator's control over which robots may connect. Thread safe and fast, except revoke(), which waits for a small
+/// write to the disk. Callbacks run once, from any thread, when the change is on the disk.
 class RobotAdmin {
  public:
   virtual ~RobotAdmin() = default;

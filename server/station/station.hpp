@@ -53,8 +53,8 @@ struct Workload {
   std::size_t standbys = 0;      // other servers that are ready to take over
 };
 
-/// All calls are thread safe and fast, except trajectory(), cloud(), free_bytes() and covered_clouds(), which read from
-/// the disk and must not be called on an I/O thread.
+/// All calls are thread safe and fast, except trajectory(), cloud(), free_bytes(), covered_clouds() and backup(), which
+/// read from the disk and must not be called on an I/O thread.
 class Station {
  public:
   virtual ~Station() = default;

@@ -79,7 +79,7 @@ class Database {
   /// False: the connection was lost, and every call fails (unavailable) until it is restored.
   virtual bool is_connected() const { return true; }
 
-  /// Whether every answer costs a round trip, so that extra queries are best avoided.
+  /// Whether every answer takes a network round trip, so that extra queries should be avoided.
   virtual bool answers_from_afar() const = 0;
 
   /// Waits for the answers to all statements that were run.

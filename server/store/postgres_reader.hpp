@@ -6,9 +6,9 @@
 
 namespace headframe {
 
-/// A connection that is only read from: made anew when it was lost, at the next question. While the server does not
-/// answer, questions fail (unavailable), most of them at once: it is looked for ten times a second, and at most half of
-/// the time.
+/// A connection for reading, which the next query restores if it was lost. While the database does not answer, queries
+/// fail (unavailable), most of them at once: attempts to connect are at least 100 ms apart, and at least as long apart
+/// as the last one took.
 class PostgresReader final : public Database {
  public:
   using Clock = std::chrono::steady_clock;

@@ -9,29 +9,29 @@
 
 namespace headframe {
 
-/// Called where something is not there yet: waits so long, then it is looked for again. False: it is not waited for any
-/// longer.
+/// Called while something is not available yet, with the reason: waits for `pause`, then the caller tries again.
+/// Returns false to stop trying.
 using WaitForDatabase = std::function<bool(const Error& why, std::chrono::milliseconds pause)>;
 
-/// What a server does that finds the database in use by another one.
+/// What a server does if another one uses the database.
 struct StandbyPlan {
-  /// Called once, before it waits, with what the active server tells of itself (none: it tells nothing). An error: it
-  /// can not stand by, and ends.
+  /// Called once, before it waits, with the card of the active server, if that published one. An error: it cannot stand
+  /// by, and the start fails with this error.
   std::function<Result<void>(const std::optional<ServerCard>& active)> may_wait;
   WaitForDatabase wait;  // called a few times a second
 };
 
-/// Stands by until the database falls free. Not thread safe.
+/// Waits until no other server uses the database. Not thread safe.
 class PostgresStandby {
  public:
   explicit PostgresStandby(StandbyPlan plan) : plan_(std::move(plan)) {}
 
-  /// As take_for_one_server, but waits as long as it takes. unavailable: the connection was lost, and another may be
-  /// tried; refused: plan.wait said so. After a lost connection the server that was active has its time to come back
-  /// first: where it was the database that went away, nothing has to be taken over.
+  /// Takes the database like take_for_one_server, but waits without limit. unavailable: the connection was lost, and
+  /// the caller may try again on another one; refused: plan.wait returned false. After a lost connection it first gives
+  /// the server that was active time to come back, because if only the database was away, nothing has to be taken over.
   Result<void> take(PostgresDatabase& database);
 
-  /// It has begun to wait.
+  /// Whether it has begun to wait.
   bool waits() const { return waits_; }
 
  private:

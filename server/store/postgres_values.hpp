@@ -1,5 +1,5 @@
 #pragma once
-// How values go to PostgreSQL and come back: in its binary format, so that they are bit for bit what they were.
+// Transfers values to and from PostgreSQL in its binary format, which preserves them bit for bit.
 
 #include <array>
 #include <span>
@@ -12,7 +12,7 @@ struct pg_result;
 
 namespace headframe {
 
-/// The values of one statement as libpq takes them. Points to the text and blobs that it was made from.
+/// The values of one statement in the form that libpq expects. Refers to the text and blobs from which it was made.
 struct PostgresValues {
   explicit PostgresValues(std::span<const SqlValue> values);
   PostgresValues(const PostgresValues&) = delete;
@@ -22,7 +22,7 @@ struct PostgresValues {
 
   std::vector<const char*> data;  // null: NULL
   std::vector<int> lengths, formats;
-  std::vector<unsigned> types;  // of PostgreSQL's catalogue; 0: as the statement has it
+  std::vector<unsigned> types;  // OIDs of PostgreSQL's types; 0: inferred from the statement
   std::size_t bytes = 0;
 
  private:
@@ -44,7 +44,7 @@ class PostgresRow final : public Row {
   int row_;
 };
 
-/// The statement with $N where ? or ?N stands outside of quotes.
+/// The statement with each ? or ?N outside of quotes replaced by $N.
 std::string with_numbered_values(std::string_view sql);
 
 }  // namespace headframe

@@ -5,25 +5,26 @@
 
 namespace headframe {
 
-/// Takes the database for one server, as long as the connection lives: a session-level advisory lock. One that is still
-/// held by the connection of a server that died is waited for, half a minute at most, unless `once`: PostgreSQL ends
-/// such a connection when what it works on is done. refused: another server has it, and lives; the message says who.
+/// Takes the database for one server while the connection lasts, with a session-level advisory lock. The connection of
+/// a server that died may still hold the lock, because PostgreSQL ends it only when its current work is done; unless
+/// `once`, this waits for that for at most half a minute. refused: another server holds the lock and is alive; the
+/// message says which.
 Result<void> take_for_one_server(PostgresDatabase& database, bool once = false);
 
-/// The same at once: false where another connection has it.
+/// The same without waiting; false: another connection holds the lock.
 Result<bool> try_to_take(PostgresDatabase& database);
-/// That the database is in use, and by whom, as far as the role may see it.
+/// A message that the database is in use, and by whom, as far as the role may see it.
 std::string in_use(PostgresDatabase& database);
 
-/// What tells one run of a server from all others.
+/// A random number that identifies one run of a server.
 std::int64_t random_mark();
 
-/// The one connection that writes. The row of table `writer` names the server that writes and counts its commits, and
-/// each transaction changes it: so a commit whose answer was lost is found out, a server that was cut off while another
-/// took over writes nothing, and a database that lost commits which were answered is noticed.
+/// The only connection that writes. The one row of table `writer` names the server that writes and counts its commits,
+/// and every transaction updates it. So the outcome of a commit whose answer was lost can be determined, a server that
+/// was cut off while another took over writes nothing, and a database that lost acknowledged commits is detected.
 class PostgresWriterConnection final : public WriterConnection {
  public:
-  /// On a connected database that was taken and has its tables. `mark` names this server in it; 0: a random one.
+  /// `database` must be connected, taken, and have its tables. `mark` names this server in it; 0: a random one.
   static Result<std::unique_ptr<PostgresWriterConnection>> open(std::unique_ptr<PostgresDatabase> database,
                                                                 std::int64_t mark = 0);
 
@@ -41,9 +42,9 @@ class PostgresWriterConnection final : public WriterConnection {
   Result<bool> found_committed();
 
   std::unique_ptr<PostgresDatabase> database_;
-  std::int64_t owner_ = 0, commits_ = 0;  // commits that were answered, or found
-  bool in_doubt_ = false;                 // a commit was sent, and no answer came
-  std::uint64_t counted_ = 0;             // rows of `writer` that this transaction has changed
+  std::int64_t owner_ = 0, commits_ = 0;  // commits known to be durable
+  bool in_doubt_ = false;                 // a commit was sent and not answered
+  std::uint64_t counted_ = 0;             // rows of `writer` that this transaction has updated
 };
 
 }  // namespace headframe

@@ -4,10 +4,10 @@
 
 namespace headframe {
 
-/// The version this server writes. A database says its own in PRAGMA user_version.
+/// The version that this server writes. A database has its version in PRAGMA user_version.
 int schema_version();
 
-/// Brings a database to schema_version(), each step in a transaction of its own. incompatible: it is newer.
+/// Updates a database to schema_version(), each step in its own transaction. incompatible: it is newer.
 Result<void> migrate(SqliteDatabase& database);
 
 }  // namespace headframe

@@ -127,8 +127,8 @@ TEST_F(Servers, OneThatRobotsWouldNotKnowIsToldSoBeforeItWaits) {
   ASSERT_TRUE(active) << active.error().message;
   const auto without = BaseStation::start_standby(folder("second"), config());
   ASSERT_FALSE(without);
-  EXPECT_NE(without.error().message.find("identity.pem is missing: copy identity.pem, operator.token and, if it is "
-                                         "there, operators.json from the data directory of "),
+  EXPECT_NE(without.error().message.find("identity.pem is missing; copy identity.pem, operator.token and, if it "
+                                         "exists, operators.json from the data directory of "),
             std::string::npos)
       << without.error().message;
   EXPECT_NE(without.error().message.find(folder("first").string()), std::string::npos) << without.error().message;
@@ -138,13 +138,14 @@ TEST_F(Servers, OneThatRobotsWouldNotKnowIsToldSoBeforeItWaits) {
     fs::copy_file(folder("other") / file, folder("second") / file);
   const auto other = BaseStation::start_standby(folder("second"), config());
   ASSERT_FALSE(other);
-  EXPECT_NE(other.error().message.find("robots know the active one by another identity.pem"), std::string::npos)
+  EXPECT_NE(other.error().message.find("its identity.pem differs from the active server's"), std::string::npos)
       << other.error().message;
   fs::copy_file(folder("first") / "identity.pem", folder("second") / "identity.pem",
                 fs::copy_options::overwrite_existing);
   const auto token = BaseStation::start_standby(folder("second"), config());
   ASSERT_FALSE(token);
-  EXPECT_NE(token.error().message.find("another operator.token"), std::string::npos) << token.error().message;
+  EXPECT_NE(token.error().message.find("its operator.token differs from the active server's"), std::string::npos)
+      << token.error().message;
 }
 
 TEST_F(Servers, OneWhosePortIsTakenIsToldSoBeforeItWaits) {

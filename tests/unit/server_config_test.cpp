@@ -22,7 +22,7 @@ TEST(ServerConfig, WhatIsNotSetKeepsItsDefault) {
 
 TEST(ServerConfig, UnknownKeysAreNamedWithFileLineAndTheKnownOnes) {
   EXPECT_EQ(error_of("[server]\n\nio_treads = 3\n"),
-            "hf.toml:3: unknown key 'io_treads' in [server]; there are: io_threads, name, public");
+            "hf.toml:3: unknown key 'io_treads' in [server]; its keys are io_threads, name, public");
   EXPECT_NE(error_of("[mrege]\nthreads = 1\n").find("hf.toml:1: unknown section or key 'mrege'"), std::string::npos);
   EXPECT_NE(error_of("threads = 1\n").find("unknown section or key 'threads'"), std::string::npos);
   EXPECT_NE(error_of("server = 1\n").find("unknown section or key 'server'"), std::string::npos);
@@ -37,7 +37,7 @@ TEST(ServerConfig, TheAddressWhereRobotsComeIsOneThatTheyCanConnectTo) {
   }
   for (const std::string bad : {"'mine.example'", "'mine.example:0'", "'0.0.0.0:7447'", "'[::]:7447'", "''", "7447"})
     EXPECT_EQ(error_of("[server]\npublic = " + bad + "\n"),
-              "hf.toml:2: public must be \"HOST:PORT\", the address of this machine where robots connect");
+              "hf.toml:2: public must be \"HOST:PORT\", the address at which robots reach this server");
 }
 
 TEST(ServerConfig, ValuesAreCheckedAtTheirBounds) {
@@ -69,9 +69,9 @@ TEST(ServerConfig, OperatorsAreServedOverTlsBeyondTheLoopbackUnlessItSaysOtherwi
     EXPECT_EQ(error_of("[operator]\ntls = " + bad),
               "hf.toml:2: tls must be \"beyond_loopback\", \"always\" or \"never\"");
   EXPECT_EQ(error_of("[operator]\nkey = ''\n"), "hf.toml:2: key must be the name of a PEM file");
-  EXPECT_NE(error_of("[operator]\nkey = 'k.pem'\n").find("a key and no certificate"), std::string::npos);
-  EXPECT_NE(error_of("[operator]\ntls = 'never'\ncertificate = 'c.pem'\n").find("never used"), std::string::npos);
-  EXPECT_NE(error_of("[operator]\ntsl = 'never'\n").find("there are: tls, certificate, key"), std::string::npos);
+  EXPECT_NE(error_of("[operator]\nkey = 'k.pem'\n").find("a key but no certificate"), std::string::npos);
+  EXPECT_NE(error_of("[operator]\ntls = 'never'\ncertificate = 'c.pem'\n").find("does not use it"), std::string::npos);
+  EXPECT_NE(error_of("[operator]\ntsl = 'never'\n").find("its keys are tls, certificate, key"), std::string::npos);
 }
 
 TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
@@ -79,9 +79,9 @@ TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
             "postgresql://mine@db/mine");
   EXPECT_EQ(parse_config("", "hf.toml")->store_url, "");
   for (const std::string bad : {"'mysql://db/mine'", "'postgresql:/db'", "''", "5432"})
-    EXPECT_EQ(error_of("[store]\nurl = " + bad),
-              "hf.toml:2: url must begin with postgresql://; leave it away and the server keeps an SQLite database in "
-              "--data");
+    EXPECT_EQ(
+        error_of("[store]\nurl = " + bad),
+        "hf.toml:2: url must begin with postgresql://; without url the server keeps an SQLite database in --data");
   EXPECT_NE(error_of("[store]\nurl = 'postgresql://db/mine'\n[limits]\ndatabase_mib = 5").find("database_mib"),
             std::string::npos);
 }
@@ -93,7 +93,7 @@ TEST(ServerConfig, AServerStandsByOverPostgresqlAlone) {
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_TRUE(config->standby);
   EXPECT_EQ(config->name, "north shaft");
-  EXPECT_NE(error_of("[store]\nstandby = true").find("SQLite is one server's alone"), std::string::npos);
+  EXPECT_NE(error_of("[store]\nstandby = true").find("needs PostgreSQL"), std::string::npos);
   EXPECT_EQ(error_of("[store]\nstandby = false"), "accepted");
   for (const std::string bad : {"1", "'true'", "[]"})
     EXPECT_EQ(error_of("[store]\nstandby = " + bad), "hf.toml:2: standby must be true or false");
@@ -110,10 +110,10 @@ TEST(ServerConfig, WhatIsKeptWhenRoomIsShort) {
   for (const std::string bad : {"'oldest'", "1", "''"})
     EXPECT_EQ(error_of("[store]\nkeep = " + bad), "hf.toml:2: keep must be \"all\" or \"newest\"");
   EXPECT_NE(error_of("[store]\nfree_mib = 0").find("from 1 to"), std::string::npos);
-  EXPECT_NE(error_of("[store]\nclouds_mib = 5000").find("is of PostgreSQL"), std::string::npos);
+  EXPECT_NE(error_of("[store]\nclouds_mib = 5000").find("is for PostgreSQL only"), std::string::npos);
   const std::string postgres = "[store]\nurl = 'postgresql://db/mine'\nkeep = 'newest'\n";
-  EXPECT_NE(error_of(postgres).find("give clouds_mib"), std::string::npos);
-  EXPECT_NE(error_of(postgres + "clouds_mib = 1024").find("can not stay free"), std::string::npos);
+  EXPECT_NE(error_of(postgres).find("set clouds_mib"), std::string::npos);
+  EXPECT_NE(error_of(postgres + "clouds_mib = 1024").find("must be larger than free_mib"), std::string::npos);
   EXPECT_TRUE(parse_config(postgres + "clouds_mib = 1025", "hf.toml"));
 }
 
