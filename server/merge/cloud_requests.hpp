@@ -55,8 +55,8 @@ class CloudRequests {
                                               const Eigen::Vector3d& p_b) const;
 
   /// For a merge of two sessions that have ended: one cloud of each session at every place of the overlap that has none
-  /// nearby, so that the verdict covers the whole overlap as if all clouds were stored. If the sessions drifted, so that
-  /// their places differ (Evidence::spread_m), all clouds of the overlap.
+  /// nearby, so that the verdict covers the whole overlap as if all clouds were stored. If the sessions drifted, so
+  /// that their places differ (Evidence::spread_m), all clouds of the overlap.
   std::vector<KeyframeRef> clouds_to_settle(const OrderedPair& pair, const Case& c, double spread_m) const;
 
  private:
