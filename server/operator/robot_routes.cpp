@@ -48,11 +48,12 @@ Result<Reply> revoke_robot(const Query& query, const Context& context) {
   const auto admin = robot_admin(context);
   const auto robot = required(query, "robot");
   if (!admin || !robot) return tl::unexpected(admin ? robot.error() : admin.error());
-  return Later{[admin = *admin, robot = *robot](const std::function<void(Ready)>& answer) {
+  const auto act = [admin = *admin, robot = *robot](const std::function<void(Ready)>& answer) {
     admin->revoke(robot, [answer](const Result<void>& revoked) {
       answer(revoked ? json("{\"revoked\":true}\n") : error_reply(revoked.error()));
     });
-  }};
+  };
+  return Later{act, true};
 }
 
 }  // namespace headframe::routes
