@@ -78,15 +78,21 @@ std::vector<std::size_t> by_promise(const std::vector<ScreeningResult>& screened
   return order;
 }
 
+std::vector<ScreeningResult> as_screened(std::size_t cases, const std::vector<HopefulCase>& hopeful) {
+  std::vector<ScreeningResult> out(cases);
+  for (const HopefulCase& one : hopeful) out.at(one.hypothesis) = {true, one.place, nullptr, nullptr};
+  return out;
+}
+
 }  // namespace
 
 std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
-                                                    const Attempt& attempt) {
+                                                    const Attempt& attempt, const std::vector<HopefulCase>* hopeful) {
   for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, attempt.clouds);
   std::vector<ScreeningResult> screened;
   {
     const Stopwatch watch(attempt.report.times.registration_ms);
-    screened = screen(pair, cases, submaps_, attempt.clouds, judge_);
+    screened = hopeful ? as_screened(cases.size(), *hopeful) : screen(pair, cases, submaps_, attempt.clouds, judge_);
   }
   const Stopwatch watch(attempt.report.times.verification_ms);
   for (const ScreeningResult& result : screened)
@@ -122,9 +128,15 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     });
     if (spared) continue;
     const Case& c = cases[i];
-    Verdict verdict{judge(submaps_.scene(pair.a, c.a.stored, clouds), submaps_.scene(pair.b, c.b.stored, clouds),
-                          screened[i], judge_),
-                    place.p_b};
+    ScreeningResult first = screened[i];
+    if (!first.a) {  // it was screened elsewhere
+      const FirstPlace at = first_place(pair, c, submaps_, clouds, judge_);
+      first.a = at.a;
+      first.b = at.b;
+    }
+    Verdict verdict{
+        judge(submaps_.scene(pair.a, c.a.stored, clouds), submaps_.scene(pair.b, c.b.stored, clouds), first, judge_),
+        place.p_b};
     Evidence& e = verdict.judgement.evidence;
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);

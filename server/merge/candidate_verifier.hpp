@@ -2,6 +2,7 @@
 // From hypotheses to verdicts: screening, evidence for each promising placement, and which further clouds would help.
 
 #include "server/merge/long_range_check.hpp"
+#include "server/merge/pair_findings.hpp"
 #include "server/merge/self_similarity.hpp"
 #include "server/place/descriptor_agreement.hpp"
 
@@ -29,9 +30,10 @@ class CandidateVerifier {
 
   /// Screens the cases and judges the promising ones that differ: four, or up to ten while none of them is likely.
   /// Unless `all` is set, placements are skipped that could neither beat a judged one nor cast doubt on it. The most
-  /// probable comes first.
+  /// probable comes first. `hopeful`: which of the cases passed screening, where that is known already; nullptr: they
+  /// are screened here.
   std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
-                                   const Attempt& attempt);
+                                   const Attempt& attempt, const std::vector<HopefulCase>* hopeful = nullptr);
 
   /// Judges a placement that is known to within a metre or two. Aliases, look-alikes and all other evidence that only
   /// the search of the whole pair gives are left at zero.

@@ -5,7 +5,7 @@
 
 namespace headframe {
 
-MergePipeline::State::State(const MergeConfig& c)
+MergePipeline::State::State(const MergeConfig& c, PairHelpers* helpers)
     : config(c),
       sessions(c),
       partners(c),
@@ -17,13 +17,21 @@ MergePipeline::State::State(const MergeConfig& c)
       submaps(c, sessions),
       requests(c, sessions),
       self(c, sessions, finder, submaps, requests),
+      search(c, sessions, finder, submaps, requests, self),
+      shared(search, sessions, helpers),
       verifier(c, sessions, submaps, self, requests),
       book(c, sessions),
       closures(sessions, submaps),
       corrected(sessions),
-      consistency(c, sessions, requests, verifier, book) {}
+      consistency(c, sessions, requests, verifier, book) {
+  self.ask_first([this](SessionId id, CloudSource& clouds) -> std::optional<SelfLikeness> {
+    const auto found = shared.findings({id, id}, clouds);
+    return found ? std::optional(found->itself) : std::nullopt;
+  });
+}
 
-MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
+MergePipeline::MergePipeline(const MergeConfig& config, PairHelpers* helpers)
+    : state_(std::make_unique<State>(config, helpers)) {}
 MergePipeline::~MergePipeline() = default;
 
 void MergePipeline::add_session(SessionId id, const FamilyId& family, const std::string& site) {

@@ -248,7 +248,9 @@ TEST_F(PostgresStore, ADatabaseOfBeforeKeyframesMovedIsBroughtUp) {
       home->database()->execute("DROP TABLE moved_poses; DROP TABLE pose_updates;"
                                 "ALTER TABLE sessions DROP COLUMN pose_update;"
                                 "ALTER TABLE servers DROP COLUMN relayed, DROP COLUMN loopback;"
-                                "UPDATE schema_version SET version = version - 2"));
+                                "ALTER TABLE servers DROP COLUMN searched, DROP COLUMN searches_a, DROP COLUMN searches_b;"
+                                "DROP TABLE pair_work;"
+                                "UPDATE schema_version SET version = version - 3"));
   const auto store = open(*home);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);
