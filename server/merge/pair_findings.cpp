@@ -67,7 +67,6 @@ class Reader {
   std::string_view bytes_;
 };
 
-
 /// The members in their order, for writing and reading alike.
 template <class Stream, class OfRegistration>
 void registration(Stream& stream, OfRegistration& r) {

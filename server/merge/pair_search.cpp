@@ -48,6 +48,14 @@ std::string computed_by(const MergeConfig& config) {
   return out.str();
 }
 
+HypothesisFinder::Config finder_config(const MergeConfig& config) {
+  return {.seats = {.coherent = static_cast<std::size_t>(config.hypotheses),
+                    .coarse_matches = static_cast<std::size_t>(config.placements),
+                    .steps = config.wall_search},
+          .walls_bytes = 1000000 * static_cast<std::size_t>(config.walls_mb),
+          .threads = config.threads};
+}
+
 SessionView PairSearch::view(SessionId id, const Session& session) {
   return {id, session.keyframes, session.complete, session.family, session.asks_where};
 }
@@ -79,9 +87,8 @@ PairFindings PairSearch::find(SessionId a, SessionId b, CloudSource& clouds) {
   }
   const OrderedPair pair{a, b};
   const Session &of_a = sessions_.at(a), &of_b = sessions_.at(b);
-  out.hypotheses = finder_.search_apart(view(a, of_a), view(b, of_b), [&] {
-    return match_descriptors(of_a.keyframes, of_b.keyframes, threads_);
-  });
+  out.hypotheses = finder_.search_apart(view(a, of_a), view(b, of_b),
+                                        [&] { return match_descriptors(of_a.keyframes, of_b.keyframes, threads_); });
   std::vector<Case> cases;
   cases.reserve(out.hypotheses.size());
   for (const Hypothesis& h : out.hypotheses) cases.push_back(requests_.make_case(a, b, h, clouds));

@@ -1,6 +1,6 @@
 #pragma once
-// The expensive part of merging that depends on nothing but two sessions: searching and screening. So it may be computed
-// elsewhere, or ahead of time.
+// The expensive part of merging that depends on nothing but two sessions: searching and screening. So it may be
+// computed elsewhere, or ahead of time.
 
 #include "server/merge/pair_findings.hpp"
 #include "server/merge/self_similarity.hpp"
@@ -10,6 +10,9 @@ namespace headframe {
 
 /// What the results depend on beside the sessions: the software, its processor and the configuration, in words.
 std::string computed_by(const MergeConfig& config);
+
+/// The configuration of the search that follows from that of the pipeline.
+HypothesisFinder::Config finder_config(const MergeConfig& config);
 
 /// Searches and screens pairs. Keeps nothing but what its parts keep. Not thread safe.
 class PairSearch {

@@ -30,8 +30,12 @@ std::optional<PairTask> PairWork::task_of(const OrderedPair& pair, const CloudSo
         return clouds.state({pair.a, k.sequence}) == CloudState::obtainable;
       }))
     return std::nullopt;
-  return PairTask{pair.a,     pair.b,     a.keyframes.size(),
-                  b.keyframes.size(), a.complete, b.complete,
+  return PairTask{pair.a,
+                  pair.b,
+                  a.keyframes.size(),
+                  b.keyframes.size(),
+                  a.complete,
+                  b.complete,
                   digest(pair.a, clouds) + digest(pair.b, clouds)};
 }
 

@@ -9,8 +9,8 @@
 
 namespace headframe {
 
-/// Announces what an attempt will search, takes what others found, and searches ahead while others are busy with what is
-/// needed next. What it returns is what a search here would find, to the bit: results are known by the digest of all
+/// Announces what an attempt will search, takes what others found, and searches ahead while others are busy with what
+/// is needed next. What it returns is what a search here would find, to the bit: results are known by the digest of all
 /// that they depend on. Without helpers it does nothing. Not thread safe.
 class PairWork {
  public:
@@ -54,8 +54,8 @@ class PairWork {
   PairHelpers* const helpers_;
   bool helped_ = false;
   std::optional<std::map<SessionId, std::string>> digests_;  // during this attempt; nullopt: there is none
-  std::vector<PairTask> announced_;           // by this attempt
-  std::set<std::string> open_;                // digests of what was announced and not asked for yet
+  std::vector<PairTask> announced_;                          // by this attempt
+  std::set<std::string> open_;                               // digests of what was announced and not asked for yet
   std::map<std::string, PairFindings> ahead_;
   std::deque<std::string> order_ahead_;  // oldest first
 };

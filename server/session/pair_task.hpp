@@ -15,8 +15,8 @@ struct PairTask {
   SessionId a = 0, b = 0;
   std::uint64_t keyframes_a = 0, keyframes_b = 0;  // it is about so many of each, from the first on
   bool complete_a = false, complete_b = false;     // no further ones are expected
-  /// 64 bytes: digests of all that the result depends on, of a and then of b. Whoever finds other ones knows other data,
-  /// or computes otherwise, and must not answer.
+  /// 64 bytes: digests of all that the result depends on, of a and then of b. Whoever finds other ones knows other
+  /// data, or computes otherwise, and must not answer.
   std::string digest = {};
 };
 

@@ -137,7 +137,8 @@ std::optional<PairTask> PostgresPairQueue::take() {
   const auto database = table_.connected();
   if (!database) return std::nullopt;
   std::optional<PairTask> task;
-  (void)(*database)->each(lease_first, [&](const Row& row) { task = task_of(row); }, self_, lease_s_);
+  (void)(*database)->each(
+      lease_first, [&](const Row& row) { task = task_of(row); }, self_, lease_s_);
   return task;
 }
 
@@ -150,12 +151,11 @@ void PostgresPairQueue::answer(const PairTask& task, const std::string& result) 
   if (done) done = (*database)->settle();
 }
 
-void PostgresPairQueue::wait(std::chrono::milliseconds most) {
+bool PostgresPairQueue::wait(std::chrono::milliseconds most) {
   const auto database = table_.connected();
-  if (!database)
-    std::this_thread::sleep_for(most);
-  else
-    (void)(*database)->wait_for_notice(most);
+  if (database) return (*database)->wait_for_notice(most).value_or(false);
+  std::this_thread::sleep_for(most);
+  return false;
 }
 
 }  // namespace headframe

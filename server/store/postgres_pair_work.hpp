@@ -70,8 +70,8 @@ class PostgresPairQueue {
   std::optional<PairTask> take();
   /// empty: it could not be found; nobody tries again.
   void answer(const PairTask& task, const std::string& result);
-  /// Until something is announced, at most this long.
-  void wait(std::chrono::milliseconds most);
+  /// Until something is announced, at most this long; true: something was. Where the database is away, waits all of it.
+  bool wait(std::chrono::milliseconds most);
 
  private:
   PairWorkTable table_;

@@ -53,7 +53,10 @@ Result<std::optional<FamilyId>> read_family(Database& database, SessionId sessio
   std::optional<FamilyId> family;
   auto read = database.each(
       "SELECT family, family_version FROM sessions WHERE id=?",
-      [&](const Row& row) { family = {row.text(0), static_cast<int>(row.integer(1))}; }, session);
+      [&](const Row& row) {
+        family = {row.text(0), static_cast<int>(row.integer(1))};
+      },
+      session);
   if (!read) return tl::unexpected(read.error());
   return family;
 }
