@@ -60,9 +60,9 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
   const bool ruled = known && known->ruling != Ruling::none;
-  const bool screened = elsewhere && candidates.cases.size() == found->hypotheses.size();
+  const bool known_so_far = elsewhere && candidates.cases.size() == found->hypotheses.size();
   std::vector<Verdict> verdicts =
-      verifier.judge_cases(pair, candidates.cases, ruled, attempt, screened ? &elsewhere->hopeful : nullptr);
+      verifier.judge_cases(pair, candidates.cases, ruled, attempt, known_so_far ? &*elsewhere : nullptr);
   for (const Verdict& v : verdicts) trace.judged.push_back(by_ids(pair, v.judgement));
   if (verdicts.empty()) verdicts.emplace_back();
   if (known) drop_ruled_out(pair, *known, verdicts);
@@ -151,9 +151,8 @@ const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptRepor
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
   const SessionView of_a = PairSearch::view(pair.a, a), of_b = PairSearch::view(pair.b, b);
   const Found* found =
-      known ? finder.take(of_a, of_b, std::move(known->hypotheses)) : finder.find(of_a, of_b, [&] {
-        return match_descriptors(a.keyframes, b.keyframes, config.threads);
-      });
+      known ? finder.take(of_a, of_b, std::move(known->hypotheses))
+            : finder.find(of_a, of_b, [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
   report.unfinished |= !found;  // the searches of one attempt are used up
   return found;
 }

@@ -24,9 +24,9 @@ struct MergePipeline::State {
   SessionSubmaps submaps;
   CloudRequests requests;
   SelfSimilarity self;
+  CandidateVerifier verifier;
   PairSearch search;
   PairWork shared;  // searches that other servers may have made
-  CandidateVerifier verifier;
   JudgedPairs judged;
   AlignmentBook book;
   LoopClosures closures;

@@ -102,6 +102,20 @@ void check(Stream& stream, OfCheck& c) {
   });
 }
 
+template <class Stream, class OfJudgement>
+void judgement(Stream& stream, OfJudgement& j) {
+  stream.number(j.status);
+  stream.matrix(j.T_a_b.matrix());
+  for (const EvidenceField& field : evidence_fields()) stream.number(j.evidence.*field.member);
+  stream.list(j.changes, [&](auto& change) {
+    stream.number(change.kind);
+    stream.matrix(change.p_a);
+    for (auto* value : {&change.length_m, &change.width_m, &change.height_m, &change.older_s, &change.newer_s})
+      stream.number(*value);
+    stream.number(change.a_is_newer);
+  });
+}
+
 template <class Stream, class OfFindings>
 void all(Stream& stream, OfFindings& f) {
   stream.list(f.hypotheses, [&](auto& h) {
@@ -116,6 +130,10 @@ void all(Stream& stream, OfFindings& f) {
   stream.list(f.hopeful, [&](auto& one) {
     stream.number(one.hypothesis);
     check(stream, one.place);
+  });
+  stream.list(f.judged, [&](auto& one) {
+    stream.number(one.hypothesis);
+    judgement(stream, one.judgement);
   });
   stream.number(f.itself.path_m);
   stream.number(f.itself.clouds);

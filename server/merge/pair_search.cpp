@@ -95,6 +95,7 @@ PairFindings PairSearch::find(SessionId a, SessionId b, CloudSource& clouds) {
   const std::vector<ScreeningResult> screened = screen(pair, cases, submaps_, clouds, judge_);
   for (std::size_t i = 0; i < screened.size(); ++i)
     if (screened[i].hopeful) out.hopeful.push_back({i, screened[i].place});
+  out.judged = verifier_.judge_ahead(pair, cases, screened, clouds);
   return out;
 }
 

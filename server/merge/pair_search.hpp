@@ -2,8 +2,7 @@
 // The expensive part of merging that depends on nothing but two sessions: searching and screening. So it may be
 // computed elsewhere, or ahead of time.
 
-#include "server/merge/pair_findings.hpp"
-#include "server/merge/self_similarity.hpp"
+#include "server/merge/candidate_verifier.hpp"
 #include "server/session/pair_task.hpp"
 
 namespace headframe {
@@ -18,7 +17,7 @@ HypothesisFinder::Config finder_config(const MergeConfig& config);
 class PairSearch {
  public:
   PairSearch(const MergeConfig& config, const SessionMap& sessions, HypothesisFinder& finder, SessionSubmaps& submaps,
-             const CloudRequests& requests, SelfSimilarity& self)
+             const CloudRequests& requests, SelfSimilarity& self, CandidateVerifier& verifier)
       : judge_(judge_config(config)),
         threads_(config.threads),
         computed_by_(computed_by(config)),
@@ -26,7 +25,8 @@ class PairSearch {
         finder_(finder),
         submaps_(submaps),
         requests_(requests),
-        self_(self) {}
+        self_(self),
+        verifier_(verifier) {}
 
   /// 32 bytes, of all that results depend on of one session: its keyframes as they are in the session map, which of its
   /// clouds are stored, and computed_by().
@@ -46,6 +46,7 @@ class PairSearch {
   SessionSubmaps& submaps_;
   const CloudRequests& requests_;
   SelfSimilarity& self_;
+  CandidateVerifier& verifier_;
 };
 
 }  // namespace headframe

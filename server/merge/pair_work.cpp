@@ -7,6 +7,7 @@ namespace headframe {
 void PairWork::begin() {
   digests_.emplace();
   announced_.clear();
+  if (open_.size() > most_open) open_.clear();  // of sessions that have changed since: they are searched here
   helped_ = helpers_ != nullptr && helpers_->any();
 }
 

@@ -47,7 +47,7 @@ class PairWork {
   bool search_one_ahead(CloudSource& clouds);
   void begin();
 
-  static constexpr std::size_t most_kept = 64;
+  static constexpr std::size_t most_kept = 64, most_open = 1024;
 
   PairSearch& search_;
   const SessionMap& sessions_;

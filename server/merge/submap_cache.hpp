@@ -18,8 +18,8 @@ struct SubmapRequest {
 };
 
 /// The submaps of sessions, one for every 3 m of path. They are built when first needed, rebuilt when the set of their
-/// stored clouds has changed, and kept within a memory limit together with the sight images they use; the least recently
-/// used are discarded first. Not thread safe.
+/// stored clouds has changed, and kept within a memory limit together with the sight images they use; the least
+/// recently used are discarded first. Not thread safe.
 class SubmapCache {
  public:
   SubmapCache(std::size_t capacity_bytes, int threads, const SubmapConfig& config, CloudCache& prepared)

@@ -17,7 +17,8 @@ PairReplica::PairReplica(const MergeConfig& config, Database& database)
       submaps_(config, sessions_),
       requests_(config, sessions_),
       self_(config, sessions_, finder_, submaps_, requests_),
-      search_(config, sessions_, finder_, submaps_, requests_, self_) {}
+      verifier_(config, sessions_, submaps_, self_, requests_),
+      search_(config, sessions_, finder_, submaps_, requests_, self_, verifier_) {}
 
 Result<std::string> PairReplica::find(const PairTask& task) {
   if (task.digest.size() != 2 * digest_bytes) return failure(ErrorCode::bad_input, "a pair's digest has another size");

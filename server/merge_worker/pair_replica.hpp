@@ -39,6 +39,7 @@ class PairReplica : private CloudSource {
   SessionSubmaps submaps_;
   CloudRequests requests_;
   SelfSimilarity self_;
+  CandidateVerifier verifier_;
   PairSearch search_;
   std::map<SessionId, Known> known_;
 };

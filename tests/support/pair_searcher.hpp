@@ -35,7 +35,8 @@ struct PairSearcher {
   SessionSubmaps submaps{config, sessions};
   CloudRequests requests{config, sessions};
   SelfSimilarity self{config, sessions, finder, submaps, requests};
-  PairSearch search{config, sessions, finder, submaps, requests, self};
+  CandidateVerifier verifier{config, sessions, submaps, self, requests};
+  PairSearch search{config, sessions, finder, submaps, requests, self, verifier};
 };
 
 }  // namespace headframe::test
