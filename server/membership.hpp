@@ -51,7 +51,7 @@ class Membership {
   std::vector<ReservedPort> ports_;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Relay>> relays_;  // while it stands by, and stopped afterwards
-  std::unique_ptr<PairHelper> helper_;  // the same
+  std::unique_ptr<PairHelper> helper_;          // the same
   double since_s_ = 0;
   std::unique_ptr<PostgresPresence> presence_;  // null: SQLite
 };

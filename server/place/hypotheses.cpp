@@ -49,11 +49,11 @@ Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
 
 }  // namespace
 
-/// They are drawn anew whenever the keyframes changed, also where only an outlier lost its walls: what is found must not
-/// depend on when the session was searched before.
+/// They are drawn anew whenever the keyframes changed, also where only an outlier lost its walls: what is found must
+/// not depend on when the session was searched before.
 std::shared_ptr<const SessionWalls> HypothesisFinder::walls(const SessionView& session) {
-  const auto with_walls = static_cast<std::size_t>(std::count_if(
-      session.keyframes.begin(), session.keyframes.end(), [](const Keyframe& k) { return has_walls(k.walls); }));
+  const auto with_walls = static_cast<std::size_t>(std::count_if(session.keyframes.begin(), session.keyframes.end(),
+                                                                 [](const Keyframe& k) { return has_walls(k.walls); }));
   if (const Drawn* known = walls_.find(session.id)) {
     if (known->walls->path_m == path_m(session.keyframes) && known->keyframes == session.keyframes.size() &&
         known->with_walls == with_walls)

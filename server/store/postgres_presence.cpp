@@ -25,7 +25,8 @@ constexpr const char* see_all =
     "SELECT name, robots, http, id = owner, id = ?1, since_s, extract(epoch FROM clock_timestamp())::float8 - heard_s,"
     " active, (to_jsonb(servers) ->> 'relayed')::bigint, coalesce(to_jsonb(servers) ->> 'loopback', ''),"
     " (to_jsonb(servers) ->> 'searched')::bigint, coalesce((to_jsonb(servers) ->> 'searches_a')::bigint, 0),"
-    " coalesce((to_jsonb(servers) ->> 'searches_b')::bigint, 0) FROM servers, writer ORDER BY id = owner DESC, name, id";
+    " coalesce((to_jsonb(servers) ->> 'searches_b')::bigint, 0) FROM servers, writer ORDER BY id = owner DESC, name, "
+    "id";
 
 }  // namespace
 

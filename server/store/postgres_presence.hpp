@@ -45,7 +45,7 @@ class PostgresPresence {
   PostgresDatabase database_;  // of the thread
   const std::function<void(const Error&)> taken_over_;
   const std::function<StandbyWork()> work_;
-  bool told_ = false;            // of the thread: that another has taken over
+  bool told_ = false;                                      // of the thread: that another has taken over
   bool counts_relayed_ = false, counts_searched_ = false;  // of the thread: the schema has columns for it
   mutable std::mutex mutex_;
   std::condition_variable wake_;

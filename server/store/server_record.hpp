@@ -19,8 +19,8 @@ struct ServerCard {
 
 /// What a standby server does for the active one.
 struct StandbyWork {
-  int relayed = 0;                          // connections that it passes on now
-  std::int64_t searched = 0;                // pairs of sessions that it has searched since it started
+  int relayed = 0;                              // connections that it passes on now
+  std::int64_t searched = 0;                    // pairs of sessions that it has searched since it started
   std::int64_t searches_a = 0, searches_b = 0;  // the pair that it searches now; 0: none
 };
 

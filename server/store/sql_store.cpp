@@ -65,8 +65,9 @@ Result<std::vector<SessionRecord>> SqlStore::sessions() {
 Result<void> SqlStore::each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) {
   const std::lock_guard lock(mutex_);
-  return read_keyframes(*reader_, session, first, visit,
-                        [&](std::uint64_t sequence) { note_damage({session, sequence}); });
+  return read_keyframes(*reader_, session, first, visit, [&](std::uint64_t sequence) {
+    note_damage({session, sequence});
+  });
 }
 
 Result<NewPoses> SqlStore::new_poses(SessionId session) {
