@@ -38,7 +38,8 @@ struct MapMergeServer::Parts {
         membership(std::move(member)),
         revocations(std::move(revoked)),
         store(std::move(opened)),
-        worker(make_pipeline(o.config.merge), *store, o.config.schedule, std::move(mark)),
+        helpers(membership->helpers()),
+        worker(make_pipeline(o.config.merge, helpers.get()), *store, o.config.schedule, std::move(mark)),
         hub(*store, worker, o.config.limits),
         notes(*store),
         gate(*store,
@@ -65,6 +66,7 @@ struct MapMergeServer::Parts {
   RevocationLog revocations;
   boost::asio::io_context io;
   std::unique_ptr<Store> store;
+  std::unique_ptr<PairHelpers> helpers;  // null: there can be none
   MergeWorker worker;
   SessionHub hub;
   StationNotes notes;
@@ -173,7 +175,7 @@ Result<std::unique_ptr<MapMergeServer>> MapMergeServer::start(const ServerOption
   if (auto reserved = membership->reserve_ports(); !reserved) return tl::unexpected(reserved.error());
   auto store = open_store(options, *membership);
   if (!store) return tl::unexpected(store.error());
-  membership->end_relay();
+  membership->end_standby();
   std::optional<boost::asio::ssl::context> tls;
   std::string fingerprint;
   if (!options.insecure) {

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <fstream>
@@ -52,10 +53,10 @@ Membership::Membership(ServerOptions options) : options_(std::move(options)) {
         [told = options_.on_taken_over](const Error& why) {
           if (told) told(why);
         },
-        [this] { return relayed(); });
+        [this] { return work(); });
 }
 
-Membership::~Membership() { end_relay(); }
+Membership::~Membership() { end_standby(); }
 
 Result<void> Membership::reserve_ports() {
   if (!options_.config.standby) return {};
@@ -88,6 +89,11 @@ Result<void> Membership::begin_to_wait(const std::optional<ServerCard>& active) 
   card_.http = operators_at(options_.http);
   presence_->start(card_);
   if (auto done = begin_to_relay(); !done) return done;
+  const std::string& url = options_.config.store_url;
+  if (options_.config.helps) {
+    const std::lock_guard lock(mutex_);
+    helper_ = std::make_unique<PairHelper>(url, postgres_name(url).value(), card_.id, options_.config.merge);
+  }
   if (options_.on_standby) options_.on_standby(options_.listen, options_.http);
   return {};
 }
@@ -107,15 +113,30 @@ Result<void> Membership::begin_to_relay() {
   return {};
 }
 
-void Membership::end_relay() {
+void Membership::end_standby() {
+  if (helper_) helper_->stop();
   for (const auto& relay : relays_) relay->stop();
 }
 
-int Membership::relayed() const {
+StandbyWork Membership::work() const {
   const std::lock_guard lock(mutex_);
-  int sum = 0;
-  for (const auto& relay : relays_) sum += relay->connections();
-  return sum;
+  StandbyWork work;
+  for (const auto& relay : relays_) work.relayed += relay->connections();
+  if (!helper_) return work;
+  const PairHelper::Work now = helper_->work();
+  work.searched = static_cast<std::int64_t>(now.searched);
+  work.searches_a = now.a;
+  work.searches_b = now.b;
+  return work;
+}
+
+std::unique_ptr<PairHelpers> Membership::helpers() const {
+  if (!presence_) return nullptr;
+  const std::string& url = options_.config.store_url;
+  return std::make_unique<PostgresPairHelpers>(url, postgres_name(url).value(), [this] {
+    const auto all = presence_->servers();
+    return std::any_of(all.begin(), all.end(), [](const ServerRecord& s) { return !s.is_self && !s.is_active; });
+  });
 }
 
 /// To every address of this machine nobody can connect from elsewhere; where robots come, operators may, too.

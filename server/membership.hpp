@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/map_merge_server.hpp"
+#include "server/merge_worker/pair_helper.hpp"
 #include "server/net/relay.hpp"
 #include "server/standby.hpp"
 #include "server/store/postgres_presence.hpp"
@@ -26,11 +27,15 @@ class Membership {
   /// How to open the database: at once, or when another server lets go of it. Must not outlive this.
   PostgresOpening opening();
 
-  /// It has the database, and passes nobody on any more: who was connected through it has to come again.
-  void end_relay();
+  /// It has the database, and passes nobody on any more: who was connected through it has to come again. It searches
+  /// nothing for others any more; what is in progress ends within a moment, for which this does not wait.
+  void end_standby();
 
   /// It is active, and listens there. The fingerprint and the operator's token are empty where it is insecure.
   void serves(const Endpoint& robots, const Endpoint& http, const std::string& fingerprint, const std::string& token);
+
+  /// Who helps the merge pipeline of this server while it is active; null: SQLite. Must not outlive this.
+  std::unique_ptr<PairHelpers> helpers() const;
 
   /// All servers that are there. Does not wait.
   std::vector<ServerRecord> servers() const;
@@ -39,13 +44,14 @@ class Membership {
   Result<void> begin_to_wait(const std::optional<ServerCard>& active);
   Result<void> begin_to_relay();
   std::string operators_at(const Endpoint& http) const;
-  int relayed() const;
+  StandbyWork work() const;
 
   ServerOptions options_;
   ServerCard card_;
   std::vector<ReservedPort> ports_;
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Relay>> relays_;  // while it stands by, and stopped afterwards
+  std::unique_ptr<PairHelper> helper_;          // the same
   double since_s_ = 0;
   std::unique_ptr<PostgresPresence> presence_;  // null: SQLite
 };

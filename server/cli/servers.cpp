@@ -17,13 +17,15 @@ std::string servers_view(const Json& json, std::size_t width) {
                {"operators", false, 1},
                {"since (UTC)", false, 2},
                {"heard", true},
-               {"relayed", true, 3}},
+               {"relayed", true, 3},
+               {"searched", true, 3}},
               {}};
   for (const Json& server : json.at("servers")) {
     const auto text = [&](const char* key) { return printable(server.at(key).get<std::string>()); };
-    table.rows.push_back(
-        {text("name"), text("role"), text("robots"), text("http"), date_of(server.at("since_s").get<double>()),
-         fixed(server.at("heard_ago_s").get<double>(), 0) + " s ago", std::to_string(server.value("relayed", 0))});
+    table.rows.push_back({text("name"), text("role"), text("robots"), text("http"),
+                          date_of(server.at("since_s").get<double>()),
+                          fixed(server.at("heard_ago_s").get<double>(), 0) + " s ago",
+                          std::to_string(server.value("relayed", 0)), std::to_string(server.value("searched", 0))});
   }
   return table.text(width);
 }

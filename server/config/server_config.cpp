@@ -26,6 +26,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"server", "public", &c.public_address},
       {"store", "url", &c.store_url},
       {"store", "standby", &c.standby},
+      {"store", "helps", &c.helps},
       {"store", "keep", &c.keep},
       {"store", "free_mib", &c.free_mib, 1, 1e9},
       {"store", "clouds_mib", &c.clouds_mib, 0, 1e9},

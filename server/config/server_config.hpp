@@ -35,6 +35,7 @@ struct ServerConfig {
   std::optional<Endpoint> public_address;  // [server] public: where robots reach this server; none: where it listens
   std::string store_url;                   // [store] url: postgresql://...; empty: SQLite in the data directory
   bool standby = false;                    // [store]: a database that another server uses is waited for
+  bool helps = true;                       // [store]: while it stands by, it searches pairs for the active server
   KeepClouds keep = KeepClouds::all;       // [store], and the next two
   int free_mib = 1024;                     // that are to stay free while keep = "newest"
   int clouds_mib = 0;                      // that clouds may take in PostgreSQL, whose disk nobody knows; 0: no limit

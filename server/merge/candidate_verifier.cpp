@@ -78,21 +78,28 @@ std::vector<std::size_t> by_promise(const std::vector<ScreeningResult>& screened
   return order;
 }
 
+std::vector<ScreeningResult> as_screened(std::size_t cases, const std::vector<HopefulCase>& hopeful) {
+  std::vector<ScreeningResult> out(cases);
+  for (const HopefulCase& one : hopeful) out.at(one.hypothesis) = {true, one.place, nullptr, nullptr};
+  return out;
+}
+
 }  // namespace
 
 std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
-                                                    const Attempt& attempt) {
+                                                    const Attempt& attempt, const PairFindings* known) {
   for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, attempt.clouds);
   std::vector<ScreeningResult> screened;
   {
     const Stopwatch watch(attempt.report.times.registration_ms);
-    screened = screen(pair, cases, submaps_, attempt.clouds, judge_);
+    screened =
+        known ? as_screened(cases.size(), known->hopeful) : screen(pair, cases, submaps_, attempt.clouds, judge_);
   }
   const Stopwatch watch(attempt.report.times.verification_ms);
   for (const ScreeningResult& result : screened)
     if (result.hopeful && !attempt.report.traces.empty())
       attempt.report.traces.back().screened.push_back(by_ids(pair, result.place.registration.T_target_source));
-  const std::vector<Judged> judged = judge_hopeful(pair, cases, screened, all, attempt.clouds);
+  const std::vector<Judged> judged = judge_hopeful(pair, cases, screened, all, attempt.clouds, known);
   std::vector<Verdict> verdicts;
   for (const Judged& one : judged) {
     verdicts.push_back(one.verdict);
@@ -108,23 +115,26 @@ std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, con
 std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const OrderedPair& pair,
                                                                         const std::vector<Case>& cases,
                                                                         const std::vector<ScreeningResult>& screened,
-                                                                        bool all, CloudSource& clouds) {
+                                                                        bool all, CloudSource& clouds,
+                                                                        const PairFindings* known) {
   const DescriptorAgreement agreement = sessions_.descriptor_agreement(pair);
   std::vector<Judged> out;
   for (const std::size_t i : by_promise(screened, agreement)) {
     if (judged_enough(out)) break;
     const SubmapCheck& place = screened[i].place;
     const double most = all ? 1 : most_probable(screened[i], agreement);
-    const bool spared = std::any_of(out.begin(), out.end(), [&](const Judged& known) {
-      return same_placement(known.verdict.judgement.T_a_b, place.registration.T_target_source, place.p_b,
+    const bool spared = std::any_of(out.begin(), out.end(), [&](const Judged& other) {
+      return same_placement(other.verdict.judgement.T_a_b, place.registration.T_target_source, place.p_b,
                             same_registration) ||
-             (!all && hopeless_rival(most, known.verdict));
+             (!all && hopeless_rival(most, other.verdict));
     });
     if (spared) continue;
     const Case& c = cases[i];
-    Verdict verdict{judge(submaps_.scene(pair.a, c.a.stored, clouds), submaps_.scene(pair.b, c.b.stored, clouds),
-                          screened[i], judge_),
-                    place.p_b};
+    const Judgement* elsewhere = nullptr;
+    for (const JudgedCase& one : known ? std::span(known->judged) : std::span<const JudgedCase>())
+      if (one.hypothesis == i) elsewhere = &one.judgement;
+    const Judgement alone = elsewhere ? *elsewhere : judge_alone(pair, c, screened[i], clouds);
+    Verdict verdict{alone, place.p_b};
     Evidence& e = verdict.judgement.evidence;
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
@@ -132,8 +142,28 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     e.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes +
                     look_alikes(screened, verdict.judgement.T_a_b);
     weigh(verdict.judgement);
-    out.push_back({std::move(verdict), i});
+    out.push_back({std::move(verdict), i, alone});
   }
+  return out;
+}
+
+Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c, const ScreeningResult& screened,
+                                         CloudSource& clouds) {
+  ScreeningResult first = screened;
+  if (!first.a) {  // it was screened elsewhere
+    const FirstPlace at = first_place(pair, c, submaps_, clouds, judge_);
+    first.a = at.a;
+    first.b = at.b;
+  }
+  return judge(submaps_.scene(pair.a, c.a.stored, clouds), submaps_.scene(pair.b, c.b.stored, clouds), first, judge_);
+}
+
+std::vector<JudgedCase> CandidateVerifier::judge_ahead(const OrderedPair& pair, const std::vector<Case>& cases,
+                                                       const std::vector<ScreeningResult>& screened,
+                                                       CloudSource& clouds) {
+  std::vector<JudgedCase> out;
+  for (Judged& one : judge_hopeful(pair, cases, screened, false, clouds, nullptr))
+    out.push_back({one.of, std::move(one.alone)});
   return out;
 }
 

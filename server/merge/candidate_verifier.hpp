@@ -2,6 +2,7 @@
 // From hypotheses to verdicts: screening, evidence for each promising placement, and which further clouds would help.
 
 #include "server/merge/long_range_check.hpp"
+#include "server/merge/pair_findings.hpp"
 #include "server/merge/self_similarity.hpp"
 #include "server/place/descriptor_agreement.hpp"
 
@@ -29,9 +30,14 @@ class CandidateVerifier {
 
   /// Screens the cases and judges the promising ones that differ: four, or up to ten while none of them is likely.
   /// Unless `all` is set, placements are skipped that could neither beat a judged one nor cast doubt on it. The most
-  /// probable comes first.
+  /// probable comes first. `known`: what was found of the pair elsewhere, with hypotheses that are those of the cases;
+  /// nullptr: nothing. The result is the same.
   std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
-                                   const Attempt& attempt);
+                                   const Attempt& attempt, const PairFindings* known = nullptr);
+
+  /// Of the screened cases those that judge_cases() will probably judge, as far as these two sessions say.
+  std::vector<JudgedCase> judge_ahead(const OrderedPair& pair, const std::vector<Case>& cases,
+                                      const std::vector<ScreeningResult>& screened, CloudSource& clouds);
 
   /// Judges a placement that is known to within a metre or two. Aliases, look-alikes and all other evidence that only
   /// the search of the whole pair gives are left at zero.
@@ -52,10 +58,13 @@ class CandidateVerifier {
  private:
   struct Judged {
     Verdict verdict;
-    std::size_t of = 0;  // the case
+    std::size_t of = 0;    // the case
+    Judgement alone = {};  // before anything beside these two sessions counts
   };
   std::vector<Judged> judge_hopeful(const OrderedPair& pair, const std::vector<Case>& cases,
-                                    const std::vector<ScreeningResult>& screened, bool all, CloudSource& clouds);
+                                    const std::vector<ScreeningResult>& screened, bool all, CloudSource& clouds,
+                                    const PairFindings* known);
+  Judgement judge_alone(const OrderedPair& pair, const Case& c, const ScreeningResult& screened, CloudSource& clouds);
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;
   bool only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const;
   void weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c, Verdict& verdict,

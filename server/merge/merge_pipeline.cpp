@@ -19,12 +19,14 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.finder.allow(static_cast<std::size_t>(s.config.searches));
   s.sessions.set_looked_at(id, true);
   report.whole = s.sessions.at(id).complete;
+  const PairWork::During sharing(s.shared);
   s.merge_with_partners(id, attempt);
   s.settle_others(id, attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
   s.book.release_awaited(report);
   s.consistency.look_at_contacts(attempt);  // compares sessions that would come to lie on each other
   s.close_loops(id, attempt);
+  s.shared.end(report.unfinished);
   s.update_atlas(report);                      // 9: maps merge one after another, and bend where they meet again
   for (const Alignment& k : report.changed) {  // it is published first; then its loops are closed, and it is settled
     if (k.state != AlignmentState::published) continue;
@@ -43,7 +45,8 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   if (in_force && !ended_since_judged(*known) && still_holds(pair, *known, attempt)) return;
 
   // 5, 6: where could b lie on a? Not one nearest pair, but everything that the descriptors and the wall maps propose.
-  const Found* found = propose(pair, attempt.report);
+  const auto elsewhere = found_elsewhere(pair, attempt);
+  const Found* found = propose(pair, attempt.report, elsewhere);
   if (!found) return;
   // 7: the clouds around each hypothesis; missing ones are requested, for the likeliest first.
   Candidates candidates;
@@ -57,7 +60,9 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
   const bool ruled = known && known->ruling != Ruling::none;
-  std::vector<Verdict> verdicts = verifier.judge_cases(pair, candidates.cases, ruled, attempt);
+  const bool known_so_far = elsewhere && candidates.cases.size() == found->hypotheses.size();
+  std::vector<Verdict> verdicts =
+      verifier.judge_cases(pair, candidates.cases, ruled, attempt, known_so_far ? &*elsewhere : nullptr);
   for (const Verdict& v : verdicts) trace.judged.push_back(by_ids(pair, v.judgement));
   if (verdicts.empty()) verdicts.emplace_back();
   if (known) drop_ruled_out(pair, *known, verdicts);
@@ -85,6 +90,7 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
   std::set<SessionId> left = aligned;
   const std::vector<SessionId> ranked = partners.rank(id, sessions);
   const bool few = ranked.size() <= static_cast<std::size_t>(config.partners);
+  announce(id, ranked, aligned, attempt.clouds);
   int came_to_nothing = 0;
   for (const SessionId other : ranked) {
     if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
@@ -111,12 +117,42 @@ void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
   });
 }
 
-const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report) {
+/// Announces what the next attempts to merge the session will search, so that other servers may begin with it.
+void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& ranked,
+                                    const std::set<SessionId>& aligned, const CloudSource& clouds) {
+  if (!shared.has_helpers()) return;
+  std::vector<OrderedPair> pairs;
+  int tried = 0;
+  for (const SessionId other : ranked) {
+    const bool alike = tried < config.partners;
+    if (!alike && !aligned.contains(other)) continue;
+    const OrderedPair pair = sessions.ordered(id, other);
+    if (!sessions.worth_a_look(pair)) continue;
+    tried += book.live(id, other) ? 0 : 1;
+    const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
+    if (!finder.needs_search(PairSearch::view(pair.a, a), PairSearch::view(pair.b, b))) continue;
+    for (const SessionId one : {id, other})
+      if (!self.known(one, clouds)) pairs.push_back({one, one});
+    pairs.push_back(pair);
+  }
+  shared.announce(pairs, clouds);
+}
+
+std::optional<PairFindings> MergePipeline::State::found_elsewhere(const OrderedPair& pair, const Attempt& attempt) {
+  const Stopwatch watch(attempt.report.times.hypotheses_ms);
+  const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
+  if (!finder.may_search() || !finder.needs_search(PairSearch::view(pair.a, a), PairSearch::view(pair.b, b))) return {};
+  return shared.findings(pair, attempt.clouds);
+}
+
+const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptReport& report,
+                                           std::optional<PairFindings> known) {
   const Stopwatch watch(report.times.hypotheses_ms);
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
-  const Found* found = finder.find({pair.a, a.keyframes, a.complete, a.family, a.asks_where},
-                                   {pair.b, b.keyframes, b.complete, b.family, b.asks_where},
-                                   [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
+  const SessionView of_a = PairSearch::view(pair.a, a), of_b = PairSearch::view(pair.b, b);
+  const Found* found =
+      known ? finder.take(of_a, of_b, std::move(known->hypotheses))
+            : finder.find(of_a, of_b, [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
   report.unfinished |= !found;  // the searches of one attempt are used up
   return found;
 }

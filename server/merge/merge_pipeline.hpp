@@ -11,6 +11,7 @@
 #include "server/merge/attempt.hpp"
 #include "server/merge/localization.hpp"
 #include "server/merge/merge_config.hpp"
+#include "server/session/pair_task.hpp"
 #include "server/session/session_cut.hpp"
 
 namespace headframe {
@@ -19,7 +20,9 @@ namespace headframe {
 /// Deterministic: the same calls give the same results, whatever the thread count of the registration.
 class MergePipeline {
  public:
-  explicit MergePipeline(const MergeConfig& config);
+  /// helpers: who may search pairs ahead of attempts; without any, and with any, the results are the same. Must outlive
+  /// this.
+  explicit MergePipeline(const MergeConfig& config, PairHelpers* helpers = nullptr);
   ~MergePipeline();
 
   /// Sessions may be added in any order and their keyframes interleaved; the keyframes of one session come in the order

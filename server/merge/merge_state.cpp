@@ -5,25 +5,29 @@
 
 namespace headframe {
 
-MergePipeline::State::State(const MergeConfig& c)
+MergePipeline::State::State(const MergeConfig& c, PairHelpers* helpers)
     : config(c),
       sessions(c),
       partners(c),
-      finder({.seats = {.coherent = static_cast<std::size_t>(c.hypotheses),
-                        .coarse_matches = static_cast<std::size_t>(c.placements),
-                        .steps = c.wall_search},
-              .walls_bytes = 1000000 * static_cast<std::size_t>(c.walls_mb),
-              .threads = c.threads}),
+      finder(finder_config(c)),
       submaps(c, sessions),
       requests(c, sessions),
       self(c, sessions, finder, submaps, requests),
       verifier(c, sessions, submaps, self, requests),
+      search(c, sessions, finder, submaps, requests, self, verifier),
+      shared(search, sessions, helpers),
       book(c, sessions),
       closures(sessions, submaps),
       corrected(sessions),
-      consistency(c, sessions, requests, verifier, book) {}
+      consistency(c, sessions, requests, verifier, book) {
+  self.ask_first([this](SessionId id, CloudSource& clouds) -> std::optional<SelfLikeness> {
+    const auto found = shared.findings({id, id}, clouds);
+    return found ? std::optional(found->itself) : std::nullopt;
+  });
+}
 
-MergePipeline::MergePipeline(const MergeConfig& config) : state_(std::make_unique<State>(config)) {}
+MergePipeline::MergePipeline(const MergeConfig& config, PairHelpers* helpers)
+    : state_(std::make_unique<State>(config, helpers)) {}
 MergePipeline::~MergePipeline() = default;
 
 void MergePipeline::add_session(SessionId id, const FamilyId& family, const std::string& site) {

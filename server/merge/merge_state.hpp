@@ -9,12 +9,13 @@
 #include "server/merge/localize.hpp"
 #include "server/merge/loop_closures.hpp"
 #include "server/merge/merge_pipeline.hpp"
+#include "server/merge/pair_work.hpp"
 #include "server/merge/partner_ranking.hpp"
 
 namespace headframe {
 
 struct MergePipeline::State {
-  explicit State(const MergeConfig& c);
+  State(const MergeConfig& c, PairHelpers* helpers);
 
   const MergeConfig config;
   SessionMap sessions;
@@ -24,6 +25,8 @@ struct MergePipeline::State {
   CloudRequests requests;
   SelfSimilarity self;
   CandidateVerifier verifier;
+  PairSearch search;
+  PairWork shared;  // searches that other servers may have made
   JudgedPairs judged;
   AlignmentBook book;
   LoopClosures closures;
@@ -35,7 +38,10 @@ struct MergePipeline::State {
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
   void settle_others(SessionId id, const Attempt& attempt);
-  const Found* propose(const OrderedPair& pair, AttemptReport& report);
+  const Found* propose(const OrderedPair& pair, AttemptReport& report, std::optional<PairFindings> known = {});
+  std::optional<PairFindings> found_elsewhere(const OrderedPair& pair, const Attempt& attempt);
+  void announce(SessionId id, const std::vector<SessionId>& ranked, const std::set<SessionId>& aligned,
+                const CloudSource& clouds);
   std::vector<Verdict> judge_by_hand(const OrderedPair& pair, const Case& at, const Attempt& attempt);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);
   JudgedOn what_there_is(const OrderedPair& pair, const Found& found, const std::vector<Case>& cases) const;

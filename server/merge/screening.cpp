@@ -1,6 +1,7 @@
 #include "server/merge/screening.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "server/session/same_placement.hpp"
 #include "server/support/parallel.hpp"
@@ -41,6 +42,15 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
     screened[meet[i]] = screen_submaps(at[2 * i], at[2 * i + 1], T[i], judge);
   });
   return screened;
+}
+
+FirstPlace first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
+                       const JudgeConfig& judge) {
+  const auto meeting = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
+  if (!meeting) return {};
+  const std::array asked{submaps.at(pair.a, meeting->keyframe_a), submaps.at(pair.b, meeting->keyframe_b)};
+  const auto at = submaps.near(asked, clouds);
+  return {at[0], at[1]};
 }
 
 double look_alikes(std::vector<ScreeningResult> screened, const Pose& T) {

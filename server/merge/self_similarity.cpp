@@ -60,6 +60,13 @@ const SelfLikeness& SelfSimilarity::last(SessionId id) const {
 
 const SelfLikeness& SelfSimilarity::of(SessionId id, CloudSource& clouds) {
   if (known(id, clouds)) return known_.at(id);
+  auto found = known_elsewhere_ ? known_elsewhere_(id, clouds) : std::nullopt;
+  if (!found) found = search(id, clouds);
+  news_[id] = *found;
+  return known_[id] = std::move(*found);
+}
+
+SelfLikeness SelfSimilarity::search(SessionId id, CloudSource& clouds) {
   const Session& session = sessions_.at(id);
   const Found* found = finder_.find_within({id, session.keyframes});
   std::vector<Case> cases;
@@ -80,13 +87,11 @@ const SelfLikeness& SelfSimilarity::of(SessionId id, CloudSource& clouds) {
       }
     }
   const std::vector<ScreeningResult> screened = screen({id, id}, cases, submaps_, clouds, judge_);
-  SelfLikeness found_now{.path_m = session.path_m(),
-                         .clouds = count_clouds(session, id, clouds, CloudState::stored),
-                         .aliases = static_cast<double>(copies_within(id, screened, clouds)),
-                         .look_alikes = look_alikes(screened, Pose::Identity()),
-                         .wanted = std::move(wanted)};
-  news_[id] = found_now;
-  return known_[id] = std::move(found_now);
+  return {.path_m = session.path_m(),
+          .clouds = count_clouds(session, id, clouds, CloudState::stored),
+          .aliases = static_cast<double>(copies_within(id, screened, clouds)),
+          .look_alikes = look_alikes(screened, Pose::Identity()),
+          .wanted = std::move(wanted)};
 }
 
 std::vector<Case> SelfSimilarity::beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const {

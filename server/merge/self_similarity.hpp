@@ -2,6 +2,9 @@
 // Copies within a mine: a session is placed on itself at other places; what fits there for 15 m or more counts as a
 // copy.
 
+#include <functional>
+#include <optional>
+
 #include "server/merge/screening.hpp"
 #include "server/session/self_likeness.hpp"
 
@@ -18,6 +21,12 @@ class SelfSimilarity {
   /// has grown by a quarter, when a complete session has grown at all, when its last cloud has arrived, or when the
   /// requested clouds have arrived or can no longer be obtained.
   const SelfLikeness& of(SessionId id, CloudSource& clouds);
+  /// The result of a new search, of which of() does not learn.
+  SelfLikeness search(SessionId id, CloudSource& clouds);
+  /// Asked before each new search: what search() would find, where that is known from elsewhere.
+  void ask_first(std::function<std::optional<SelfLikeness>(SessionId, CloudSource&)> known_elsewhere) {
+    known_elsewhere_ = std::move(known_elsewhere);
+  }
   /// Whether of() would return at once without searching.
   bool known(SessionId id, const CloudSource& clouds) const;
   /// The last result; a default value for a session that was never searched.
@@ -52,6 +61,7 @@ class SelfSimilarity {
   HypothesisFinder& finder_;
   SessionSubmaps& submaps_;
   const CloudRequests& requests_;
+  std::function<std::optional<SelfLikeness>(SessionId, CloudSource&)> known_elsewhere_;
   std::map<SessionId, SelfLikeness> known_, news_;
 };
 

@@ -32,6 +32,13 @@ std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node,
   return out;
 }
 
+/// FNV-1a of their numbers.
+std::uint64_t hash_of(const std::vector<const Keyframe*>& window) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const Keyframe* k : window) hash = (hash ^ k->sequence) * 1099511628211ULL;
+  return hash;
+}
+
 }  // namespace
 
 std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests, CloudSource& source) {
@@ -44,7 +51,7 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
     keys.push_back(key);
     if (answers.contains(key) || missing.contains(key)) continue;
     const auto window = window_of(r, key.keyframe, config_.window_m, source);
-    if (const Entry* known = kept_.find(key); known && known->clouds == window.size()) {
+    if (const Entry* known = kept_.find(key); known && known->clouds == hash_of(window)) {
       answers[key] = known->submap;
       continue;
     }
@@ -59,7 +66,7 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
   });
   for (const auto& [key, build] : missing) {
     answers[key] = build.submap;
-    keep(key, build.submap, build.window.size());
+    keep(key, build.submap, hash_of(build.window));
   }
   std::vector<SubmapPtr> out;
   out.reserve(keys.size());
@@ -83,7 +90,7 @@ void SubmapCache::fetch_clouds(std::map<Key, Build>& builds, CloudSource& source
         build.clouds.push_back({k->sequence, k->T_local_sensor, cloud, k->stamp_s});
 }
 
-void SubmapCache::keep(const Key& key, SubmapPtr submap, std::size_t clouds) {
+void SubmapCache::keep(const Key& key, SubmapPtr submap, std::uint64_t clouds) {
   if (kept_.find(key)) let_go(*kept_.drop(key).submap);
   bytes_ += bytes_of(*submap);
   for (const PlacedView& view : submap->views)

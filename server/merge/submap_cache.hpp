@@ -17,9 +17,9 @@ struct SubmapRequest {
   std::size_t keyframe = 0;
 };
 
-/// The submaps of sessions, one for every 3 m of path. They are built when first needed, rebuilt when more of their
-/// clouds have arrived, and kept within a memory limit together with the sight images they use; the least recently used
-/// are discarded first. Not thread safe.
+/// The submaps of sessions, one for every 3 m of path. They are built when first needed, rebuilt when the set of their
+/// stored clouds has changed, and kept within a memory limit together with the sight images they use; the least
+/// recently used are discarded first. Not thread safe.
 class SubmapCache {
  public:
   SubmapCache(std::size_t capacity_bytes, int threads, const SubmapConfig& config, CloudCache& prepared)
@@ -39,7 +39,7 @@ class SubmapCache {
   };
   struct Entry {
     SubmapPtr submap;
-    std::size_t clouds = 0;
+    std::uint64_t clouds = 0;  // a hash of the numbers of those it was made of
   };
   /// A submap that is being built.
   struct Build {
@@ -49,7 +49,7 @@ class SubmapCache {
     SubmapPtr submap;
   };
   void fetch_clouds(std::map<Key, Build>& builds, CloudSource& source);
-  void keep(const Key& key, SubmapPtr submap, std::size_t clouds);
+  void keep(const Key& key, SubmapPtr submap, std::uint64_t clouds);
   void let_go(const Submap& submap);
 
   std::size_t capacity_bytes_;

@@ -5,7 +5,7 @@ namespace {
 
 class RealPipeline : public Pipeline {
  public:
-  explicit RealPipeline(const MergeConfig& config) : pipeline_(config) {}
+  RealPipeline(const MergeConfig& config, PairHelpers* helpers) : pipeline_(config, helpers) {}
   void add_session(SessionId id, const FamilyId& family, const std::string& site) override {
     pipeline_.add_session(id, family, site);
   }
@@ -53,6 +53,8 @@ class RealPipeline : public Pipeline {
 
 }  // namespace
 
-std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config) { return std::make_unique<RealPipeline>(config); }
+std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config, PairHelpers* helpers) {
+  return std::make_unique<RealPipeline>(config, helpers);
+}
 
 }  // namespace headframe

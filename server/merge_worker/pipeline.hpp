@@ -42,6 +42,7 @@ class Pipeline {
   virtual Corrections corrections() const { return {}; }
 };
 
-std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config);
+/// helpers: see MergePipeline; must outlive the pipeline.
+std::unique_ptr<Pipeline> make_pipeline(const MergeConfig& config, PairHelpers* helpers = nullptr);
 
 }  // namespace headframe

@@ -34,7 +34,10 @@ Result<Reply> backup(const Query&, const Context& context) {
 
 Result<Reply> servers(const Query&, const Context& context) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const ServerRecord& server : context.station.servers())
+  for (const ServerRecord& server : context.station.servers()) {
+    nlohmann::json searches = nlohmann::json::array();
+    for (const std::int64_t session : {server.searches_a, server.searches_b})
+      if (session != 0) searches.push_back(session);
     rows.push_back({{"name", server.name},
                     {"robots", server.robots},
                     {"http", server.http},
@@ -42,7 +45,10 @@ Result<Reply> servers(const Query&, const Context& context) {
                     {"self", server.is_self},
                     {"since_s", server.since_s},
                     {"heard_ago_s", server.heard_ago_s},
-                    {"relayed", server.relayed.value_or(0)}});
+                    {"relayed", server.relayed.value_or(0)},
+                    {"searched", server.searched},
+                    {"searches", searches}});
+  }
   return json(nlohmann::json{{"servers", std::move(rows)}}.dump() + "\n");
 }
 

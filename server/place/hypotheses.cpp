@@ -29,6 +29,10 @@ double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const 
   return height;
 }
 
+bool has_walls(const WallProfile& walls) {
+  return std::any_of(walls.code.begin(), walls.code.end(), [](std::uint8_t code) { return code != 0; });
+}
+
 /// The middle of the walls of the part that met, at the height of the nearest keyframe.
 Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
   Eigen::Vector3d out = position(part[part.size() / 2]);
@@ -45,21 +49,27 @@ Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
 
 }  // namespace
 
+/// They are drawn anew whenever the keyframes changed, also where only an outlier lost its walls: what is found must
+/// not depend on when the session was searched before.
 std::shared_ptr<const SessionWalls> HypothesisFinder::walls(const SessionView& session) {
-  if (const auto* known = walls_.find(session.id)) {
-    if ((*known)->path_m == path_m(session.keyframes)) return *known;
-    walls_bytes_ -= walls_.drop(session.id)->bytes();
+  const auto with_walls = static_cast<std::size_t>(std::count_if(session.keyframes.begin(), session.keyframes.end(),
+                                                                 [](const Keyframe& k) { return has_walls(k.walls); }));
+  if (const Drawn* known = walls_.find(session.id)) {
+    if (known->walls->path_m == path_m(session.keyframes) && known->keyframes == session.keyframes.size() &&
+        known->with_walls == with_walls)
+      return known->walls;
+    walls_bytes_ -= walls_.drop(session.id).walls->bytes();
   }
   auto drawn = std::make_shared<const SessionWalls>(session.keyframes);
-  walls_.put(session.id, drawn);
+  walls_.put(session.id, {drawn, session.keyframes.size(), with_walls});
   walls_bytes_ += drawn->bytes();
-  while (walls_bytes_ > config_.walls_bytes && walls_.size() > 1) walls_bytes_ -= walls_.drop_oldest()->bytes();
+  while (walls_bytes_ > config_.walls_bytes && walls_.size() > 1) walls_bytes_ -= walls_.drop_oldest().walls->bytes();
   return drawn;
 }
 
 void HypothesisFinder::forget(SessionId session) {
   std::erase_if(found_, [&](const auto& f) { return f.first.first == session || f.first.second == session; });
-  if (walls_.find(session)) walls_bytes_ -= walls_.drop(session)->bytes();
+  if (walls_.find(session)) walls_bytes_ -= walls_.drop(session).walls->bytes();
 }
 
 std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
@@ -103,23 +113,38 @@ const Found* HypothesisFinder::find_within(const SessionView& session) {
   return &known;
 }
 
-const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
-                                    const std::function<std::vector<MatchedPair>()>& matches) {
-  Found& known = found_[{a.id, b.id}];
-  const double path_a = path_m(a.keyframes), path_b = path_m(b.keyframes);
+bool HypothesisFinder::needs_search(const SessionView& a, const SessionView& b) const {
+  if (a.keyframes.empty() || b.keyframes.empty()) return false;
+  const auto known = found_.find({a.id, b.id});
+  if (known == found_.end() || known->second.version == 0) return true;
   const auto news_m = [&](const SessionView& session) {
     return session.complete ? 1e-3 : session.asks_where ? config_.asked_news_m : config_.news_m;
   };
-  const bool grown = path_a - known.path_a_m >= news_m(a) || path_b - known.path_b_m >= news_m(b);
-  if (known.version > 0 && !grown) return &known;
-  if (a.keyframes.empty() || b.keyframes.empty()) return &known;
-  if (allowed_ == 0) return nullptr;
-  --allowed_;
+  return path_m(a.keyframes) - known->second.path_a_m >= news_m(a) ||
+         path_m(b.keyframes) - known->second.path_b_m >= news_m(b);
+}
+
+std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, const SessionView& b,
+                                                       const std::function<std::vector<MatchedPair>()>& matches) {
   const bool comparable = a.family == b.family;
   const DescriptorAgreement agreement(comparable ? a.keyframes : std::span<const Keyframe>(), b.keyframes);
   const auto matched = comparable ? matches() : std::vector<MatchedPair>();
-  known = {known.version + 1, search(a, b, matched, agreement, config_.seats), path_a, path_b};
+  return search(a, b, matched, agreement, config_.seats);
+}
+
+const Found* HypothesisFinder::take(const SessionView& a, const SessionView& b, std::vector<Hypothesis> hypotheses) {
+  if (allowed_ == 0) return nullptr;
+  --allowed_;
+  Found& known = found_[{a.id, b.id}];
+  known = {known.version + 1, std::move(hypotheses), path_m(a.keyframes), path_m(b.keyframes)};
   return &known;
+}
+
+const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
+                                    const std::function<std::vector<MatchedPair>()>& matches) {
+  if (!needs_search(a, b)) return &found_[{a.id, b.id}];
+  if (allowed_ == 0) return nullptr;
+  return take(a, b, search_apart(a, b, matches));
 }
 
 }  // namespace headframe

@@ -59,6 +59,16 @@ class HypothesisFinder {
 
   /// Allows this many new searches until the next call.
   void allow(std::size_t searches) { allowed_ = searches; }
+  bool may_search() const { return allowed_ > 0; }
+
+  /// Whether find() would search the pair anew now, or would if that were allowed.
+  bool needs_search(const SessionView& a, const SessionView& b) const;
+  /// The hypotheses of a new search, which depend on nothing but the two sessions. Does not count against allow(), and
+  /// find() does not learn of them.
+  std::vector<Hypothesis> search_apart(const SessionView& a, const SessionView& b,
+                                       const std::function<std::vector<MatchedPair>()>& matches);
+  /// As find(), for a pair that needs a search whose hypotheses are known: search_apart() of the same sessions.
+  const Found* take(const SessionView& a, const SessionView& b, std::vector<Hypothesis> hypotheses);
 
   /// Returns null if a new search would be needed and none is allowed any more. The pointer is valid until the next
   /// call. `matches` is called only for a new search.
@@ -71,13 +81,18 @@ class HypothesisFinder {
   void forget(SessionId session);
 
  private:
+  /// The walls of a session, and what they were drawn from.
+  struct Drawn {
+    std::shared_ptr<const SessionWalls> walls;
+    std::size_t keyframes = 0, with_walls = 0;
+  };
   std::shared_ptr<const SessionWalls> walls(const SessionView& session);
   std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<MatchedPair>& matches,
                                  const DescriptorAgreement& agreement, const LeadSeats& seats);
 
   Config config_;
   std::size_t allowed_ = std::numeric_limits<std::size_t>::max();
-  LruMap<SessionId, std::shared_ptr<const SessionWalls>> walls_;
+  LruMap<SessionId, Drawn> walls_;
   std::size_t walls_bytes_ = 0;
   std::map<std::pair<SessionId, SessionId>, Found> found_;
 };

@@ -148,6 +148,20 @@ Result<void> PostgresDatabase::wait(bool to_write) {
   return {};
 }
 
+Result<bool> PostgresDatabase::wait_for_notice(std::chrono::milliseconds most) {
+  if (auto settled = settle(); !settled) return tl::unexpected(settled.error());
+  const auto noticed = [&] {
+    bool any = false;
+    for (PGnotify* one = nullptr; (one = PQnotifies(connection_.get())) != nullptr; PQfreemem(one)) any = true;
+    return any;
+  };
+  if (noticed()) return true;
+  pollfd waiting{PQsocket(connection_.get()), POLLIN, 0};
+  if (::poll(&waiting, 1, static_cast<int>(most.count())) <= 0) return false;
+  if (PQconsumeInput(connection_.get()) != 1) return lost(PQerrorMessage(connection_.get()));
+  return noticed();
+}
+
 /// Reads answers meanwhile, so that neither side blocks because the other does not read.
 Result<void> PostgresDatabase::push_out() {
   int left = 0;

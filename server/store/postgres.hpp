@@ -2,6 +2,7 @@
 // A thin wrapper of libpq: statements are prepared once and kept, those without result rows are sent in sequence and
 // answered together (pipeline mode), errors are values.
 
+#include <chrono>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -40,6 +41,10 @@ class PostgresDatabase final : public Database {
   Result<void> query(std::string_view sql, std::span<const SqlValue> values, const Visit& visit) override;
   bool answers_from_afar() const override { return true; }
   Result<void> settle() override;
+
+  /// Waits until PostgreSQL notifies this connection of something that it LISTENs to, at most this long. True: it did,
+  /// since this was last called.
+  Result<bool> wait_for_notice(std::chrono::milliseconds most);
 
  private:
   struct Finish {

@@ -16,19 +16,23 @@ constexpr const char* note_self =
     " extract(epoch FROM clock_timestamp())::float8) ON CONFLICT (id) DO UPDATE SET heard_s = excluded.heard_s,"
     " active = excluded.active, since_s = excluded.since_s";
 constexpr const char* note_relayed = "UPDATE servers SET relayed = ?2, loopback = ?3 WHERE id = ?1";
+constexpr const char* note_searched =
+    "UPDATE servers SET searched = ?2, searches_a = ?3, searches_b = ?4 WHERE id = ?1";
 constexpr const char* forget_those_that_went =
     "DELETE FROM servers WHERE heard_s < extract(epoch FROM clock_timestamp())::float8 - ?";
-// Columns `relayed` and `loopback` are not there while the active server is an older one.
+// Columns `relayed`, `loopback` and those of searches are not there while the active server is an older one.
 constexpr const char* see_all =
     "SELECT name, robots, http, id = owner, id = ?1, since_s, extract(epoch FROM clock_timestamp())::float8 - heard_s,"
-    " active, (to_jsonb(servers) ->> 'relayed')::bigint, coalesce(to_jsonb(servers) ->> 'loopback', '') FROM servers, "
-    "writer ORDER BY id = owner DESC, name, id";
+    " active, (to_jsonb(servers) ->> 'relayed')::bigint, coalesce(to_jsonb(servers) ->> 'loopback', ''),"
+    " (to_jsonb(servers) ->> 'searched')::bigint, coalesce((to_jsonb(servers) ->> 'searches_a')::bigint, 0),"
+    " coalesce((to_jsonb(servers) ->> 'searches_b')::bigint, 0) FROM servers, writer ORDER BY id = owner DESC, name, "
+    "id";
 
 }  // namespace
 
 PostgresPresence::PostgresPresence(const std::string& url, const std::string& database,
-                                   std::function<void(const Error&)> taken_over, std::function<int()> relayed)
-    : database_(url, database), taken_over_(std::move(taken_over)), relayed_(std::move(relayed)) {}
+                                   std::function<void(const Error&)> taken_over, std::function<StandbyWork()> work)
+    : database_(url, database), taken_over_(std::move(taken_over)), work_(std::move(work)) {}
 
 PostgresPresence::~PostgresPresence() {
   {
@@ -96,14 +100,18 @@ void PostgresPresence::beat() {
   if (done) done = note(*card, active, for_s);
   if (done) (void)look(*card, active);
   counts_relayed_ = counts_relayed_ && done;
+  counts_searched_ = counts_searched_ && done;
 }
 
 Result<void> PostgresPresence::note(const ServerCard& card, bool active, double for_s) {
   auto done = database_.run(note_self, card.id, std::string_view(card.name), std::string_view(card.robots),
                             std::string_view(card.http), Blob{card.fingerprint}, Blob{card.token_digest},
                             active ? 1 : 0, for_s);
-  if (done && counts_relayed_ && relayed_)
-    done = database_.run(note_relayed, card.id, relayed_(), std::string_view(card.loopback));
+  const StandbyWork work = work_ ? work_() : StandbyWork();
+  if (done && counts_relayed_ && work_)
+    done = database_.run(note_relayed, card.id, work.relayed, std::string_view(card.loopback));
+  if (done && counts_searched_ && work_)
+    done = database_.run(note_searched, card.id, work.searched, work.searches_a, work.searches_b);
   if (done) done = database_.run(forget_those_that_went, gone_after_s);
   if (done) done = database_.settle();
   return done;
@@ -121,8 +129,10 @@ Result<void> PostgresPresence::look(const ServerCard& card, bool active) {
         std::optional<int> relayed;
         if (!row.is_null(8)) relayed = static_cast<int>(row.integer(8));
         seen.push_back({row.text(0), row.text(1), row.text(2), owns, is_self, row.real(5), std::max(0.0, row.real(6)),
-                        relayed, !card.loopback.empty() && row.text(9) == card.loopback});
+                        relayed, !card.loopback.empty() && row.text(9) == card.loopback,
+                        row.is_null(10) ? 0 : row.integer(10), row.integer(11), row.integer(12)});
         if (is_self) counts_relayed_ = relayed.has_value();
+        if (is_self) counts_searched_ = !row.is_null(10);
       },
       card.id);
   if (!read) return read;

@@ -21,9 +21,9 @@ class PostgresPresence {
   static constexpr double gone_after_s = 15;  // without a sign of life a server is not shown any more
 
   /// Begins with start(). `taken_over` is called once, on a thread of this, when the server was active and finds that
-  /// another is; `relayed` once a second, on that thread: how many connections this server passes on.
+  /// another is; `work` once a second, on that thread: what this server does for the active one.
   PostgresPresence(const std::string& url, const std::string& database, std::function<void(const Error&)> taken_over,
-                   std::function<int()> relayed = {});
+                   std::function<StandbyWork()> work = {});
   ~PostgresPresence();  // the others see at once that it has gone
 
   /// What it tells from now on.
@@ -44,9 +44,9 @@ class PostgresPresence {
 
   PostgresDatabase database_;  // of the thread
   const std::function<void(const Error&)> taken_over_;
-  const std::function<int()> relayed_;
-  bool told_ = false;            // of the thread: that another has taken over
-  bool counts_relayed_ = false;  // of the thread: the schema has a column for it
+  const std::function<StandbyWork()> work_;
+  bool told_ = false;                                      // of the thread: that another has taken over
+  bool counts_relayed_ = false, counts_searched_ = false;  // of the thread: the schema has columns for it
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<ServerCard> card_;

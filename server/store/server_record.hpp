@@ -17,6 +17,13 @@ struct ServerCard {
   std::string loopback = {};      // a name of the loopback that it shares with others on this machine alone
 };
 
+/// What a standby server does for the active one.
+struct StandbyWork {
+  int relayed = 0;                              // connections that it passes on now
+  std::int64_t searched = 0;                    // pairs of sessions that it has searched since it started
+  std::int64_t searches_a = 0, searches_b = 0;  // the pair that it searches now; 0: none
+};
+
 /// A server as the others see it.
 struct ServerRecord {
   std::string name;
@@ -29,6 +36,8 @@ struct ServerRecord {
   /// the active one may be one that knows nothing of it.
   std::optional<int> relayed = std::nullopt;
   bool shares_loopback = false;  // with the server that sees it: addresses on the loopback mean the same to both
+  std::int64_t searched = 0;     // pairs of sessions that it has searched for the active server
+  std::int64_t searches_a = 0, searches_b = 0;  // the pair that it searches now; 0: none
 };
 
 }  // namespace headframe

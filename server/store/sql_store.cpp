@@ -4,6 +4,7 @@
 
 #include "server/store/keyframe_row.hpp"
 #include "server/store/pose_rows.hpp"
+#include "server/store/session_reads.hpp"
 #include "server/store/stored_merge.hpp"
 
 namespace headframe {
@@ -64,23 +65,9 @@ Result<std::vector<SessionRecord>> SqlStore::sessions() {
 Result<void> SqlStore::each_keyframe(SessionId session, std::uint64_t first,
                                      const std::function<void(Keyframe)>& visit) {
   const std::lock_guard lock(mutex_);
-  std::optional<Keyframe> last;
-  std::vector<std::uint64_t> damaged;  // before the first one that is intact
-  auto read = reader_->each(
-      select_moved_keyframes() + " WHERE k.session=? AND k.sequence>=? ORDER BY k.sequence",
-      [&](const Row& row) {
-        const auto sequence = static_cast<std::uint64_t>(row.integer(0));
-        auto keyframe = moved_keyframe_of(row);
-        if (!keyframe) note_damage({session, sequence});
-        if (!keyframe && !last) return damaged.push_back(sequence);
-        if (!keyframe) return visit(stand_in(sequence, *last));
-        for (const std::uint64_t earlier : std::exchange(damaged, {})) visit(stand_in(earlier, *keyframe));
-        last = *keyframe;
-        visit(std::move(*keyframe));
-      },
-      session, first);
-  for (const std::uint64_t sequence : damaged) visit(stand_in(sequence, {}));
-  return read;
+  return read_keyframes(*reader_, session, first, visit, [&](std::uint64_t sequence) {
+    note_damage({session, sequence});
+  });
 }
 
 Result<NewPoses> SqlStore::new_poses(SessionId session) {
@@ -94,13 +81,8 @@ Result<std::uint64_t> SqlStore::last_keyframe(SessionId session) {
 }
 
 Result<std::vector<std::uint64_t>> SqlStore::cloud_sequences(SessionId session) {
-  std::vector<std::uint64_t> sequences;
   const std::lock_guard lock(mutex_);
-  auto read = reader_->each(
-      "SELECT sequence FROM clouds WHERE session=? ORDER BY sequence",
-      [&](const Row& row) { sequences.push_back(static_cast<std::uint64_t>(row.integer(0))); }, session);
-  if (!read) return tl::unexpected(read.error());
-  return sequences;
+  return read_cloud_sequences(*reader_, session);
 }
 
 Result<std::vector<CloudSize>> SqlStore::cloud_sizes(SessionId session) {
@@ -132,20 +114,12 @@ Result<std::optional<std::uint64_t>> SqlStore::free_bytes() {
 }
 
 Result<std::string> SqlStore::cloud(const KeyframeRef& keyframe) {
-  std::optional<std::string> encoded;
   const std::lock_guard lock(mutex_);
   if (damaged_.contains(keyframe))
     return failure(ErrorCode::not_found, "the row of keyframe " + std::to_string(keyframe.sequence) + " of session " +
                                              std::to_string(keyframe.session) +
                                              " is damaged: where its cloud belongs is not known");
-  auto read = reader_->each(
-      "SELECT encoded FROM clouds WHERE session=? AND sequence=?", [&](const Row& row) { encoded = row.text(0); },
-      keyframe.session, keyframe.sequence);
-  if (!read) return tl::unexpected(read.error());
-  if (!encoded)
-    return failure(ErrorCode::not_found, "no cloud of keyframe " + std::to_string(keyframe.sequence) + " of session " +
-                                             std::to_string(keyframe.session) + " is stored");
-  return std::move(*encoded);
+  return read_cloud(*reader_, keyframe);
 }
 
 Result<std::vector<RobotRecord>> SqlStore::robots() {

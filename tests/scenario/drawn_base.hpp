@@ -36,7 +36,9 @@ struct Base {
   Shelf shelf;
   std::vector<Drive> drives;
 
-  explicit Base(const std::vector<Drive>& all, const MergeConfig& config = waits_for_no_others()) : pipeline(config) {
+  explicit Base(const std::vector<Drive>& all, const MergeConfig& config = waits_for_no_others(),
+                PairHelpers* helpers = nullptr)
+      : pipeline(config, helpers) {
     for (const Drive& drive : all) arrive(drive);
   }
 

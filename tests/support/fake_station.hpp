@@ -52,7 +52,7 @@ class FakeStation : public Station {
   }
   std::vector<ServerRecord> servers() const override {
     return {{"pit:/var/lib/headframe", "0.0.0.0:7447", "127.0.0.1:7448", true, true, 1.76e9, 0, 0},
-            {"surface", "0.0.0.0:7447", "127.0.0.1:7448", false, false, 1.76e9 + 60, 1.2, 3}};
+            {"surface", "0.0.0.0:7447", "127.0.0.1:7448", false, false, 1.76e9 + 60, 1.2, 3, false, 17, 4, 9}};
   }
   AtlasView atlas() const override {
     const std::lock_guard lock(mutex_);

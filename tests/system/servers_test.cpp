@@ -1,7 +1,9 @@
 // Two servers on one PostgreSQL: one serves, the other waits, and takes over when the first is lost.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <csignal>
+#include <set>
 
 #include "tests/support/drawn_session.hpp"
 #include "tests/support/raw_robot.hpp"
@@ -52,6 +54,52 @@ TEST_F(Servers, OneIsKilledInTheMiddleOfADriveAndTheOtherGoesOn) {
     expect_done(*alone);
   }
   EXPECT_EQ(counts(*calm), counts(*second)) << "the same as without any kill";
+}
+
+/// The sessions of each component, by robot.
+std::set<std::set<std::string>> together(const BaseStation& station) {
+  std::set<std::set<std::string>> out;
+  const auto atlas = station.settled_atlas();
+  EXPECT_TRUE(atlas) << atlas.error().message;
+  if (!atlas) return out;
+  for (const Json& component : atlas->at("components")) {
+    std::set<std::string> robots;
+    for (const Json& session : component.at("sessions")) robots.insert(session.at("robot"));
+    out.insert(robots);
+  }
+  return out;
+}
+
+TEST_F(Servers, TheOneThatStandsBySearchesPairsAndTheMapIsTheSame) {
+  ASSERT_NO_FATAL_FAILURE(start_both(true));
+  ASSERT_TRUE(until([&] { return lists_a_standby(*first); }));
+  const std::array drives{drive_a_to_c(1), drive_b_to_a(1), drive_d_to_b(1)};
+  std::vector<std::string> robots;
+  const auto one_more = [&](const BaseStation& station, const std::string& robot) {
+    auto replay = station.replay(robot, folder(robot));
+    ASSERT_TRUE(replay) << replay.error().message;
+    expect_done(*replay);
+  };
+  const auto searched = [&] {
+    const Json servers = rows(*first, "servers");
+    return servers.size() == 2 ? servers[1].at("searched").get<int>() : 0;
+  };
+  while (robots.size() < 3 || (searched() == 0 && robots.size() < 12)) {  // it may not get to one before they are done
+    robots.push_back("robot" + std::to_string(robots.size()));
+    write_session(folder(robots.back()), drives.at(robots.size() % drives.size()));
+    one_more(*first, robots.back());
+  }
+  EXPECT_TRUE(until([&] { return searched() > 0; }));
+  second->process().signal(SIGKILL);  // whatever it is searching, the active one ends the attempt without it
+  robots.push_back("last");
+  write_session(folder("last"), drives[0]);
+  one_more(*first, "last");
+  const auto with_help = together(*first);
+  auto calm = BaseStation::start(folder("calm"), "127.0.0.1:0", true);
+  ASSERT_TRUE(calm) << calm.error().message;
+  for (const std::string& robot : robots) one_more(*calm, robot);
+  EXPECT_EQ(with_help, together(*calm));
+  EXPECT_EQ(with_help.size(), 1U);
 }
 
 TEST_F(Servers, OneThatWasCutOffWritesNothingMoreAndEnds) {

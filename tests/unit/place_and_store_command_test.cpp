@@ -71,6 +71,9 @@ TEST_F(HeadframeCommand, TheServersOfTheBaseStationAreListed) {
   EXPECT_EQ(json["servers"][0]["self"], true);
   EXPECT_EQ(json["servers"][1]["role"], "standby");
   EXPECT_EQ(json["servers"][1]["relayed"], 3);
+  EXPECT_EQ(json["servers"][1]["searched"], 17);
+  EXPECT_EQ(json["servers"][1]["searches"], Json::array({4, 9}));
+  EXPECT_EQ(json["servers"][0]["searches"], Json::array());
 }
 
 }  // namespace

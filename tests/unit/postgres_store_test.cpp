@@ -244,11 +244,13 @@ TEST_F(PostgresStore, AFolderThatHoldsADatabaseOfItsOwnIsRefused) {
 
 TEST_F(PostgresStore, ADatabaseOfBeforeKeyframesMovedIsBroughtUp) {
   ASSERT_TRUE(write_and_wait(*open(*home), PutSession{session_record(1, "ant")}));
-  ASSERT_TRUE(
-      home->database()->execute("DROP TABLE moved_poses; DROP TABLE pose_updates;"
-                                "ALTER TABLE sessions DROP COLUMN pose_update;"
-                                "ALTER TABLE servers DROP COLUMN relayed, DROP COLUMN loopback;"
-                                "UPDATE schema_version SET version = version - 2"));
+  ASSERT_TRUE(home->database()->execute(
+      "DROP TABLE moved_poses; DROP TABLE pose_updates;"
+      "ALTER TABLE sessions DROP COLUMN pose_update;"
+      "ALTER TABLE servers DROP COLUMN relayed, DROP COLUMN loopback;"
+      "ALTER TABLE servers DROP COLUMN searched, DROP COLUMN searches_a, DROP COLUMN searches_b;"
+      "DROP TABLE pair_work;"
+      "UPDATE schema_version SET version = version - 3"));
   const auto store = open(*home);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);

@@ -88,6 +88,8 @@ TEST(ServerConfig, TheStoreIsPostgresqlWhereItsUrlIsGiven) {
 
 TEST(ServerConfig, AServerStandsByOverPostgresqlAlone) {
   EXPECT_FALSE(parse_config("", "hf.toml")->standby);
+  EXPECT_TRUE(parse_config("", "hf.toml")->helps);
+  EXPECT_FALSE(parse_config("[store]\nhelps = false", "hf.toml")->helps);
   const auto config = parse_config(
       "[server]\nname = 'north shaft'\n[store]\nurl = 'postgresql://db/mine'\nstandby = true\n", "hf.toml");
   ASSERT_TRUE(config) << config.error().message;

@@ -8,6 +8,7 @@
 #include "tests/bench/link/load.hpp"
 #include "tests/bench/link/quantile.hpp"
 #include "tests/bench/servers/campaign.hpp"
+#include "tests/bench/servers/scaling.hpp"
 #include "tests/support/base_station.hpp"
 
 namespace headframe::bench {
@@ -121,14 +122,33 @@ bool bench_acks(LoadPlan plan, const std::filesystem::path& out) {
   return true;
 }
 
+/// PostgreSQL in memory: what is measured is merging.
+bool bench_scaling(const ScalingPlan& plan, const std::filesystem::path& out) {
+  run_on_core(0);
+  const auto cluster = test::PostgresCluster::make();
+  if (!cluster) return std::fprintf(stderr, "servers: %s\n", cluster.error().message.c_str()), false;
+  const test::ScratchFolder scratch;
+  const auto figures = scaling(plan, **cluster, scratch.path(), [&](const Json& so_far) { save(out, so_far); });
+  if (!figures) std::fprintf(stderr, "servers: %s\n", figures.error().message.c_str());
+  return figures.has_value();
+}
+
 int servers_main(int argc, char** argv, const std::filesystem::path& out) {
-  CLI::App app("Two servers on one PostgreSQL under kills, and what they cost robots; without a part: both.",
-               "./run bench servers");
+  CLI::App app(
+      "Two servers on one PostgreSQL under kills, what they cost robots, and what they merge; without a part: all.",
+      "./run bench servers");
   app.fallthrough();  // the parts take the options, too
   ServersPlan kills;
   auto* kills_part = app.add_subcommand("kills", "kill -9 of servers, PostgreSQL and robots, all compared");
   LoadPlan load{.seconds = 60};
   auto* acks_part = app.add_subcommand("acks", "keyframe to ack with many robots, beside SQLite");
+  ScalingPlan merges;
+  auto* scaling_part = app.add_subcommand("scaling", "merging with a server that stands by over merging without one");
+  app.add_option("--sessions", merges.sessions, "of the scaling, each in a mine of its own")->capture_default_str();
+  app.add_option("--visits", merges.visits, "of the scaling, to these mines")->capture_default_str();
+  app.add_option("--runs", merges.pairs, "pairs of runs of the scaling")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--count", kills.count, "kills")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--seed", kills.seed)->capture_default_str();
   app.add_option("--robots", load.robots, "of the acks")->check(CLI::PositiveNumber)->capture_default_str();
@@ -146,6 +166,7 @@ int servers_main(int argc, char** argv, const std::filesystem::path& out) {
   bool good = true;
   if (all || acks_part->parsed()) good = bench_acks(load, out) && good;
   if (all || kills_part->parsed()) good = bench_kills(kills, out) && good;
+  if (all || scaling_part->parsed()) good = bench_scaling(merges, out) && good;
   return good ? 0 : 1;
 }
 

@@ -39,13 +39,14 @@ export function Servers({ desk }: { desk: Desk }) {
         Servers <span class="muted">{waiting === 0 ? 'none stands by' : `${waiting} ${waiting === 1 ? 'stands' : 'stand'} by`}</span>
       </summary>
       <ul>
-        {servers.map(({ name, role, robots, since_s, heard_ago_s, relayed, self }) => (
+        {servers.map(({ name, role, robots, since_s, heard_ago_s, relayed, searched, self }) => (
           <li key={name + robots} class="fleet-row">
             <strong>{name}</strong>
             <span class="muted">
               {role === 'active' ? 'serves' : 'stands by'} for robots on {robots}, since {momentText(since_s)}
               {self ? '' : `, heard ${duration(heard_ago_s)} ago`}
               {relayed ? `, relays ${relayed} ${relayed === 1 ? 'connection' : 'connections'}` : ''}
+              {searched ? `, has searched ${searched} ${searched === 1 ? 'pair' : 'pairs'} of sessions` : ''}
             </span>
           </li>
         ))}

@@ -195,6 +195,7 @@ export interface ServerRow {
   since_s: number;
   heard_ago_s: number;
   relayed?: number; // connections that it passes on to the one that serves
+  searched?: number; // pairs of sessions that it has searched for the one that serves
 }
 
 /** Who works with this page. */
