@@ -73,7 +73,7 @@ std::set<std::set<std::string>> together(const BaseStation& station) {
 TEST_F(Servers, TheOneThatStandsBySearchesPairsAndTheMapIsTheSame) {
   ASSERT_NO_FATAL_FAILURE(start_both(true));
   ASSERT_TRUE(until([&] { return lists_a_standby(*first); }));
-  const std::array drives{drive_a_to_c(1), drive_b_to_a(1), drive_d_to_b(1)};
+  const std::array drives{drive_a_to_c(), drive_b_to_a(), drive_d_to_b()};
   std::vector<std::string> robots;
   const auto one_more = [&](const BaseStation& station, const std::string& robot) {
     auto replay = station.replay(robot, folder(robot));
