@@ -217,7 +217,8 @@ TEST(OneServer, OverSqliteIsAloneAndNobodyStandsBy) {
   std::ofstream(scratch.path() / "config.toml") << "[store]\nstandby = true\n";
   const auto refused = BaseStation::start_standby(scratch.path() / "second", scratch.path() / "config.toml", true);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("SQLite is one server's alone"), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("only one server can use an SQLite database"), std::string::npos)
+      << refused.error().message;
 }
 
 }  // namespace
