@@ -10,7 +10,7 @@ constexpr std::size_t more = 2;           // times as many clouds as for the fir
 constexpr std::size_t cases_awaited = 1;  // number of cases that may wait for a first look at a time
 constexpr std::size_t cases_asking = 10;  // only the best cases request clouds; others use the stored ones
 constexpr double settled_m = 3;           // a cloud this near to a place is enough for it; set by hand ...
-constexpr double drifted_m = 0.08;        // ... unless the places differ by more than this; tunnel-two has 0.073
+constexpr double drifted_m = 0.08;        // ... unless the places differ by more than this; set by hand
 constexpr double rival_share = 0.7;  // share of the support: weaker rivals of an accepted placement request no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {

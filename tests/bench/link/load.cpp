@@ -41,15 +41,6 @@ double rss_mb(int pid) {
   return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-double cpu_s(int pid) {
-  std::ifstream in("/proc/" + std::to_string(pid) + "/stat");
-  std::string word;
-  double user = 0, system = 0;
-  for (int i = 1; i < 14; ++i) in >> word;
-  in >> user >> system;
-  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
-
 struct Robot {
   std::string name;
   std::unique_ptr<RobotClient> client;
@@ -168,6 +159,15 @@ class Load {
 };
 
 }  // namespace
+
+double cpu_s(int pid) {
+  std::ifstream in("/proc/" + std::to_string(pid) + "/stat");
+  std::string word;
+  double user = 0, system = 0;
+  for (int i = 1; i < 14; ++i) in >> word;
+  in >> user >> system;
+  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
 
 Result<LoadOutcome> load(const LoadPlan& plan, const fs::path& scratch, const fs::path& spools) {
   const rlimit files{65536, 65536};

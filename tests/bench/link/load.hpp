@@ -8,6 +8,9 @@
 
 namespace headframe::bench {
 
+/// Processor seconds that the process has used so far; 0 if there is none.
+double cpu_s(int pid);
+
 struct LoadPlan {
   int robots = 200;            // each a keyframe a second with its cloud
   double seconds = 600;        // after all have connected

@@ -144,8 +144,12 @@ int servers_main(int argc, char** argv, const std::filesystem::path& out) {
   auto* acks_part = app.add_subcommand("acks", "keyframe to ack with many robots, beside SQLite");
   ScalingPlan merges;
   auto* scaling_part = app.add_subcommand("scaling", "merging with a server that stands by over merging without one");
-  app.add_option("--sessions", merges.sessions, "of the scaling, each in a mine of its own")->capture_default_str();
-  app.add_option("--visits", merges.visits, "of the scaling, to these mines")->capture_default_str();
+  app.add_option("--sessions", merges.sessions, "of the scaling, each in a mine of its own")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--visits", merges.visits, "of the scaling, to these mines")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--runs", merges.pairs, "pairs of runs of the scaling")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -1,11 +1,9 @@
 #include "tests/bench/servers/scaling.hpp"
 
 #include <sched.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <future>
 #include <optional>
 #include <thread>
@@ -13,6 +11,7 @@
 #include "common/cloud/cloud_codec.hpp"
 #include "common/descriptor/family.hpp"
 #include "server/store/postgres_store.hpp"
+#include "tests/bench/link/load.hpp"
 #include "tests/bench/link/quantile.hpp"
 #include "tests/bench/link/served.hpp"
 #include "tests/bench/years/drawn_years.hpp"
@@ -22,15 +21,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
-
-double processor_s(int pid) {
-  std::ifstream in("/proc/" + std::to_string(pid) + "/stat");
-  std::string word;
-  double user = 0, system = 0;
-  for (int i = 1; i < 14; ++i) in >> word;
-  in >> user >> system;
-  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
 
 void put(Store& store, SessionId id, const test::Drive& drive) {
   SessionRecord record;
@@ -96,8 +86,8 @@ class Runs {
     if (auto done = until_all_are_tried(database, *active); !done) return tl::unexpected(done.error());
     Run run;
     run.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
-    run.active_cpu_s = processor_s(active->process.pid());
-    if (standby) run.standby_cpu_s = processor_s(standby->process.pid());
+    run.active_cpu_s = cpu_s(active->process.pid());
+    if (standby) run.standby_cpu_s = cpu_s(standby->process.pid());
     (void)database.each("SELECT coalesce(max(searched), 0)::bigint FROM servers",
                         [&](const Row& row) { run.searched = row.integer(0); });
     (void)database.each(
@@ -174,9 +164,6 @@ Result<nlohmann::json> scaling(const ScalingPlan& plan, test::PostgresCluster& c
                {"merge_alone_cpu_s", quantile(alone_cpu_s, 0.5)},
                {"merge_active_cpu_s", quantile(active_cpu_s, 0.5)},
                {"merge_standby_cpu_s", quantile(standby_cpu_s, 0.5)},
-               // Were both cores theirs alone: each takes the next pair when it is free, so they share the work evenly.
-               {"merge_scaling_by_processor",
-                2 * quantile(alone_cpu_s, 0.5) / (quantile(active_cpu_s, 0.5) + quantile(standby_cpu_s, 0.5))},
                {"merge_scaling_runs", i + 1},
                {"merge_scaling_different", different}};
     after_run(figures);
