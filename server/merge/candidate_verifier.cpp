@@ -258,8 +258,7 @@ bool CandidateVerifier::ask_for_all(const OrderedPair& pair, const Attempt& atte
 /// Whether the pair has ended and only the mine's likeness to itself speaks against the placement: few clouds show more
 /// copies than there are, and a shorter overlap.
 bool CandidateVerifier::only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const {
-  return sessions_.at(pair.a).complete && sessions_.at(pair.b).complete &&
-         best.judgement.evidence.probability_if_unique >= config_.accept_probability;
+  return sessions_.have_ended(pair) && best.judgement.evidence.probability_if_unique >= config_.accept_probability;
 }
 
 }  // namespace headframe

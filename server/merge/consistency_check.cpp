@@ -63,7 +63,8 @@ void ConsistencyCheck::forget(SessionId id) {
 
 ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& placement, const OrderedPair& pair,
                                                        const Case& at, CloudSource& clouds) const {
-  SeenContact out{placement.T_a_b, at.a.stored.size() + at.b.stored.size(), ended(pair), Contact::none, {}, false};
+  SeenContact out{
+      placement.T_a_b, at.a.stored.size() + at.b.stored.size(), sessions_.have_ended(pair), Contact::none, {}, false};
   if (at.a.stored.empty() || at.b.stored.empty()) return out;
   out.judgement = by_ids(pair, verifier_.judge_contact(pair, at, clouds));
   const Judgement& judged = out.judgement;
@@ -72,10 +73,6 @@ ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& p
   else if (judged.evidence.probability >= config_.accept_probability && agrees(placement.T_a_b, judged.T_a_b, {}))
     out.contact = Contact::agrees;
   return out;
-}
-
-bool ConsistencyCheck::ended(const OrderedPair& pair) const {
-  return sessions_.at(pair.a).complete && sessions_.at(pair.b).complete;
 }
 
 /// Returns true if something new was found.
@@ -87,7 +84,8 @@ bool ConsistencyCheck::look_at(const ImpliedPlacement& placement, const Attempt&
   SeenContact* before = seen(placement);
   const auto speak = static_cast<double>(at.a.stored.size() + at.b.stored.size());
   // When both sessions have ended they are judged once more, so that the result does not depend on when that was.
-  if (before && (before->whole || !ended(pair)) && speak <= growth * static_cast<double>(before->keyframes))
+  if (before && (before->whole || !sessions_.have_ended(pair)) &&
+      speak <= growth * static_cast<double>(before->keyframes))
     return false;
   if (const auto wanted = requests_.clouds_for_screening(pair, at); !before && !wanted.empty()) {
     if (attempt.report.wanted.empty()) attempt.report.wanted = wanted;

@@ -47,7 +47,6 @@ class ConsistencyCheck {
 
   void look_while_news(AlignmentBook::Waiting waiting, const Attempt& attempt);
   bool meet(const ImpliedPlacement& placement) const;
-  bool ended(const OrderedPair& pair) const;
   SeenContact* seen(const ImpliedPlacement& placement);
   bool look_at(const ImpliedPlacement& placement, const Attempt& attempt);
   SeenContact judged(const ImpliedPlacement& placement, const OrderedPair& pair, const Case& at,

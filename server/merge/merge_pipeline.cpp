@@ -187,7 +187,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   const Case now = requests.make_case(pair.a, pair.b, {.T_a_b = T_0}, attempt.clouds);
   if (now.a.stored.empty() || now.b.stored.empty()) return true;
   if (now.a.any_let_go || now.b.any_let_go) return true;  // clouds that supported it have been deleted
-  const bool ended = sessions.at(pair.a).complete && sessions.at(pair.b).complete;
+  const bool ended = sessions.have_ended(pair);
   if (ended) attempt.want(requests.clouds_to_settle(pair, now, published.evidence.spread_m));
   if (judged.judged_on(pair, {.clouds = {now.a.stored.size(), now.b.stored.size()}})) return true;
   const Stopwatch watch(attempt.report.times.verification_ms);
