@@ -5,12 +5,7 @@
 #include <numbers>
 #include <utility>
 
-// The same results with and without: AVX2 has no fused operations.
-#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
-#define HEADFRAME_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define HEADFRAME_WIDE
-#endif
+#include "server/support/wide.hpp"
 
 namespace headframe {
 namespace {

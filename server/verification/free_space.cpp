@@ -1,8 +1,11 @@
 #include "server/verification/free_space.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 
 #include "server/registration/kd_tree.hpp"
+#include "server/support/wide.hpp"
 
 namespace headframe {
 namespace {
@@ -76,18 +79,57 @@ struct Answer {
   int hits = 0, through = 0;
 };
 
-Answer ask(const std::vector<View>& views, const Eigen::Vector3f& p, const Eigen::Vector3f& normal, float reach_m) {
-  Answer answer;
-  for (const View& view : views) {
-    const Eigen::Vector3f ray = p - view.origin;
-    const float range = ray.norm();
-    if (range > reach_m) continue;
-    const Sight sight = view.image->look(view.T_view_points * p, reach_m);
-    answer.hits += sight == Sight::hit;
-    answer.through += sight == Sight::through && std::abs(normal.dot(ray)) > least_cosine * range;
-    if (answer.hits + answer.through == views_asked) break;
+HEADFRAME_WIDE void move(const Eigen::Matrix4f& T, SightBlock& points) {
+  float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float px = x[i], py = y[i], pz = z[i];
+    x[i] = T(0, 0) * px + T(0, 1) * py + T(0, 2) * pz + T(0, 3);
+    y[i] = T(1, 0) * px + T(1, 1) * py + T(1, 2) * pz + T(1, 3);
+    z[i] = T(2, 0) * px + T(2, 1) * py + T(2, 2) * pz + T(2, 3);
   }
-  return answer;
+}
+
+void look(const View& view, const Points& points, std::span<const std::uint32_t> numbers, float reach_m,
+          std::array<Sight, SightBlock::most>& sights) {
+  SightBlock block;
+  block.count = numbers.size();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const Eigen::Vector3f& p = points[numbers[i]];
+    block.x[i] = p.x();
+    block.y[i] = p.y();
+    block.z[i] = p.z();
+  }
+  move(view.T_view_points.matrix(), block);
+  view.image->look(block, reach_m, sights);
+}
+
+/// What the first views that know anything of a point say of it; view by view, so that an image stays in the
+/// processor's cache.
+std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock, float reach_m) {
+  std::vector<Answer> answers(rock.points.size());
+  std::vector<std::uint32_t> open(rock.points.size());  // points of which more may be said
+  std::iota(open.begin(), open.end(), 0);
+  std::array<Sight, SightBlock::most> sights;
+  for (const View& view : views) {
+    std::size_t still_open = 0;
+    for (std::size_t first = 0; first < open.size(); first += sights.size()) {
+      const auto block = std::span(open).subspan(first, std::min(sights.size(), open.size() - first));
+      look(view, rock.points, block, reach_m, sights);
+      for (std::size_t i = 0; i < block.size(); ++i) {
+        const std::uint32_t n = block[i];
+        if (sights[i] != Sight::unknown) {
+          const Eigen::Vector3f ray = rock.points[n] - view.origin;
+          const float range = ray.norm();
+          const bool grazes = std::abs(rock.normals[n].dot(ray)) <= least_cosine * range;
+          answers[n].hits += range <= reach_m && sights[i] == Sight::hit;
+          answers[n].through += range <= reach_m && sights[i] == Sight::through && !grazes;
+        }
+        if (answers[n].hits + answers[n].through < views_asked) open[still_open++] = n;
+      }
+    }
+    open.resize(still_open);
+  }
+  return answers;
 }
 
 }  // namespace
@@ -95,9 +137,9 @@ Answer ask(const std::vector<View>& views, const Eigen::Vector3f& p, const Eigen
 SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const PlacedView> own, float reach_m) {
   const std::vector<View> views = seen_from(own, Pose::Identity());
   SurfelCloud kept;
+  const std::vector<Answer> answers = ask(views, surfels, reach_m);
   for (std::size_t i = 0; i < surfels.points.size(); ++i) {
-    const Answer answer = ask(views, surfels.points[i], surfels.normals[i], reach_m);
-    if (is_transient(answer.hits, answer.through, least_hits)) continue;
+    if (is_transient(answers[i].hits, answers[i].through, least_hits)) continue;
     kept.points.push_back(surfels.points[i]);
     kept.normals.push_back(surfels.normals[i]);
   }
@@ -109,12 +151,10 @@ std::vector<PointSight> sights_from(std::span<const PlacedView> a, const SurfelC
   const std::vector<View> views = seen_from(a, T_a_b);
   std::vector<PointSight> sights;
   sights.reserve(b.points.size());
-  for (std::size_t i = 0; i < b.points.size(); ++i) {
-    const Answer answer = ask(views, b.points[i], b.normals[i], reach_m);
+  for (const Answer& answer : ask(views, b, reach_m))
     sights.push_back(answer.hits + answer.through == 0 ? PointSight::unknown
                      : answer.through > answer.hits    ? PointSight::violated
                                                        : PointSight::seen);
-  }
   tell_lone_ones(b, companion_leaves * leaf_m, sights);
   return sights;
 }

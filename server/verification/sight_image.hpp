@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
@@ -21,6 +22,13 @@ constexpr bool is_transient(int hits, int through, int least_hits) {
   return hits < least_hits || (through > 0 && through >= hits);
 }
 
+/// Up to `most` points, coordinate by coordinate, so that several are computed at once.
+struct SightBlock {
+  static constexpr std::size_t most = 64;
+  std::size_t count = 0;
+  std::array<float, most> x, y, z;
+};
+
 /// The ranges of one sweep in bins of 2 x 2 deg, to tell whether a point is hit, seen through or hidden. Made for
 /// lidars of 16 to 128 beams. A bin without a return knows nothing, and rows without a return take no memory. Immutable
 /// after construction.
@@ -35,6 +43,9 @@ class SightImage {
   /// Up to a range of reach_m. The tolerance grows with the range: 0.35 m + 3 %.
   Sight look(const Eigen::Vector3f& point, float reach_m) const;
 
+  /// The same of all points of a block, faster than one by one; one answer for each.
+  void look(const SightBlock& points, float reach_m, std::span<Sight, SightBlock::most> answers) const;
+
   std::size_t bytes() const { return bins_.size() * sizeof(Bin); }
 
  private:
@@ -43,6 +54,11 @@ class SightImage {
     std::uint16_t far_cm = 0;
     std::uint16_t nearest_cm = 0, farthest_cm = 0;  // of this bin and the eight around it
   };
+  struct Direction {
+    int column = 0, row = 0;
+  };
+  static Direction direction(float x, float y, float z);
+  Sight look(Direction direction, float range, float reach_m) const;
   void sum_up(int row, int column);
   const Bin& bin(int row, int column) const;
 

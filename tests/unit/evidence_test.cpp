@@ -35,6 +35,32 @@ TEST(SightImage, HitThroughAndHidden) {
   EXPECT_EQ(SightImage(Points{}).look({1, 0, 0}, 30), Sight::unknown);
 }
 
+TEST(SightImage, ABlockIsSeenLikeItsPoints) {
+  const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
+  std::mt19937 rng(1);
+  const SightImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 32, 512));
+  std::uniform_real_distribution<float> along(-25, 25), across(-4, 4);
+  std::array<int, 3> seen{};
+  for (std::size_t count = 0; count <= SightBlock::most; ++count) {
+    SightBlock block;
+    block.count = count;
+    Points points{Eigen::Vector3f::Zero(), {0, 0, 3}, {std::nanf(""), 0, 0}, {-5, 0, 0}, {-5, -0.0F, 0}, {1e9F, 0, 0}};
+    while (points.size() < count) points.emplace_back(along(rng), across(rng), 0.5F * across(rng));
+    for (std::size_t i = 0; i < count; ++i) {
+      block.x[i] = points[i].x();
+      block.y[i] = points[i].y();
+      block.z[i] = points[i].z();
+    }
+    std::array<Sight, SightBlock::most> answers{};
+    image.look(block, 20, answers);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(answers[i], image.look(points[i], 20)) << points[i].transpose();
+      ++seen.at(static_cast<std::size_t>(answers[i]));
+    }
+  }
+  for (const int of_each : seen) EXPECT_GT(of_each, 50);
+}
+
 TEST(SurfelCloud, StrayReturnsAreLeftOut) {
   const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
   std::mt19937 rng(1);
@@ -93,6 +119,38 @@ TEST(Visibility, TheRightPlaceHasNoViolationsAndAWrongOneHas) {
   const auto views = views_near(clouds_a, truth * crossing, 25);
   EXPECT_LT(look_from(views, rock, truth, 25, 0.5F).violation(), 0.002);
   EXPECT_GT(look_from(views, rock, Eigen::Translation3d(0, 6, 0) * truth, 25, 0.5F).violation(), 0.02);
+}
+
+TEST(Visibility, SightsAreThoseOfOnePointAfterAnother) {
+  const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30)});
+  const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);
+  const Pose T_a_b = Eigen::Translation3d(0.4, 1, 0.1) * (a.T_mine_local.inverse() * b.T_mine_local);
+  const Eigen::Vector3d crossing = b.T_mine_local.inverse() * Eigen::Vector3d(30, 0, 1);
+  const SurfelCloud rock = sphere(placed(b), crossing, 15, 0.5F);
+  const auto clouds_a = placed(a);
+  const auto views = views_near(clouds_a, T_a_b * crossing, 25);
+  const float reach_m = 20;
+  const std::vector<PointSight> sights = sights_from(views, rock, T_a_b, reach_m, 0.5F);
+  ASSERT_EQ(sights.size(), rock.points.size());
+  std::array<int, 3> seen{};
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    int hits = 0, through = 0;
+    for (const PlacedView& view : views) {
+      if (hits + through == 8) break;
+      const Pose T_b_view = T_a_b.inverse() * view.T_local_view;
+      const Eigen::Vector3f ray = rock.points[i] - T_b_view.translation().cast<float>();
+      if (ray.norm() > reach_m) continue;
+      const Sight sight = view.image->look(T_b_view.inverse().cast<float>() * rock.points[i], reach_m);
+      hits += sight == Sight::hit;
+      through += sight == Sight::through && std::abs(rock.normals[i].dot(ray)) > 0.3F * ray.norm();
+    }
+    const PointSight expected = hits + through == 0 ? PointSight::unknown
+                                : through > hits    ? PointSight::violated
+                                                    : PointSight::seen;
+    EXPECT_EQ(sights[i] == PointSight::lone ? PointSight::violated : sights[i], expected) << i;
+    ++seen.at(static_cast<std::size_t>(expected));
+  }
+  for (const int of_each : seen) EXPECT_GT(of_each, 20);
 }
 
 TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
