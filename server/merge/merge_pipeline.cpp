@@ -90,7 +90,7 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
   std::set<SessionId> left = aligned;
   const std::vector<SessionId> ranked = partners.rank(id, sessions);
   const bool few = ranked.size() <= static_cast<std::size_t>(config.partners);
-  announce(id, ranked, aligned, attempt.clouds);
+  announce(id, ranked, attempt.clouds);
   int came_to_nothing = 0;
   for (const SessionId other : ranked) {
     if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
@@ -117,10 +117,25 @@ void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
   });
 }
 
-/// Announces what the next attempts to merge the session will search, so that other servers may begin with it.
-void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& ranked,
-                                    const std::set<SessionId>& aligned, const CloudSource& clouds) {
+/// Announces what this attempt will search, and then what those of sessions that wait for their turn will, so that
+/// other servers may begin with it.
+void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& ranked, const CloudSource& clouds) {
+  constexpr std::size_t enough_later = 64;  // for a helper that is done before this attempt is
   if (!shared.has_helpers()) return;
+  std::vector<OrderedPair> later;
+  for (const auto& [other, session] : sessions.all()) {
+    if (later.size() >= enough_later) break;
+    if (other == id || !session.complete || session.looked_at) continue;
+    const auto searches = searches_of(other, partners.rank(other, sessions), clouds);
+    later.insert(later.end(), searches.begin(), searches.end());
+  }
+  shared.announce(searches_of(id, ranked, clouds), later, clouds);
+}
+
+/// What an attempt of the session will search among these partners, and how the sessions look like themselves (a == b).
+std::vector<OrderedPair> MergePipeline::State::searches_of(SessionId id, const std::vector<SessionId>& ranked,
+                                                           const CloudSource& clouds) const {
+  const std::set<SessionId> aligned = book.aligned_with(id);
   std::vector<OrderedPair> pairs;
   int tried = 0;
   for (const SessionId other : ranked) {
@@ -135,7 +150,7 @@ void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& 
       if (!self.known(one, clouds)) pairs.push_back({one, one});
     pairs.push_back(pair);
   }
-  shared.announce(pairs, clouds);
+  return pairs;
 }
 
 std::optional<PairFindings> MergePipeline::State::found_elsewhere(const OrderedPair& pair, const Attempt& attempt) {

@@ -73,6 +73,8 @@ class MergePipeline {
   /// last revision; and the anchors in the order they were chosen.
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
                std::vector<SessionId> anchors = {});
+  /// After restore(): the session has keyframes that no attempt has used. Merges that it might contradict wait for it.
+  void await_attempt(SessionId id);
 
   /// Call before restore(): how often sessions look like themselves, as attempts reported it. What is missing is
   /// computed by prepare_ahead(), or when an attempt needs it.

@@ -189,7 +189,7 @@ void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t rev
   State& s = *state_;
   s.book.restore(std::move(alignments), std::move(decisions), std::move(anchors));
   for (const auto& [id, session] : s.sessions.all()) {
-    s.sessions.set_looked_at(id, true);  // it has ended and was tried
+    s.sessions.set_looked_at(id, true);  // it has ended and was tried, see await_attempt()
     s.submaps.leave_for_attempts(id);    // submaps of all sessions would not fit into memory
     if (s.self.last(id).path_m >= 0) s.to_prepare.erase(id);
   }
@@ -197,6 +197,10 @@ void MergePipeline::restore(std::vector<Alignment> alignments, std::uint64_t rev
   s.update_atlas(ignored);
   s.book.set_revision(revision);
   s.book.given_out({});
+}
+
+void MergePipeline::await_attempt(SessionId id) {
+  if (state_->sessions.contains(id)) state_->sessions.set_looked_at(id, false);
 }
 
 void MergePipeline::restore_closures(const PairClosures& known) {

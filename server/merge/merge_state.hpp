@@ -40,8 +40,9 @@ struct MergePipeline::State {
   void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report, std::optional<PairFindings> known = {});
   std::optional<PairFindings> found_elsewhere(const OrderedPair& pair, const Attempt& attempt);
-  void announce(SessionId id, const std::vector<SessionId>& ranked, const std::set<SessionId>& aligned,
-                const CloudSource& clouds);
+  void announce(SessionId id, const std::vector<SessionId>& ranked, const CloudSource& clouds);
+  std::vector<OrderedPair> searches_of(SessionId id, const std::vector<SessionId>& ranked,
+                                       const CloudSource& clouds) const;
   std::vector<Verdict> judge_by_hand(const OrderedPair& pair, const Case& at, const Attempt& attempt);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);
   JudgedOn what_there_is(const OrderedPair& pair, const Found& found, const std::vector<Case>& cases) const;

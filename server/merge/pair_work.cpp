@@ -40,15 +40,20 @@ std::optional<PairTask> PairWork::task_of(const OrderedPair& pair, const CloudSo
                   digest(pair.a, clouds) + digest(pair.b, clouds)};
 }
 
-void PairWork::announce(const std::vector<OrderedPair>& pairs, const CloudSource& clouds) {
+void PairWork::announce(const std::vector<OrderedPair>& pairs, const std::vector<OrderedPair>& later,
+                        const CloudSource& clouds) {
+  std::vector<PairTask> tasks;
   std::set<std::string> seen;
-  for (const OrderedPair& pair : pairs) {
+  const auto add = [&](const OrderedPair& pair) {
     auto task = task_of(pair, clouds);
-    if (!task || ahead_.contains(task->digest) || !seen.insert(task->digest).second) continue;
+    if (!task || ahead_.contains(task->digest) || !seen.insert(task->digest).second) return;
     open_.insert(task->digest);
-    announced_.push_back(std::move(*task));
-  }
-  if (!announced_.empty()) helpers_->announce(announced_);
+    tasks.push_back(std::move(*task));
+  };
+  std::for_each(pairs.begin(), pairs.end(), add);
+  announced_ = tasks;
+  std::for_each(later.begin(), later.end(), add);
+  if (!tasks.empty()) helpers_->announce(tasks);
 }
 
 std::optional<PairFindings> PairWork::kept(const std::string& digest) {

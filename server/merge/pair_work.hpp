@@ -33,8 +33,10 @@ class PairWork {
   /// No more will be searched. `unfinished`: the attempt goes on later, and what was announced for it may be worked on
   /// meanwhile.
   void end(bool unfinished);
-  /// These will be needed in this order; a == b: how a session looks like itself.
-  void announce(const std::vector<OrderedPair>& pairs, const CloudSource& clouds);
+  /// These will be needed in this order, and afterwards, by the attempts of other sessions, those of `later`; a == b:
+  /// how a session looks like itself.
+  void announce(const std::vector<OrderedPair>& pairs, const std::vector<OrderedPair>& later,
+                const CloudSource& clouds);
 
   /// What another server, or this one ahead of time, has found. Nullopt: it has to be found now, and nobody else will.
   std::optional<PairFindings> findings(const OrderedPair& pair, CloudSource& clouds);
@@ -54,7 +56,7 @@ class PairWork {
   PairHelpers* const helpers_;
   bool helped_ = false;
   std::optional<std::map<SessionId, std::string>> digests_;  // during this attempt; nullopt: there is none
-  std::vector<PairTask> announced_;                          // by this attempt
+  std::vector<PairTask> announced_;                          // for this attempt
   std::set<std::string> open_;                               // digests of what was announced and not asked for yet
   std::map<std::string, PairFindings> ahead_;
   std::deque<std::string> order_ahead_;  // oldest first

@@ -20,6 +20,7 @@ class RealPipeline : public Pipeline {
                std::vector<SessionId> anchors) override {
     pipeline_.restore(std::move(alignments), revision, std::move(decisions), std::move(anchors));
   }
+  void await_attempt(SessionId id) override { pipeline_.await_attempt(id); }
   void restore_self_likeness(const std::map<SessionId, SelfLikeness>& known) override {
     pipeline_.restore_self_likeness(known);
   }

@@ -18,6 +18,7 @@ class Pipeline {
   virtual void await_no_more(SessionId /*id*/) {}
   virtual void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions,
                        std::vector<SessionId> anchors) = 0;
+  virtual void await_attempt(SessionId /*id*/) {}
   virtual void restore_self_likeness(const std::map<SessionId, SelfLikeness>& /*known*/) {}
   virtual void restore_closures(const PairClosures& /*known*/) {}
   virtual Result<AttemptReport> decide(AlignmentId id, Decision decision) = 0;

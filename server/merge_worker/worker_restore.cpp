@@ -55,6 +55,8 @@ void MergeWorker::bring_back() {
                      std::move(merge.anchors));
   const std::vector<SessionRecord> all = std::move(stored_->sessions);
   const std::size_t sessions = all.size();
+  for (const SessionRecord& session : all)
+    if (known_[session.id].keyframes > session.attempted_keyframes) pipeline_->await_attempt(session.id);
   stored_.reset();
   atlas_ = pipeline_->atlas();
   if (const auto provisional = changed_provisionals({}, atlas_); !provisional.empty())

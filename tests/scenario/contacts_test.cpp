@@ -148,6 +148,23 @@ TEST(Contacts, AfterARestartAMergeThatWasHeldBackStaysSo) {
   EXPECT_TRUE(between(after, 1, 2).objection);
 }
 
+TEST(Contacts, AfterARestartAMergeWaitsForASessionThatWasNotTriedYet) {
+  Base before({of_one(), of_two()}, {});
+  before.grow(test::drive(mine(true), {{60, 68}, {60, 50}}, -0.4, 3));
+  attempt_all(before);
+  ASSERT_GT(between(before, 1, 2).evidence.awaited_m, 0) << "for the third, which drives on";
+  const Drive elsewhere = test::drive(BoxMine({BoxMine::drift(0, 0, 9, 0)}), {{1, 0}, {6, 0}}, 0, 4);
+  for (const bool awaits : {false, true}) {
+    Base after({of_one(), of_two(), witness(), elsewhere}, {});
+    after.pipeline.restore(before.pipeline.alignments(), before.pipeline.atlas().revision);
+    if (awaits) after.pipeline.await_attempt(3);
+    const AttemptReport report = after.pipeline.attempt(4, after.shelf);
+    EXPECT_EQ(between(after, 1, 2).state == AlignmentState::published, !awaits) << "what is wrong is told without it";
+    attempt_all(after);
+    EXPECT_NE(between(after, 1, 2).state, AlignmentState::published);
+  }
+}
+
 /// The third says nothing of itself where it shares the drift with the first: only the second can place it.
 std::vector<Drive> third_by_way_of_second(double from_x_m) {
   Drive third = test::drive(test::branches_mine(), {{from_x_m, 0}, {88, 0}}, 0.6, 4);
