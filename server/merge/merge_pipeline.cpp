@@ -90,12 +90,12 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
   std::set<SessionId> left = aligned;
   const std::vector<SessionId> ranked = partners.rank(id, sessions);
   const bool few = ranked.size() <= static_cast<std::size_t>(config.partners);
-  announce(id, ranked, attempt.clouds);
   int came_to_nothing = 0;
   for (const SessionId other : ranked) {
     if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
     left.erase(other);
     const OrderedPair pair = sessions.ordered(id, other);
+    if (shared.helpers_came()) announce(id, ranked, attempt.clouds);
     merge_pair(pair, attempt);
     came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
@@ -121,7 +121,6 @@ void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
 /// other servers may begin with it.
 void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& ranked, const CloudSource& clouds) {
   constexpr std::size_t enough_later = 64;  // for a helper that is done before this attempt is
-  if (!shared.has_helpers()) return;
   std::vector<OrderedPair> later;
   for (const auto& [other, session] : sessions.all()) {
     if (later.size() >= enough_later) break;

@@ -8,7 +8,13 @@ void PairWork::begin() {
   digests_.emplace();
   announced_.clear();
   if (open_.size() > most_open) open_.clear();  // of sessions that have changed since: they are searched here
-  helped_ = helpers_ != nullptr && helpers_->any();
+  helped_ = false;
+}
+
+bool PairWork::helpers_came() {
+  if (helped_ || !helpers_) return false;
+  helped_ = helpers_->any();
+  return helped_;
 }
 
 void PairWork::end(bool unfinished) {

@@ -29,7 +29,8 @@ class PairWork {
     PairWork& work_;
   };
 
-  bool has_helpers() const { return helped_; }
+  /// Whether others have come since the last call, during this attempt: it is time to announce what is needed.
+  bool helpers_came();
   /// No more will be searched. `unfinished`: the attempt goes on later, and what was announced for it may be worked on
   /// meanwhile.
   void end(bool unfinished);

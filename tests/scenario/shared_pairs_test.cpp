@@ -20,8 +20,9 @@ class OtherServer : public PairHelpers {
   std::function<Answer(const PairTask&)> asked = [](const PairTask&) { return Answer(); };
   std::function<Answer(const PairTask&)> waited = [](const PairTask&) { return Answer(); };
   bool gives_claims = false;
+  int comes_after = 0;  // so many questions whether anybody is there
 
-  bool any() override { return true; }
+  bool any() override { return comes_after-- <= 0; }
   void announce(const std::vector<PairTask>& tasks) override {
     for (const PairTask& task : tasks) open[task.digest] = task;
     for (const PairTask& task : tasks) ever.insert(task.digest);
@@ -94,6 +95,26 @@ TEST_F(SharedPairs, WhatAnotherServerFoundIsTaken) {
   other.asked = [&](const PairTask& task) { return right(task); };
   EXPECT_EQ(merged(&other), alone);
   EXPECT_GE(other.asks, 6) << "three pairs, and three sessions on themselves";
+}
+
+TEST_F(SharedPairs, AServerThatComesDuringAnAttemptHelpsWithTheRestOfIt) {
+  other.comes_after = 1;
+  other.asked = [&](const PairTask& task) { return right(task); };
+  Base base(drives(), test::waits_for_no_others(), &other);
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_GT(other.asks, 0);
+  EXPECT_LT(other.asks, 5) << "of two pairs, and three sessions on themselves, one pair and two were searched before";
+}
+
+TEST_F(SharedPairs, WhatWaitsForItsTurnIsAnnouncedToo) {
+  std::set<std::pair<SessionId, SessionId>> announced;
+  Base base(drives(), test::waits_for_no_others(), &other);
+  base.pipeline.attempt(1, base.shelf);
+  for (const auto& [digest, task] : other.open) announced.insert(std::minmax(task.a, task.b));
+  EXPECT_EQ(announced, (std::set<std::pair<SessionId, SessionId>>{{2, 3}})) << "for the attempts of the other two";
+  other.open.clear();
+  base.pipeline.attempt(1, base.shelf);
+  EXPECT_EQ(other.open.size(), 1U) << "as long as they were not tried";
 }
 
 TEST_F(SharedPairs, WithoutAnAnswerAllIsFoundHere) {
