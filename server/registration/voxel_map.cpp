@@ -58,6 +58,8 @@ VoxelMap::VoxelMap(const Points& points, const Points& normals, float leaf_m)
     voxel.mean /= voxel.count;
     for (float& n : voxel.N) n /= voxel.count;
   }
+  means_.reserve(voxels_.size());
+  for (const Voxel& voxel : voxels_) means_.push_back(Float4{voxel.mean.x(), voxel.mean.y(), voxel.mean.z(), 0});
 }
 
 std::uint32_t& VoxelMap::voxel_at(const Eigen::Vector3i& cell) {
@@ -104,6 +106,19 @@ void VoxelMap::grow() {
     if (slot.brick != none) slots_[slot_of(slot.key)] = slot;
 }
 
+/// Squared distances of the means of four voxels from p.
+inline Float4 VoxelMap::squared_m(const Mask4& voxels, const Eigen::Vector3f& p) const {
+  const auto mean = [&](int lane) { return means_[static_cast<std::size_t>(voxels[lane])]; };
+  const Float4 a = mean(0), b = mean(1), c = mean(2), d = mean(3);
+  const Float4 ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const Float4 x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5) - p.x();
+  const Float4 y = __builtin_shufflevector(ab, cd, 2, 3, 6, 7) - p.y();
+  const Float4 z = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 2, 6),
+                                           __builtin_shufflevector(c, d, 2, 6, 2, 6), 0, 1, 4, 5) -
+                   p.z();
+  return x * x + (y * y + z * z);
+}
+
 const Voxel* VoxelMap::nearest(const Eigen::Vector3f& p) const {
   Eigen::Vector3i cell;
   if (slots_.empty() || !cell_of(p, 1 / leaf_m_, 0.5F, cell)) return nullptr;
@@ -111,17 +126,19 @@ const Voxel* VoxelMap::nearest(const Eigen::Vector3f& p) const {
   const Slot& slot = slots_[slot_of(key_of(brick))];
   if (slot.brick == none) return nullptr;
   const std::uint32_t* first = &bricks_[slot.brick].voxels[offset(local)];
-  const Voxel* best = voxels_.data();
-  float least = (best->mean - p).squaredNorm();
-  for (int z = 0; z < 2; ++z)
-    for (int y = 0; y < 2; ++y)
-      for (int x = 0; x < 2; ++x) {
-        const Voxel* voxel = &voxels_[first[(z * edge + y) * edge + x]];
-        const float squared_m = (voxel->mean - p).squaredNorm();
-        best = squared_m < least ? voxel : best;
-        least = std::min(least, squared_m);
-      }
-  return best == voxels_.data() ? nullptr : best;
+  constexpr int row = edge, layer = edge * edge;
+  const auto four = [&](const std::uint32_t* at) {
+    return Mask4{static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[row]),
+                 static_cast<int>(at[row + 1])};
+  };
+  const Mask4 low = four(first), high = four(first + layer);
+  const Float4 squared_low = squared_m(low, p), squared_high = squared_m(high, p);
+  const Mask4 is_high = squared_high < squared_low;
+  const Float4 squared = is_high ? squared_high : squared_low;
+  const Mask4 ids = is_high ? high : low;
+  int best = 0;
+  for (int lane = 1; lane < 4; ++lane) best = squared[lane] < squared[best] ? lane : best;
+  return ids[best] == 0 ? nullptr : &voxels_[static_cast<std::size_t>(ids[best])];
 }
 
 }  // namespace headframe

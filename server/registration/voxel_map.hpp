@@ -7,6 +7,7 @@
 
 #include "common/cloud/point_cloud.hpp"
 #include "server/registration/normal_equations.hpp"
+#include "server/support/simd.hpp"
 
 namespace headframe {
 
@@ -34,7 +35,8 @@ class VoxelMap {
 
   float leaf_m() const { return leaf_m_; }
   std::size_t bytes() const {
-    return voxels_.capacity() * sizeof(Voxel) + bricks_.capacity() * sizeof(Brick) + slots_.capacity() * sizeof(Slot);
+    return voxels_.capacity() * sizeof(Voxel) + means_.capacity() * sizeof(Float4) +
+           bricks_.capacity() * sizeof(Brick) + slots_.capacity() * sizeof(Slot);
   }
 
   /// In the order of their first points.
@@ -53,6 +55,7 @@ class VoxelMap {
   };
   static constexpr std::uint32_t none = 0xFFFFFFFF;
 
+  Float4 squared_m(const Mask4& voxels, const Eigen::Vector3f& p) const;
   static std::size_t offset(const Eigen::Vector3i& local);  // of a cell within its brick
   std::uint32_t& voxel_at(const Eigen::Vector3i& cell);
   void share(const Eigen::Vector3i& cell, std::uint32_t voxel);
@@ -62,6 +65,7 @@ class VoxelMap {
 
   float leaf_m_ = 1;
   std::vector<Voxel> voxels_;  // the first one is a dummy for empty cells, far away
+  std::vector<Float4> means_;  // of voxels_, packed for nearest()
   std::vector<Brick> bricks_;
   std::vector<Slot> slots_;  // open addressing, a power of two, at most half full
 };
