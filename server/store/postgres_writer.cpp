@@ -118,9 +118,11 @@ Result<bool> PostgresWriterConnection::found_committed() {
 
 /// On a new connection: whether the commit in doubt happened.
 Result<bool> PostgresWriterConnection::come_back() {
+  has_it_ = false;
   if (auto there = reconnect(); !there) return tl::unexpected(there.error());
   auto committed = found_committed();
   if (!committed) return committed;
+  has_it_ = true;
   in_doubt_ = false;
   commits_ += *committed ? 1 : 0;
   return committed;

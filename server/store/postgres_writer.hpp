@@ -33,7 +33,7 @@ class PostgresWriterConnection final : public WriterConnection {
   Result<void> commit() override;
   void rollback() override;
   Result<void> look_after() override;
-  bool is_lost() const override { return !database_->is_connected(); }
+  bool is_lost() const override { return !has_it_ || !database_->is_connected(); }
 
  private:
   explicit PostgresWriterConnection(std::unique_ptr<PostgresDatabase> database) : database_(std::move(database)) {}
@@ -43,6 +43,7 @@ class PostgresWriterConnection final : public WriterConnection {
 
   std::unique_ptr<PostgresDatabase> database_;
   std::int64_t owner_ = 0, commits_ = 0;  // commits known to be durable
+  bool has_it_ = true;                    // the database, since the connection was made
   bool in_doubt_ = false;                 // a commit was sent and not answered
   std::uint64_t counted_ = 0;             // rows of `writer` that this transaction has updated
 };

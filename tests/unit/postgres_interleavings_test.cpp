@@ -10,20 +10,25 @@
 namespace headframe {
 namespace {
 
-enum class Fault { none, cut_off, answer_lost };
+enum class Fault {
+  none,
+  cut_off,      // its connection ends before the step
+  answer_lost,  // it ends when a commit is durable, and before it is answered
+  lingers,      // the same, and PostgreSQL does not notice until the end of the schedule: its lock stays
+};
 struct Step {
   int server = 0;
   Fault fault = Fault::none;
 };
 using Schedule = std::vector<Step>;
 
-constexpr int steps = 6, most_faults = 2;
+constexpr int steps = 4, most_faults = 2;
 
 /// All orders of `steps` steps of two servers, with at most so many faults.
 void add_all(Schedule begun, int faults, std::vector<Schedule>& all) {
   if (begun.size() == steps) return all.push_back(begun);
   for (const int server : {0, 1})
-    for (const Fault fault : {Fault::none, Fault::cut_off, Fault::answer_lost}) {
+    for (const Fault fault : {Fault::none, Fault::cut_off, Fault::answer_lost, Fault::lingers}) {
       if (fault != Fault::none && faults == 0) continue;
       begun.push_back({server, fault});
       add_all(begun, faults - static_cast<int>(fault != Fault::none), all);
@@ -35,7 +40,7 @@ std::string described(const Schedule& schedule) {
   std::string out;
   for (const Step& step : schedule)
     out += std::string(step.server == 0 ? " A" : " B") +
-           std::array{"", "(cut off)", "(answer lost)"}.at(static_cast<std::size_t>(step.fault));
+           std::array{"", "(cut off)", "(answer lost)", "(lingers)"}.at(static_cast<std::size_t>(step.fault));
   return out;
 }
 
@@ -54,8 +59,11 @@ class Server {
     else if (!writing_)
       begin();
     else
-      commit(fault == Fault::answer_lost);
+      commit(fault);
   }
+
+  /// PostgreSQL notices what it did not.
+  void notice() { lingering_.reset(); }
 
   bool may_write() const { return writer_ && !refused_; }
   bool refused() const { return refused_; }
@@ -84,17 +92,26 @@ class Server {
     (void)writer_->database().run("INSERT INTO published (revision, server) VALUES (?, ?)", revision_ + 1, mark_);
   }
 
-  void commit(bool answer_lost) {
+  void commit(Fault fault) {
     writing_ = false;
-    if (answer_lost && writer_->database().settle() && writer_->database().execute("COMMIT")) cut_off();
+    const bool is_lost = fault == Fault::answer_lost || fault == Fault::lingers;
+    if (is_lost && writer_->database().settle() && writer_->database().execute("COMMIT")) {
+      cut_off();
+      if (fault == Fault::lingers) linger();
+    }
     const auto done = writer_->commit();
     if (done) return acknowledge();
-    look_why(done.error());
     writer_->rollback();
+    look_why(done.error());
   }
 
   void acknowledge() { acknowledged_.push_back(++revision_); }
-  void look_why(const Error& why) { refused_ |= why.code == ErrorCode::bad_input; }
+  /// A server that may not write any more ends.
+  void look_why(const Error& why) {
+    if (why.code != ErrorCode::bad_input) return;
+    refused_ = true;
+    writer_.reset();
+  }
 
   /// Returns when PostgreSQL has ended the connection, and with it the lock.
   void cut_off() {
@@ -105,10 +122,16 @@ class Server {
         "SELECT pg_terminate_backend(?::integer, 5000)", [](const Row&) {}, pid));
   }
 
+  void linger() {
+    lingering_ = std::make_unique<PostgresDatabase>(url_, "PostgreSQL");
+    ASSERT_TRUE(lingering_->connect());
+    ASSERT_TRUE(try_to_take(*lingering_).value());
+  }
+
   const std::string url_;
   const std::int64_t mark_;
   PostgresDatabase& postgres_;
-  std::unique_ptr<PostgresDatabase> waiting_;
+  std::unique_ptr<PostgresDatabase> waiting_, lingering_;
   std::unique_ptr<PostgresWriterConnection> writer_;
   bool writing_ = false, refused_ = false;
   std::int64_t revision_ = 0;
@@ -130,8 +153,9 @@ class PostgresInterleavings : public testing::Test {
     SCOPED_TRACE(described(schedule));
     ASSERT_TRUE(postgres->execute("TRUNCATE published"));
     std::array servers{Server(home->url(), 1, *postgres), Server(home->url(), 2, *postgres)};
-    servers[0].step(Fault::none);  // it is the active one
+    while (!servers[0].may_write()) servers[0].step(Fault::none);  // once the servers of before have gone
     for (const Step& step : schedule) servers.at(static_cast<std::size_t>(step.server)).step(step.fault);
+    for (Server& server : servers) server.notice();
     const std::size_t before = servers[0].acknowledged().size() + servers[1].acknowledged().size();
     for (int i = 0; i < 4; ++i)
       for (Server& server : servers) server.step(Fault::none);
@@ -168,8 +192,8 @@ TEST_F(PostgresInterleavings, OneSequenceOfRevisionsWhateverHappens) {
     run(schedule);
     if (HasFailure()) break;
   }
-  EXPECT_GT(took_over, 500) << "of " << all.size();
-  EXPECT_GT(refused, 100) << "servers that wanted to write on";
+  EXPECT_GT(took_over, 20) << "of " << all.size();
+  EXPECT_GT(refused, 20) << "servers that wanted to write on";
 }
 
 }  // namespace
