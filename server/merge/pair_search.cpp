@@ -2,14 +2,14 @@
 
 #include <gnu/libc-version.h>
 
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "common/security/secret.hpp"
 
 namespace headframe {
 namespace {
-
-constexpr int format = 1;  // of encode_findings(), and of what is searched and screened
 
 void add(std::string& bytes, const void* data, std::size_t count) {
   bytes.append(static_cast<const char*>(data), count);
@@ -23,6 +23,16 @@ void add(std::string& bytes, const Number& number) {
 void add(std::string& bytes, const std::vector<float>& numbers) {
   add(bytes, numbers.size());
   add(bytes, numbers.data(), numbers.size() * sizeof(float));
+}
+
+/// A digest of the running program; empty if it cannot be read.
+const std::string& program() {
+  static const std::string digest = [] {
+    std::ifstream file("/proc/self/exe", std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    return bytes.empty() ? std::string() : sha256(bytes);
+  }();
+  return digest;
 }
 
 /// The C library chooses by it how to compute sines and the like.
@@ -42,9 +52,9 @@ std::string processor() {
 
 std::string computed_by(const MergeConfig& config) {
   std::ostringstream out;
-  out << HEADFRAME_VERSION << ' ' << format << ' ' << __VERSION__ << ' ' << gnu_get_libc_version() << ' ' << processor()
-      << static_cast<int>(config.registration) << ' ' << config.placements << ' ' << config.hypotheses << ' '
-      << config.wall_search.cell_m << ' ' << config.wall_search.quarter_turns << ' ' << config.wall_search.peaks;
+  out << program() << ' ' << gnu_get_libc_version() << ' ' << processor() << static_cast<int>(config.registration)
+      << ' ' << config.placements << ' ' << config.hypotheses << ' ' << config.wall_search.cell_m << ' '
+      << config.wall_search.quarter_turns << ' ' << config.wall_search.peaks;
   return out.str();
 }
 
@@ -62,7 +72,7 @@ SessionView PairSearch::view(SessionId id, const Session& session) {
 
 std::string PairSearch::digest(SessionId id, const CloudSource& clouds) const {
   const Session& session = sessions_.at(id);
-  std::string bytes = computed_by_ + '\0' + session.family.name + '\0';
+  std::string bytes = computed_by(config_) + '\0' + session.family.name + '\0';
   add(bytes, session.family.version);
   for (const Keyframe& k : session.keyframes) {
     add(bytes, k.sequence);
@@ -87,8 +97,8 @@ PairFindings PairSearch::find(SessionId a, SessionId b, CloudSource& clouds) {
   }
   const OrderedPair pair{a, b};
   const Session &of_a = sessions_.at(a), &of_b = sessions_.at(b);
-  out.hypotheses = finder_.search_apart(view(a, of_a), view(b, of_b),
-                                        [&] { return match_descriptors(of_a.keyframes, of_b.keyframes, threads_); });
+  out.hypotheses = finder_.search_apart(
+      view(a, of_a), view(b, of_b), [&] { return match_descriptors(of_a.keyframes, of_b.keyframes, config_.threads); });
   std::vector<Case> cases;
   cases.reserve(out.hypotheses.size());
   for (const Hypothesis& h : out.hypotheses) cases.push_back(requests_.make_case(a, b, h, clouds));

@@ -7,7 +7,8 @@
 
 namespace headframe {
 
-/// What the results depend on beside the sessions: the software, its processor and the configuration, in words.
+/// What the results depend on beside the sessions: the program (a digest of its file), the C library, the processor and
+/// the configuration.
 std::string computed_by(const MergeConfig& config);
 
 /// The configuration of the search that follows from that of the pipeline.
@@ -18,9 +19,8 @@ class PairSearch {
  public:
   PairSearch(const MergeConfig& config, const SessionMap& sessions, HypothesisFinder& finder, SessionSubmaps& submaps,
              const CloudRequests& requests, SelfSimilarity& self, CandidateVerifier& verifier)
-      : judge_(judge_config(config)),
-        threads_(config.threads),
-        computed_by_(computed_by(config)),
+      : config_(config),
+        judge_(judge_config(config)),
         sessions_(sessions),
         finder_(finder),
         submaps_(submaps),
@@ -38,9 +38,8 @@ class PairSearch {
   static SessionView view(SessionId id, const Session& session);
 
  private:
+  const MergeConfig config_;
   const JudgeConfig judge_;
-  const int threads_;
-  const std::string computed_by_;
   const SessionMap& sessions_;
   HypothesisFinder& finder_;
   SessionSubmaps& submaps_;

@@ -164,6 +164,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   void feed(SessionId session, bool counts, std::uint64_t up_to = all_keyframes);
   void bring_in(const SessionRecord& session);
   bool settled(const SessionRecord& session);
+  bool has_to_be_tried(const SessionRecord& session);
   // worker_poses.cpp
   void take_in_poses(SessionId session);
   void note_moved(SessionId session, const std::vector<Eigen::Vector3d>& path);

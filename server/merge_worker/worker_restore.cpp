@@ -44,8 +44,7 @@ void MergeWorker::bring_back() {
     if (is_aside(session.id)) continue;  // by what came of it
     keyframes += known_[session.id].keyframes;
     if (!session.complete && !settled(session)) schedule_.grows(session.id, Clock::now());
-    if (known_[session.id].keyframes > session.attempted_keyframes)
-      schedule_.trigger(session.id, Trigger::restart, Clock::now());
+    if (has_to_be_tried(session)) schedule_.trigger(session.id, Trigger::restart, Clock::now());
   }
   StoredMerge& merge = stored_->merge;
   pipeline_->restore_self_likeness(merge.self_likeness);
@@ -56,7 +55,7 @@ void MergeWorker::bring_back() {
   const std::vector<SessionRecord> all = std::move(stored_->sessions);
   const std::size_t sessions = all.size();
   for (const SessionRecord& session : all)
-    if (known_[session.id].keyframes > session.attempted_keyframes) pipeline_->await_attempt(session.id);
+    if (has_to_be_tried(session)) pipeline_->await_attempt(session.id);
   stored_.reset();
   atlas_ = pipeline_->atlas();
   if (const auto provisional = changed_provisionals({}, atlas_); !provisional.empty())
@@ -69,9 +68,14 @@ void MergeWorker::bring_back() {
     spdlog::info("{} sessions with {} keyframes are back, {:.1f} s after the start", sessions, keyframes, s);
 }
 
-/// It had paused when the server ended and had been tried as it is, so nothing is to be done until its robot drives on.
+/// It had ended or paused and was tried as it is, so nothing is to be done until its robot drives on.
 bool MergeWorker::settled(const SessionRecord& session) {
   return session.attempted_whole && known_[session.id].keyframes == session.attempted_keyframes;
+}
+
+/// No attempt has used all of its keyframes yet, or none since it ended.
+bool MergeWorker::has_to_be_tried(const SessionRecord& session) {
+  return session.complete ? !settled(session) : known_[session.id].keyframes > session.attempted_keyframes;
 }
 
 /// Passes a stored session to the pipeline. If it cannot be read, or takes too much, only this session suffers.

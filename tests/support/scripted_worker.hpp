@@ -30,7 +30,7 @@ struct Script {
   std::map<SessionId, std::vector<std::uint64_t>> keyframes;
   std::vector<SessionId> attempts;
   std::vector<std::pair<KeyframeRef, std::size_t>> prepared;  // clouds, and how many attempts there were before
-  std::set<SessionId> completed, awaited_no_more, ask_where;
+  std::set<SessionId> awaited, completed, awaited_no_more, ask_where;
   std::uint64_t restored_revision = 0;
   std::function<AttemptReport(SessionId, CloudSource&)> on_attempt = [](SessionId, CloudSource&) {
     return AttemptReport();
@@ -89,6 +89,7 @@ class ScriptedPipeline : public Pipeline {
     const std::lock_guard lock(script_.mutex);
     script_.awaited_no_more.insert(id);
   }
+  void await_attempt(SessionId id) override { script_.awaited.insert(id); }
   Result<AttemptReport> decide(AlignmentId id, Decision decision) override { return script_.on_decision(id, decision); }
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord>,
                std::vector<SessionId> anchors) override {

@@ -35,6 +35,19 @@ TEST_F(Worker, WhoRestedAndWasTriedAsAWholeIsNotTriedAgainAfterARestartUntilItDr
   EXPECT_EQ(script.attempts.back(), 1);
 }
 
+TEST_F(Worker, WhoEndedAndWasNotTriedAsAWholeIsTriedAfterARestartAndAwaitedUntilThen) {
+  for (const SessionId id : {1, 2}) {
+    keep(CompleteSession{id});
+    PutMerge tried{id, 5, {}, std::nullopt, {}};
+    tried.attempted_whole = id == 1;
+    keep(tried);
+  }
+  start(false);
+  ASSERT_TRUE(eventually([&] { return idle(); }));
+  EXPECT_EQ(script.attempts, std::vector<SessionId>{2}) << "the server was killed before the last attempt";
+  EXPECT_EQ(script.awaited, std::set<SessionId>{2});
+}
+
 TEST_F(Worker, ThatASessionWasTriedAsAWholeIsStored) {
   script.on_attempt = [](SessionId id, CloudSource&) {
     AttemptReport report;

@@ -78,11 +78,11 @@ class Block {
 
   Result<std::string> enrolled(const std::string& robot) { return enrolment(http_, servers_.data(), robot); }
 
-  /// Three drawn drives that become one component, so that there are revisions to make.
+  /// Three drives along one path, which become one component, so that there are revisions to make.
   Result<void> merge_drives() {
     std::ifstream(servers_.data() / "operator.token") >> token_;
     const std::map<std::string, test::Drive> drives{
-        {"a", test::drive_a_to_c(2)}, {"b", test::drive_b_to_a(2)}, {"d", test::drive_d_to_b(2)}};
+        {"a", test::drive_a_to_c(2)}, {"b", test::drive_a_to_c(2.2)}, {"d", test::drive_a_to_c(2.4)}};
     for (const auto& [name, drive] : drives) {
       test::write_session(scratch_ / name, drive);
       const auto code = enrolled(name);
