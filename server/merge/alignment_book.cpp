@@ -48,6 +48,13 @@ const Alignment* AlignmentBook::find(SessionId one, SessionId other) const {
   return found == by_pair_.end() ? nullptr : &alignments_[found->second];
 }
 
+std::map<AlignmentId, Pose> AlignmentBook::published() const {
+  std::map<AlignmentId, Pose> out;
+  for (const Alignment& k : alignments_)
+    if (k.state == AlignmentState::published) out.emplace(k.id, k.T_a_b);
+  return out;
+}
+
 bool AlignmentBook::live(SessionId one, SessionId other) const {
   const Alignment* known = find(one, other);
   return known && (known->state != AlignmentState::rejected || known->ruling != Ruling::none);

@@ -26,6 +26,8 @@ class AlignmentBook {
   Alignment* find(SessionId one, SessionId other);
   const Alignment* find(SessionId one, SessionId other) const;
   const Alignment* find(AlignmentId id) const;
+  /// T_a_b of those that are published.
+  std::map<AlignmentId, Pose> published() const;
   /// Whether the pair has an alignment that is not rejected, or one on which the operator has decided.
   bool live(SessionId one, SessionId other) const;
   /// The sessions with which this one has such an alignment.

@@ -20,6 +20,7 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.sessions.set_looked_at(id, true);
   report.whole = s.sessions.at(id).complete;
   const PairWork::During sharing(s.shared);
+  const std::map<AlignmentId, Pose> before = s.book.published();
   s.merge_with_partners(id, attempt);
   s.settle_others(id, attempt);
   if (report.unfinished) s.sessions.set_looked_at(id, false);
@@ -30,6 +31,9 @@ AttemptReport MergePipeline::attempt(SessionId id, CloudSource& clouds) {
   s.update_atlas(report);                      // 9: maps merge one after another, and bend where they meet again
   for (const Alignment& k : report.changed) {  // it is published first; then its loops are closed, and it is settled
     if (k.state != AlignmentState::published) continue;
+    const auto was = before.find(k.id);  // it may have been judged anew, and is as it was
+    if (was != before.end() && same_placement(was->second, k.T_a_b, s.sessions.at(k.b).middle(), same_when_settled))
+      continue;
     s.to_settle.insert({k.a, k.b});
     report.unfinished = true;
   }

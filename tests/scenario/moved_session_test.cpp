@@ -63,6 +63,17 @@ double mean(const std::vector<double>& all) {
   return std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
 }
 
+TEST(MovedSession, AMergeThatIsJudgedAgainAndStandsWhereItStoodLeavesNothingToDo) {
+  TwoDrives base;
+  ASSERT_TRUE(base.merged());
+  Drive nearly_the_same = base.drives[1];
+  nearly_the_same.keyframes.back().T_local_sensor.translation().x() += 1e-3;
+  base.move(nearly_the_same);  // the pair is judged again as a whole
+  const AttemptReport report = base.pipeline.attempt(2, base.shelf);
+  EXPECT_FALSE(report.traces.empty()) << "it was judged";
+  EXPECT_FALSE(report.unfinished) << "or this would be done again without end";
+}
+
 TEST(MovedSession, AClosedLoopPullsItStraightAndWhereTheyMeetItStays) {
   TwoDrives base;
   ASSERT_TRUE(base.merged());
