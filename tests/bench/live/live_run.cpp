@@ -139,7 +139,12 @@ void LiveRun::ask_for_merges() {
 }
 
 void LiveRun::settle() {
+  constexpr std::size_t most_attempts = 300;  // many times what it takes
+  std::size_t before = attempts_;
   while (step()) {
+    if (!events_.empty()) before = attempts_;
+    if (attempts_ > before + most_attempts)
+      throw std::runtime_error("a drive has ended, and attempts go on without end");
   }
 }
 
