@@ -3,7 +3,6 @@
 #include <gnu/libc-version.h>
 
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include "common/security/secret.hpp"
@@ -25,12 +24,12 @@ void add(std::string& bytes, const std::vector<float>& numbers) {
   add(bytes, numbers.data(), numbers.size() * sizeof(float));
 }
 
-/// A digest of the running program; empty if it cannot be read.
+/// A digest of the running program; if it cannot be read, one that no other program has.
 const std::string& program() {
   static const std::string digest = [] {
-    std::ifstream file("/proc/self/exe", std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-    return bytes.empty() ? std::string() : sha256(bytes);
+    std::ostringstream bytes;
+    bytes << std::ifstream("/proc/self/exe", std::ios::binary).rdbuf();
+    return bytes.view().empty() ? random_secret(32) : sha256(bytes.view());
   }();
   return digest;
 }

@@ -37,6 +37,7 @@ void MergeWorker::bring_back() {
   if (!stored_) return;
   const auto start = Clock::now();
   std::uint64_t keyframes = 0;
+  std::vector<SessionId> to_try;
   for (const SessionRecord& session : stored_->sessions) {
     if (watch_.stopped()) return;
     if (is_aside(session.id)) continue;
@@ -44,7 +45,9 @@ void MergeWorker::bring_back() {
     if (is_aside(session.id)) continue;  // by what came of it
     keyframes += known_[session.id].keyframes;
     if (!session.complete && !settled(session)) schedule_.grows(session.id, Clock::now());
-    if (has_to_be_tried(session)) schedule_.trigger(session.id, Trigger::restart, Clock::now());
+    if (!has_to_be_tried(session)) continue;
+    schedule_.trigger(session.id, Trigger::restart, Clock::now());
+    to_try.push_back(session.id);
   }
   StoredMerge& merge = stored_->merge;
   pipeline_->restore_self_likeness(merge.self_likeness);
@@ -54,8 +57,7 @@ void MergeWorker::bring_back() {
                      std::move(merge.anchors));
   const std::vector<SessionRecord> all = std::move(stored_->sessions);
   const std::size_t sessions = all.size();
-  for (const SessionRecord& session : all)
-    if (has_to_be_tried(session)) pipeline_->await_attempt(session.id);
+  for (const SessionId session : to_try) pipeline_->await_attempt(session);
   stored_.reset();
   atlas_ = pipeline_->atlas();
   if (const auto provisional = changed_provisionals({}, atlas_); !provisional.empty())
