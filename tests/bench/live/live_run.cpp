@@ -125,10 +125,14 @@ void LiveRun::restart() {
     pipeline_->add_session(id, family());
     for (std::size_t i = 0; i < session.told; ++i) pipeline_->add_keyframe(id, session.driven->keyframes[i]);
     if (session.complete) pipeline_->complete_session(id);
-    schedule_->trigger(id, Trigger::restart, time());
   }
   for (Alignment& alignment : alignments) alignment.objection.reset();
   pipeline_->restore(std::move(alignments), revision);
+  for (const auto& [id, session] : sessions_) {  // as MergeWorker does
+    if (session.told == session.tried && session.complete == session.tried_whole) continue;
+    schedule_->trigger(id, Trigger::restart, time());
+    pipeline_->await_attempt(id);
+  }
 }
 
 void LiveRun::drive() { settle(); }
@@ -180,6 +184,10 @@ void LiveRun::attempt(const MergeSchedule::Attempt& attempt) {
   const AttemptReport report = pipeline_->attempt(attempt.session, *this);
   now_s_ += effort_s(attempt_each_s * static_cast<double>(sessions_.size() - 1));
   if (report.atlas_changed || !report.changed.empty()) watch_(*this);
+  if (LiveSession& session = sessions_.at(attempt.session); report.wanted.empty() && !report.unfinished) {
+    session.tried = session.told;
+    session.tried_whole = report.whole;
+  }
   request(schedule_->wait_for(attempt, report.wanted, time()));
   if (report.unfinished) schedule_->again(attempt);
 }

@@ -31,8 +31,10 @@ struct LiveConditions {
 /// A session as far as the server knows it.
 struct LiveSession {
   const DrivenSession* driven = nullptr;
-  std::size_t told = 0;  // keyframes
-  double path_m = 0;     // to the last of them
+  std::size_t told = 0;      // keyframes
+  double path_m = 0;         // to the last of them
+  std::size_t tried = 0;     // keyframes that the last finished attempt used
+  bool tried_whole = false;  // ... and the session had then ended
   bool complete = false;
   bool connected = false;
 };
