@@ -69,7 +69,11 @@ class PlainPeer {
     return n == 0 || (n < 0 && errno == ECONNRESET);
   }
 
-  void end_sending() { socket_->shutdown(tcp::socket::shutdown_send); }
+  /// The server may have turned it away before.
+  void end_sending() {
+    boost::system::error_code ignored;
+    socket_->shutdown(tcp::socket::shutdown_send, ignored);
+  }
 
  private:
   void be_patient() {
