@@ -75,6 +75,7 @@ CREATE TABLE self_likeness (
   session INTEGER PRIMARY KEY REFERENCES sessions(id), path_m REAL NOT NULL, clouds INTEGER NOT NULL,
   aliases REAL NOT NULL, look_alikes REAL NOT NULL, wanted BLOB NOT NULL);
 ALTER TABLE sessions ADD COLUMN attempted_whole INTEGER NOT NULL DEFAULT 0;
+UPDATE sessions SET attempted_whole = complete;
 CREATE TABLE placed (session INTEGER PRIMARY KEY, component INTEGER NOT NULL, T_component_session BLOB NOT NULL);
 INSERT INTO placed SELECT session, component, T_component_session FROM placements
   WHERE revision = (SELECT max(number) FROM revisions);

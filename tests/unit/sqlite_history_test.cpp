@@ -30,6 +30,7 @@ TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
       ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
     const Alignment alignment{1, 1, 2, AlignmentState::published, pose_from_yaw(0.5, {1, 2, 3}), {}};
     ASSERT_TRUE(write_and_wait(*store, PutMerge{0, 0, {alignment}, {}, {}}));
+    ASSERT_TRUE(write_and_wait(*store, CompleteSession{1}));
   }
   {
     auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
@@ -55,6 +56,8 @@ TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   EXPECT_TRUE(store->notes()->notes.empty());
   EXPECT_TRUE(merge->frozen.empty());
   EXPECT_FALSE(store->sessions()->at(0).archived);
+  EXPECT_TRUE(store->sessions()->at(0).attempted_whole) << "what had ended is not tried again";
+  EXPECT_FALSE(store->sessions()->at(1).attempted_whole);
   EXPECT_TRUE(store->sessions()->at(0).site.empty());
   EXPECT_TRUE(store->robot_sites()->empty());
   EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);
