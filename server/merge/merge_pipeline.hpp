@@ -73,7 +73,8 @@ class MergePipeline {
   /// last revision; and the anchors in the order they were chosen.
   void restore(std::vector<Alignment> alignments, std::uint64_t revision, std::vector<DecisionRecord> decisions = {},
                std::vector<SessionId> anchors = {});
-  /// After restore(): the session has keyframes that no attempt has used. Merges that it might contradict wait for it.
+  /// After restore(): no attempt has used all keyframes of the session, or none since it ended. Merges that it might
+  /// contradict wait for it.
   void await_attempt(SessionId id);
 
   /// Call before restore(): how often sessions look like themselves, as attempts reported it. What is missing is

@@ -131,6 +131,7 @@ const Voxel* VoxelMap::nearest(const Eigen::Vector3f& p) const {
     return Mask4{static_cast<int>(at[0]), static_cast<int>(at[1]), static_cast<int>(at[row]),
                  static_cast<int>(at[row + 1])};
   };
+  // An empty cell is voxel 0, which is far away.
   const Mask4 low = four(first), high = four(first + layer);
   const Float4 squared_low = squared_m(low, p), squared_high = squared_m(high, p);
   const Mask4 is_high = squared_high < squared_low;

@@ -27,7 +27,11 @@ LiveDrive drive(const LiveSet& set, const LiveConditions& conditions, const Sess
   out.conditions = text_of(conditions);
   LiveWatch watch;
   LiveRun run(pointers(present), pointers(driving), conditions, [&](const LiveRun& now) { watch.look(now); });
-  run.drive();
+  try {
+    run.drive();
+  } catch (const std::exception& e) {
+    throw std::runtime_error(set.name + " (" + out.conditions + "): " + e.what());
+  }
   watch.look(run);
   auto end = LiveWatch::end_of(run);
   run.ask_for_merges();

@@ -148,7 +148,8 @@ void LiveRun::settle() {
   while (step()) {
     if (!events_.empty()) before = attempts_;
     if (attempts_ > before + most_attempts)
-      throw std::runtime_error("a drive has ended, and attempts go on without end");
+      throw std::runtime_error(
+          "all robots have ended, and attempts go on without end: " + std::to_string(attempts_ - before) + " so far");
   }
 }
 

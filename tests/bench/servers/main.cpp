@@ -145,19 +145,19 @@ int servers_main(int argc, char** argv, const std::filesystem::path& out) {
   ScalingPlan merges;
   auto* scaling_part = app.add_subcommand("scaling", "merging with a server that stands by over merging without one");
   app.add_option("--sessions", merges.sessions, "of the scaling, each in a mine of its own")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--visits", merges.visits, "of the scaling, to these mines")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   app.add_option("--runs", merges.pairs, "pairs of runs of the scaling")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--count", kills.count, "kills")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--count", kills.count, "kills")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--seed", kills.seed)->capture_default_str();
-  app.add_option("--robots", load.robots, "of the acks")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--robots", load.robots, "of the acks")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--seconds", load.seconds, "of the acks, over each database")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1, 86400))
       ->capture_default_str();
   try {
     app.parse(argc, argv);
