@@ -33,7 +33,7 @@ Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const
   Lead best{&a, nullptr, match, {}};
   double most = std::numeric_limits<double>::lowest();
   for (const auto& part : b.parts)
-    if (const double s = a.field.fit(part.map, match).score(); s > most) {
+    if (const double s = a.field.score(part.map, match); s > most) {
       best.part = &part;
       most = s;
     }
@@ -80,8 +80,12 @@ Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seat
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
       if (level_b.parts.size() <= laid_whole) {
-        for (const WallMatch& m : search_walls(level_a.map, level_a.field, level_b.map, most, seats.steps, threads))
-          found.push_back(best_part(level_a, level_b, m));
+        const auto matches = search_walls(level_a.map, level_a.field, level_b.map, most, seats.steps, threads);
+        const std::size_t before = found.size();
+        found.resize(before + matches.size());
+        for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+          for (std::size_t i = begin; i < end; ++i) found[before + i] = best_part(level_a, level_b, matches[i]);
+        });
         continue;
       }
       // Over hundreds of metres, drift and half a rotation step move the ends of a right placement off the walls.

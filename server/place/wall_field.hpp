@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "server/place/wall_cells.hpp"
 #include "server/place/wall_map.hpp"
 
 namespace headframe {
@@ -42,7 +43,9 @@ class WallField {
 
   WallFit fit(const WallMap& b, const WallMatch& placement,
               const std::optional<Surroundings>& within = std::nullopt) const;
-  std::size_t bytes() const { return cells_.size() * sizeof(Cell) + reach_.size(); }
+  /// fit().score()
+  double score(const WallMap& b, const WallMatch& placement) const;
+  std::size_t bytes() const { return for_wall_.size() + for_free_.size() + reach_.size(); }
 
   /// Searches for the best placement near the guess. coarse: within +-6 cells and +-4 deg in steps of 2 cells and 2
   /// deg, using some hundred of b's cells. fine: within 2.5 cells and 2 deg, to half a cell and 1 deg, using all of
@@ -53,28 +56,26 @@ class WallField {
                    const std::optional<Surroundings>& within = std::nullopt) const;
 
  private:
-  struct Cell {
-    std::int8_t for_wall = 0, for_free = 0;
-  };
-  /// Cells of a that are tried around a placement: from -reach to reach on both axes, `stride` apart.
-  struct Window {
-    int reach = 0, stride = 1;
-  };
   struct Best {
     int score;
     Eigen::Vector2i cells;  // offset from the placement
   };
   void mark_reach();
   WallMap near_part(const WallMap& b, const WallMatch& guess, const std::optional<Surroundings>& within) const;
-  Best best_within(const WallMap& b, const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift, Window window,
-                   std::size_t every) const;
+  OnGrid on_grid(const Eigen::Matrix2f& turn, const Eigen::Vector2f& shift) const;
+  OnGrid on_grid(const WallMatch& m) const {
+    return on_grid(Eigen::Rotation2Df(static_cast<float>(m.yaw_rad)).toRotationMatrix(), m.shift_m.cast<float>());
+  }
+  Best best_within(const WallMap& b, const OnGrid& grid, CellWindow window, std::size_t every) const;
+  template <class Act>
+  static void look_up(std::span<const Eigen::Vector2f> points, const OnGrid& grid, const CellWorth& worth, Act&& act);
 
   float cell_m_;
   Eigen::Vector2f low_;
   int columns_ = 0, rows_ = 0;
-  std::vector<Cell> cells_;
+  CellWorth for_wall_, for_free_;  // what a wall of b, and free ground of b, is worth there
   int reach_columns_ = 0;
-  std::vector<std::uint8_t> reach_;  // blocks of cells that are not empty, or have a neighbour that is not
+  std::vector<std::uint8_t> reach_;  // blocks of cells that are not empty, or have a neighbour that is not; then a 0
 };
 
 /// The bounding box of a map's cells.
