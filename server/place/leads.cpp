@@ -17,7 +17,6 @@ using Leads = std::vector<Lead>;
 
 constexpr std::size_t laid_whole = 5;     // pieces: 360 m of path
 constexpr std::size_t pairs_tried = 128;  // matched pairs of keyframes, the rarest and nearest first
-constexpr std::size_t spare = 2;          // refined to half a cell: this many times the quota
 constexpr double place_radius_m = 25;
 
 /// The agreement is squared because it separates placements with fitting walls better than the walls do.
@@ -139,8 +138,8 @@ std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const
                              const LeadSeats& seats, int threads) {
   Leads found = search(a, b, seats, threads);
   refine(found, WallField::Step::coarse, agreement, threads);
-  Leads coherent = best_of(found, spare * seats.coherent, by_coherence),
-        likely = best_of(found, spare * seats.walls, by_promise);
+  Leads coherent = best_of(found, seats.spare * seats.coherent, by_coherence),
+        likely = best_of(found, seats.spare * seats.walls, by_promise);
   refine(coherent, WallField::Step::fine, agreement, threads);
   refine(likely, WallField::Step::fine, agreement, threads);
   for (Lead& lead : coherent) lead.source = ProposalSource::coherent_walls;
@@ -167,7 +166,7 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
                        Surroundings{position(of_b[m.b]).head<2>(), place_radius_m}});
   }
   refine(found, WallField::Step::coarse, agreement, threads);
-  Leads best = best_of(found, spare * seats.places, by_coherence);
+  Leads best = best_of(found, seats.spare * seats.places, by_coherence);
   refine(best, WallField::Step::fine, agreement, threads);
   return best_of(best, seats.places, by_coherence);
 }

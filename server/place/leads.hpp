@@ -34,11 +34,12 @@ struct Lead {
 
 /// How many proposals of each method are passed on.
 struct LeadSeats {
-  std::size_t walls = 8, coherent = 40, places = 8, votes = 2;
+  std::size_t walls = 16, coherent = 40, places = 8, votes = 2;
   /// Results of the wall search that are refined. In mines made by others, a right placement that shared a fifth of the
   /// rock was found only at rank 720.
   std::size_t coarse_matches = 1000;
   WallSearchSteps steps = {};
+  std::size_t spare = 4;  // refined to half a cell: this many times the quota
 };
 
 /// The best proposals of each method, refined to half a cell, best first; those of one method are 4 m or 15 deg apart.

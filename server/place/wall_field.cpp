@@ -112,8 +112,7 @@ WallField::Best WallField::best_within(const WallMap& b, const OnGrid& grid, Cel
   }
   const auto most = std::max_element(scores.begin(), scores.end());
   const auto at = static_cast<int>(most - scores.begin()), columns = static_cast<int>(side);
-  return {*most,
-          Eigen::Vector2i(at % columns, at / columns) * window.stride - Eigen::Vector2i::Constant(window.reach)};
+  return {*most, Eigen::Vector2i(at % columns, at / columns) * window.stride - Eigen::Vector2i::Constant(window.reach)};
 }
 
 /// Calls act(worth, point) for each of the points.
