@@ -87,16 +87,25 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
 }
 
-/// Tries the sessions whose places look most like this one's until enough attempts found nothing, and all sessions for
-/// which an alignment is known.
+/// All sessions of the site if they are few; otherwise those that could overlap, the most promising first. None yet
+/// while it is being searched which these are.
+std::vector<SessionId> MergePipeline::State::partners_of(SessionId id, AttemptReport& report) {
+  const std::vector<SessionId> ranked = partners.rank(id, sessions);
+  if (ranked.size() <= static_cast<std::size_t>(config.partners)) return ranked;
+  const Stopwatch watch(report.times.hypotheses_ms);
+  const auto chosen = promise.choose(id, ranked);
+  report.unfinished |= !chosen;
+  return chosen.value_or(std::vector<SessionId>());
+}
+
+/// Tries the partners until enough attempts found nothing, and all sessions for which an alignment is known.
 void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& attempt) {
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::set<SessionId> left = aligned;
-  const std::vector<SessionId> ranked = partners.rank(id, sessions);
-  const bool few = ranked.size() <= static_cast<std::size_t>(config.partners);
+  const std::vector<SessionId> ranked = partners_of(id, attempt.report);
   int came_to_nothing = 0;
   for (const SessionId other : ranked) {
-    if (!few && came_to_nothing >= config.partners && !aligned.contains(other)) continue;
+    if (came_to_nothing >= config.partners && !aligned.contains(other)) continue;
     left.erase(other);
     const OrderedPair pair = sessions.ordered(id, other);
     if (shared.helpers_came()) announce(id, ranked, attempt.clouds);

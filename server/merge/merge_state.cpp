@@ -10,6 +10,7 @@ MergePipeline::State::State(const MergeConfig& c, PairHelpers* helpers)
       sessions(c),
       partners(c),
       finder(finder_config(c)),
+      promise(c, sessions, finder),
       submaps(c, sessions),
       requests(c, sessions),
       self(c, sessions, finder, submaps, requests),

@@ -10,6 +10,7 @@
 #include "server/merge/loop_closures.hpp"
 #include "server/merge/merge_pipeline.hpp"
 #include "server/merge/pair_work.hpp"
+#include "server/merge/partner_promise.hpp"
 #include "server/merge/partner_ranking.hpp"
 
 namespace headframe {
@@ -21,6 +22,7 @@ struct MergePipeline::State {
   SessionMap sessions;
   PartnerRanking partners;
   HypothesisFinder finder;
+  PartnerPromise promise;
   SessionSubmaps submaps;
   CloudRequests requests;
   SelfSimilarity self;
@@ -37,6 +39,7 @@ struct MergePipeline::State {
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
+  std::vector<SessionId> partners_of(SessionId id, AttemptReport& report);
   void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report, std::optional<PairFindings> known = {});
   std::optional<PairFindings> found_elsewhere(const OrderedPair& pair, const Attempt& attempt);

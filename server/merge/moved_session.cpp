@@ -31,6 +31,7 @@ void MergePipeline::State::forget_what_was_made_of(SessionId id) {
   to_prepare.erase(id);
   submaps.forget(id);
   finder.forget(id);
+  promise.forget(id);
   self.forget(id);
   judged.forget(id);
   closures.forget(id);

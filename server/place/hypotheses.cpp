@@ -117,19 +117,35 @@ bool HypothesisFinder::needs_search(const SessionView& a, const SessionView& b) 
   if (a.keyframes.empty() || b.keyframes.empty()) return false;
   const auto known = found_.find({a.id, b.id});
   if (known == found_.end() || known->second.version == 0) return true;
-  const auto news_m = [&](const SessionView& session) {
-    return session.complete ? 1e-3 : session.asks_where ? config_.asked_news_m : config_.news_m;
-  };
-  return path_m(a.keyframes) - known->second.path_a_m >= news_m(a) ||
-         path_m(b.keyframes) - known->second.path_b_m >= news_m(b);
+  return has_news(a, known->second.path_a_m) || has_news(b, known->second.path_b_m);
+}
+
+bool HypothesisFinder::has_news(const SessionView& session, double path_then_m) const {
+  const double news_m = session.complete ? 1e-3 : session.asks_where ? config_.asked_news_m : config_.news_m;
+  return path_m(session.keyframes) - path_then_m >= news_m;
+}
+
+std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
+                                                 const std::function<std::vector<MatchedPair>()>& matches,
+                                                 const LeadSeats& seats) {
+  const bool comparable = a.family == b.family;
+  const DescriptorAgreement agreement(comparable ? a.keyframes : std::span<const Keyframe>(), b.keyframes);
+  const auto matched = comparable ? matches() : std::vector<MatchedPair>();
+  return search(a, b, matched, agreement, seats);
 }
 
 std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, const SessionView& b,
                                                        const std::function<std::vector<MatchedPair>()>& matches) {
-  const bool comparable = a.family == b.family;
-  const DescriptorAgreement agreement(comparable ? a.keyframes : std::span<const Keyframe>(), b.keyframes);
-  const auto matched = comparable ? matches() : std::vector<MatchedPair>();
-  return search(a, b, matched, agreement, config_.seats);
+  return search(a, b, matches, config_.seats);
+}
+
+double HypothesisFinder::promise(const SessionView& a, const SessionView& b,
+                                 const std::function<std::vector<MatchedPair>()>& matches) {
+  LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = config_.seats.steps};
+  few.coarse_matches = std::min<std::size_t>(250, config_.seats.coarse_matches);
+  few.steps.peaks = std::min<std::size_t>(50, few.steps.peaks);
+  const auto found = search(a, b, matches, few);
+  return found.empty() ? 0 : found.front().promise;
 }
 
 const Found* HypothesisFinder::take(const SessionView& a, const SessionView& b, std::vector<Hypothesis> hypotheses) {

@@ -65,7 +65,7 @@ class PairStudy {
     }
     for (const Alignment& k : run.pipeline.alignments()) {
       row_.found = k.evidence;
-      row_.found_te_m = overlaps() ? overlap_error(a_.path, b_.path, k.T_a_b, near_m_).translation_m : -1;
+      row_.found_te_m = near_each_other() ? overlap_error(a_.path, b_.path, k.T_a_b, near_m_).translation_m : -1;
       row_.merged = k.state == AlignmentState::published;
       row_.right = row_.merged && near(k.T_a_b, merged_m, merged_deg);
       row_.te_m = row_.merged ? row_.found_te_m : -1;
@@ -78,9 +78,10 @@ class PairStudy {
   }
 
  private:
-  bool overlaps() const { return row_.overlap_pct >= 1 && near_m_ < 60; }
+  bool near_each_other() const { return near_m_ < 60; }
+  bool overlaps() const { return row_.overlap_pct >= 1 && near_each_other(); }
   bool near(const Pose& T_a_b, double metres, double degrees) const {
-    if (!overlaps()) return false;
+    if (!near_each_other()) return false;
     const auto error = overlap_error(a_.path, b_.path, T_a_b, near_m_);
     return error.pairs > 0 && error.translation_m < metres && error.rotation_deg < degrees;
   }

@@ -146,6 +146,10 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(p(8, 33, 0.88, 6), 0.9) << "a copy of a tunnel piece, driven a little aside";
   EXPECT_GT(p(8, 33, 0.96, 6), 0.9);
   EXPECT_LT(p(8, 33, 0.91, 6), p(8, 33, 0.96, 6));
+  EXPECT_LT(p(6, 41, 0.938, 9), 0.8) << "a copy, one of so many that its descriptors agree";
+  EXPECT_GT(p(6, 56, 0.938, 9), 0.9);
+  EXPECT_GT(p(4, 41, 0.938, 9), 0.9) << "of few copies none does";
+  for (double n = 3; n < 7; n += 0.01) EXPECT_NEAR(p(n, 41, 0.938, 9), p(n + 0.01, 41, 0.938, 9), 0.05) << "no cliff";
   EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";
   EXPECT_GT(p(8, 33, 0.88, 1), p(8, 33, 0.88, 4)) << "one keyframe says little";
   EXPECT_LT(p(8, 51, 0.88, 9), 0.9);
