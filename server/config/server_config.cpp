@@ -69,7 +69,7 @@ std::vector<Key> keys_of(ServerConfig& c) {
       {"merge", "provisional_m", &c.merge.provisional_m, 0, 1e5},
       {"merge", "provisional_probability", &c.merge.provisional_probability, 0, 1},
       {"merge", "hypotheses", &c.merge.hypotheses, 1, 1000},
-      {"merge", "partners", &c.merge.partners, 1, 10000},
+      {"merge", "partners", &c.merge.partners, 2, 10000},
       {"merge", "searches", &c.merge.searches, 1, 10000},
       {"merge", "clouds_requested", &c.merge.clouds_requested, 1, 1000},
       {"merge", "clouds_mb", &c.merge.clouds_mb, 1, 1e6},

@@ -24,7 +24,8 @@ struct MergeConfig : VerdictThresholds {
   int placements = 1000;                  // results of the wall search that are refined, for each pair
   WallSearchSteps wall_search;            // step sizes of the wall search
   int hypotheses = 40;                    // placements whose walls hardly contradict each other, screened for each pair
-  int partners = 16;         // an attempt ends when this many sessions, the most similar ones first, gave nothing
+  int partners = 16;  // other sessions of a site that are all tried; of more, the most promising ones, until half as
+                      // many gave nothing
   int searches = 4;          // pairs of sessions whose walls are searched again in one attempt
   int clouds_requested = 4;  // of each session for the first look at a hypothesis; twice as many while in doubt
   int clouds_mb = 256;       // memory for prepared clouds, ...

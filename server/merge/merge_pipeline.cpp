@@ -87,33 +87,38 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   book.record(pair, best, T_a_b_runner_up, waits, attempt.report);
 }
 
-/// All sessions of the site if they are few; otherwise those that could overlap, the most promising first. None yet
-/// while it is being searched which these are.
-std::vector<SessionId> MergePipeline::State::partners_of(SessionId id, AttemptReport& report) {
-  const std::vector<SessionId> ranked = partners.rank(id, sessions);
-  if (ranked.size() <= static_cast<std::size_t>(config.partners)) return ranked;
-  const Stopwatch watch(report.times.hypotheses_ms);
-  const auto chosen = promise.choose(id, ranked);
-  report.unfinished |= !chosen;
-  return chosen.value_or(std::vector<SessionId>());
-}
-
-/// Tries the partners until enough attempts found nothing, and all sessions for which an alignment is known.
+/// Tries all sessions of the site if they are few; of more, the most promising ones until enough came to nothing; and
+/// all for which an alignment is known.
 void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& attempt) {
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::set<SessionId> left = aligned;
-  const std::vector<SessionId> ranked = partners_of(id, attempt.report);
+  std::vector<SessionId> ranked = partners.rank(id, sessions);
+  const int in_vain = most_in_vain(ranked);
+  if (in_vain < config.partners) ranked = most_promising(id, ranked, attempt.report);
   int came_to_nothing = 0;
   for (const SessionId other : ranked) {
-    if (came_to_nothing >= config.partners && !aligned.contains(other)) continue;
+    if (came_to_nothing >= in_vain && !aligned.contains(other)) continue;
     left.erase(other);
     const OrderedPair pair = sessions.ordered(id, other);
-    if (shared.helpers_came()) announce(id, ranked, attempt.clouds);
+    if (shared.helpers_came()) announce(id, ranked, in_vain, attempt.clouds);
     merge_pair(pair, attempt);
     came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
   for (const SessionId other : left)
     if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
+}
+
+int MergePipeline::State::most_in_vain(const std::vector<SessionId>& ranked) const {
+  return ranked.size() <= static_cast<std::size_t>(config.partners) ? config.partners : config.partners / 2;
+}
+
+/// None while it is still being searched which these are.
+std::vector<SessionId> MergePipeline::State::most_promising(SessionId id, const std::vector<SessionId>& ranked,
+                                                            AttemptReport& report) {
+  const Stopwatch watch(report.times.hypotheses_ms);
+  const auto chosen = promise.choose(id, ranked);
+  report.unfinished |= !chosen;
+  return chosen.value_or(std::vector<SessionId>());
 }
 
 /// Looks once more at recently published alignments of other sessions, until no clouds are requested for them: this
@@ -132,27 +137,28 @@ void MergePipeline::State::settle_others(SessionId id, const Attempt& attempt) {
 
 /// Announces what this attempt will search, and then what those of sessions that wait for their turn will, so that
 /// other servers may begin with it.
-void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& ranked, const CloudSource& clouds) {
+void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& ranked, int in_vain,
+                                    const CloudSource& clouds) {
   constexpr std::size_t enough_later = 64;  // for a helper that is done before this attempt is
   std::vector<OrderedPair> later;
   for (const auto& [other, session] : sessions.all()) {
     if (later.size() >= enough_later) break;
     if (other == id || !session.complete || session.looked_at) continue;
-    const auto searches = searches_of(other, partners.rank(other, sessions), clouds);
+    const auto others = partners.rank(other, sessions);
+    const auto searches = searches_of(other, others, most_in_vain(others), clouds);
     later.insert(later.end(), searches.begin(), searches.end());
   }
-  shared.announce(searches_of(id, ranked, clouds), later, clouds);
+  shared.announce(searches_of(id, ranked, in_vain, clouds), later, clouds);
 }
 
 /// What an attempt of the session will search among these partners, and how the sessions look like themselves (a == b).
 std::vector<OrderedPair> MergePipeline::State::searches_of(SessionId id, const std::vector<SessionId>& ranked,
-                                                           const CloudSource& clouds) const {
+                                                           int in_vain, const CloudSource& clouds) const {
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::vector<OrderedPair> pairs;
   int tried = 0;
   for (const SessionId other : ranked) {
-    const bool alike = tried < config.partners;
-    if (!alike && !aligned.contains(other)) continue;
+    if (tried >= in_vain && !aligned.contains(other)) continue;
     const OrderedPair pair = sessions.ordered(id, other);
     if (!sessions.worth_a_look(pair)) continue;
     tried += book.live(id, other) ? 0 : 1;

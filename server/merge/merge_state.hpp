@@ -39,12 +39,13 @@ struct MergePipeline::State {
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
-  std::vector<SessionId> partners_of(SessionId id, AttemptReport& report);
+  int most_in_vain(const std::vector<SessionId>& ranked) const;
+  std::vector<SessionId> most_promising(SessionId id, const std::vector<SessionId>& ranked, AttemptReport& report);
   void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report, std::optional<PairFindings> known = {});
   std::optional<PairFindings> found_elsewhere(const OrderedPair& pair, const Attempt& attempt);
-  void announce(SessionId id, const std::vector<SessionId>& ranked, const CloudSource& clouds);
-  std::vector<OrderedPair> searches_of(SessionId id, const std::vector<SessionId>& ranked,
+  void announce(SessionId id, const std::vector<SessionId>& ranked, int in_vain, const CloudSource& clouds);
+  std::vector<OrderedPair> searches_of(SessionId id, const std::vector<SessionId>& ranked, int in_vain,
                                        const CloudSource& clouds) const;
   std::vector<Verdict> judge_by_hand(const OrderedPair& pair, const Case& at, const Attempt& attempt);
   bool still_holds(const OrderedPair& pair, Alignment& published, const Attempt& attempt);

@@ -7,20 +7,19 @@
 namespace headframe {
 namespace {
 
-constexpr int at_once = 8;      // searches in one call, which take some quarter of a second
-constexpr double share = 0.2;   // of the best partner's promise
-constexpr double enough = 100;  // walls in cells: nine of ten pairs that share 20 to 40 m promise about as much
+constexpr int at_once = 8;    // searches in one call, which take some quarter of a second
+constexpr double least = 20;  // walls in cells; every pair of sessions that shared 20 m of path promised more than 40
+constexpr double places = 8;  // of two that promise the same, the 9th of the ranking counts half as much as the first
 
-struct Promising {
+struct Partner {
   SessionId id = 0;
-  double promise = 0;
+  double worth = 0;
 };
 
-/// The most promising first; of equal ones, the one that was ranked higher.
-void append_best(std::vector<Promising> list, std::vector<SessionId>& out) {
-  std::stable_sort(list.begin(), list.end(), [](const auto& p, const auto& q) { return p.promise > q.promise; });
-  for (const Promising& p : list)
-    if (p.promise >= std::min(enough, share * list.front().promise)) out.push_back(p.id);
+/// The best first.
+void append(std::vector<Partner> list, std::vector<SessionId>& out) {
+  std::stable_sort(list.begin(), list.end(), [](const auto& p, const auto& q) { return p.worth > q.worth; });
+  for (const Partner& p : list) out.push_back(p.id);
 }
 
 }  // namespace
@@ -44,18 +43,22 @@ std::optional<double> PartnerPromise::promise(SessionId id, SessionId other, int
 
 std::optional<std::vector<SessionId>> PartnerPromise::choose(SessionId id, const std::vector<SessionId>& ranked) {
   const auto most = 2 * static_cast<std::size_t>(config_.partners);
-  std::vector<Promising> same_family, other_families;
+  struct Family {
+    std::vector<Partner> partners;
+    std::size_t compared = 0;
+  } same, others;
   int searches = at_once;
   for (const SessionId other : ranked) {
-    auto& list = sessions_.at(other).family == sessions_.at(id).family ? same_family : other_families;
-    if (list.size() == most || !sessions_.worth_a_look(sessions_.ordered(id, other))) continue;
+    Family& family = sessions_.at(other).family == sessions_.at(id).family ? same : others;
+    if (family.compared == most || !sessions_.worth_a_look(sessions_.ordered(id, other))) continue;
     const auto found = promise(id, other, searches);
     if (!found) return std::nullopt;
-    list.push_back({other, *found});
+    if (*found >= least) family.partners.push_back({other, *found / (places + static_cast<double>(family.compared))});
+    ++family.compared;
   }
   std::vector<SessionId> out;
-  append_best(std::move(same_family), out);
-  append_best(std::move(other_families), out);
+  append(std::move(same.partners), out);
+  append(std::move(others.partners), out);
   return out;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // Which of the sessions that PartnerRanking names are worth an attempt? Their walls and descriptors tell, without
-// clouds, in a thirtieth of the time that an attempt to merge takes.
+// clouds, in some 50 ms a pair.
 
 #include <map>
 #include <optional>
@@ -18,10 +18,10 @@ class PartnerPromise {
   PartnerPromise(const MergeConfig& config, const SessionMap& sessions, HypothesisFinder& finder)
       : config_(config), sessions_(sessions), finder_(finder) {}
 
-  /// Of the first sessions in `ranked` that could merge with this one (twice MergeConfig::partners), those with a
-  /// hypothesis (HypothesisFinder::promise) that reaches a fifth of the best one's promise, or `enough`; the most
-  /// promising first. Sessions of other descriptor families are compared among themselves, and come last. Searches a
-  /// few pairs; nothing if more are left to search, which the next call goes on with.
+  /// Orders the first sessions in `ranked` that could merge with this one (twice MergeConfig::partners) by their
+  /// promise (HypothesisFinder::promise) and their rank, without those that promise next to nothing. Sessions of other
+  /// descriptor families are compared among themselves, and come last. Searches a few pairs; nothing if more are left
+  /// to search, which the next call goes on with.
   std::optional<std::vector<SessionId>> choose(SessionId id, const std::vector<SessionId>& ranked);
 
   void forget(SessionId id) {

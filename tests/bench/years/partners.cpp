@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "common/descriptor/family.hpp"
+#include "server/merge/pair_search.hpp"
+#include "server/merge/partner_promise.hpp"
 #include "server/merge/partner_ranking.hpp"
 #include "tests/bench/made_sets.hpp"
 
@@ -42,6 +44,23 @@ std::vector<DrivenSession> all_sessions(const std::vector<std::filesystem::path>
   return out;
 }
 
+/// Those that an attempt of each session tries, in this order.
+std::vector<std::vector<SessionId>> partners_of_all(const MergeConfig& config, const SessionMap& sessions,
+                                                    PartnerRanking& ranking) {
+  HypothesisFinder finder(finder_config(config));
+  PartnerPromise promise(config, sessions, finder);
+  std::vector<std::vector<SessionId>> out;
+  for (const auto& [id, session] : sessions.all()) {
+    const std::vector<SessionId> ranked = ranking.rank(id, sessions);
+    auto chosen = promise.choose(id, ranked);
+    while (!chosen) chosen = promise.choose(id, ranked);
+    out.push_back(std::move(*chosen));
+    std::fprintf(stderr, "\r%zu of %zu sessions ranked", out.size(), sessions.all().size());
+  }
+  std::fprintf(stderr, "\n");
+  return out;
+}
+
 }  // namespace
 
 nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
@@ -54,7 +73,9 @@ nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
     const auto id = static_cast<SessionId>(i) + 1;
     sessions.add(id, driven[i].family);
     for (const Keyframe& k : driven[i].keyframes) ranking.add(id, sessions.add_keyframe(id, k), sessions);
+    sessions.complete(id);
   }
+  const std::vector<std::vector<SessionId>> tried = partners_of_all(config, sessions, ranking);
   std::vector<std::vector<double>> shared(n, std::vector<double>(n, 0));
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
@@ -63,7 +84,7 @@ nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
   // Sessions that share nothing with `of` and come before `wanted`.
   const auto in_vain = [&](std::size_t of, std::size_t wanted) {
     double count = 0;
-    for (const SessionId id : ranking.rank(static_cast<SessionId>(of) + 1, sessions)) {
+    for (const SessionId id : tried[of]) {
       const auto other = static_cast<std::size_t>(id - 1);
       if (other == wanted) return count;
       count += shared[of][other] == 0 && shared[other][of] == 0;
@@ -82,6 +103,10 @@ nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
   nlohmann::json out{{"sessions", n}};
   std::printf("partners: %zu sessions in one database; an attempt ends after %d that came to nothing\n", n,
               config.partners);
+  std::size_t all_tried = 0;
+  for (const auto& list : tried) all_tried += std::min(list.size(), static_cast<std::size_t>(config.partners));
+  std::printf("  %.1f are tried on average, if none gives anything\n",
+              static_cast<double>(all_tried) / static_cast<double>(n));
   std::printf("  path shared   pairs   found before 4   8   %d have\n", config.partners);
   for (std::size_t bin = 0; bin < tries.size(); ++bin) {
     const auto before = [&](int most) {
