@@ -77,19 +77,22 @@ double few_points_meet(const Evidence& e) {
 double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. Demands 60 m of
-/// overlap if the descriptors agree to .90 or less, 100 m if the overlap is nearly straight as well (the walls hardly
-/// hold it along the tunnel), falling to nothing at .93; 28 m if no descriptors were compared. The more copies, the
-/// likelier one of them has such descriptors: from four to six look-alikes on, both limits rise by .035. Each metre
-/// missing costs 0.3. Set by hand. Of the placements in worlds of equal tunnels for which all else spoke, 21 of 44 of
-/// 25 to 57 m were copies, and of 29 longer ones one: 83 m of straight tunnel, .89. Of .93 and more, two copies of 37
-/// and 41 m had 6 and 14 look-alikes (.96, which is believed still, and .94); right ones in tunnel-four have .95.
+/// overlap if the descriptors agree to .90 or less, falling to nothing at .93; 28 m if none were compared. From three
+/// look-alikes on, 56 m are demanded up to .94, falling to nothing at .955, because one of many copies may have such
+/// descriptors; and 60 m if a place disagrees. If the descriptors differ and the overlap is nearly straight as well
+/// (the walls hardly hold it along the tunnel), 40 m more. Each metre missing costs 0.3. Set by hand. Of the placements
+/// in worlds of equal tunnels for which all else spoke, 21 of 44 of 25 to 57 m were copies, and of 29 longer ones one:
+/// 83 m of straight tunnel, .89. Of 20 below 60 m in which the descriptors agreed, three: 44 m, .93; 41 m, .94; and 37
+/// m, .96, where one place of six disagreed, as at none of the right ones.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
-  const double many = 0.035 * std::clamp((e.look_alikes - 4) / 2, 0.0, 1.0);
-  const double doubt = std::clamp((0.93 + many - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double straight =
-      std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0) * std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double told_m = compared * (60 * doubt + 40 * straight) + (1 - compared) * 28;
+  const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
+  const double many =
+      std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0) * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
+  const double disagree = std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
+  const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
+  const double told_m =
+      compared * (std::max({60 * differ, 56 * many, 60 * disagree}) + 40 * differ * straight) + (1 - compared) * 28;
   return -0.3 * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
 }
 
