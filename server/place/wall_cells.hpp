@@ -24,7 +24,7 @@ struct OnGrid {
 /// The cells around a point that are looked up: from -reach to reach on both axes, `stride` apart.
 struct CellWindow {
   int reach = 0, stride = 1;
-  std::size_t side() const { return static_cast<std::size_t>(2 * reach / stride + 1); }
+  std::size_t side() const { return 2 * static_cast<std::size_t>(reach) / static_cast<std::size_t>(stride) + 1; }
 };
 
 inline constexpr std::size_t cells_at_once = 256;

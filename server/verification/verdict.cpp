@@ -92,7 +92,7 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double disagree = std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double told_m =
-      compared * (std::max({60 * differ, 56 * many, 60 * disagree}) + 40 * differ * straight) + (1 - compared) * 28;
+      compared * std::max({differ * (60 + 40 * straight), 56 * many, 60 * disagree}) + (1 - compared) * 28;
   return -0.3 * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
 }
 

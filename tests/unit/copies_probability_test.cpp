@@ -213,6 +213,11 @@ TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescri
   EXPECT_LT(probability(RegistrationStatus::converged, straight), 0.9) << "a straight tunnel is copied farther";
   straight.overlap_m = 101;
   EXPECT_GT(probability(RegistrationStatus::converged, straight), 0.9);
+  straight.overlap_m = 62;
+  straight.descriptors_alike = 0.915;
+  straight.look_alikes = 4.4;
+  straight.weakest_hold = 0.044;
+  EXPECT_GT(probability(RegistrationStatus::converged, straight), 0.9) << "three demands, and the longest counts";
   Evidence two;
   two.look_alikes = 1;
   EXPECT_EQ(looks_like_itself(two), 0);

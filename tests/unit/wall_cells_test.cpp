@@ -10,13 +10,16 @@ namespace {
 
 constexpr int columns = 70, rows = 50, rim = 14;
 
+std::size_t cell(int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+}
+
 /// Filled at random but for a rim.
 CellWorth random_worth(std::mt19937& random) {
   std::uniform_int_distribution<int> worth(-3, 1);
   CellWorth out(columns * rows + worth_padding);
   for (int y = rim; y < rows - rim; ++y)
-    for (int x = rim; x < columns - rim; ++x)
-      out[static_cast<std::size_t>(y * columns + x)] = static_cast<std::int8_t>(worth(random));
+    for (int x = rim; x < columns - rim; ++x) out[cell(x, y)] = static_cast<std::int8_t>(worth(random));
   return out;
 }
 
@@ -41,7 +44,7 @@ std::vector<std::int32_t> slow_windows(const std::vector<Eigen::Vector2f>& point
       for (std::size_t i = 0; i < points.size(); i += every) {
         const int x = static_cast<int>(std::floor(points[i].x())) - window.reach + column * window.stride,
                   y = static_cast<int>(std::floor(points[i].y())) - window.reach + row * window.stride;
-        if (x >= 0 && y >= 0 && x < columns && y < rows) sum += worth[static_cast<std::size_t>(y * columns + x)];
+        if (x >= 0 && y >= 0 && x < columns && y < rows) sum += worth[cell(x, y)];
       }
       out.push_back(sum);
     }
@@ -79,12 +82,12 @@ TEST(WallCells, PointsBeyondTheMarginGetTheCellOutside) {
 
 TEST(WallField, CountsAsOneWallAndOneFreeCellAfterTheOther) {
   std::mt19937 random(6);
-  std::uniform_int_distribution<int> cell(0, 40);
+  std::uniform_int_distribution<int> place(0, 40);
   const auto draw = [&] {
     WallMap out{{}, {}, 0.5F};
     for (int i = 0; i < 400; ++i)
       (i % 2 == 0 ? out.walls : out.free)
-          .emplace_back(0.5F * static_cast<float>(cell(random)), 0.5F * static_cast<float>(cell(random)));
+          .emplace_back(0.5F * static_cast<float>(place(random)), 0.5F * static_cast<float>(place(random)));
     return out;
   };
   const WallMap a = draw(), b = draw();
