@@ -24,13 +24,18 @@ struct MergeConfig : VerdictThresholds {
   int placements = 1000;                  // results of the wall search that are refined, for each pair
   WallSearchSteps wall_search;            // step sizes of the wall search
   int hypotheses = 40;                    // placements whose walls hardly contradict each other, screened for each pair
-  int partners = 16;  // other sessions of a site that are all tried; of more, the most promising ones, until half as
-                      // many gave nothing
-  int searches = 4;          // pairs of sessions whose walls are searched again in one attempt
+  int partners = 16;                      // other sessions of a site that are all tried, see most_in_vain()
+  int searches = 4;                       // pairs of sessions whose walls are searched again in one attempt
   int clouds_requested = 4;  // of each session for the first look at a hypothesis; twice as many while in doubt
   int clouds_mb = 256;       // memory for prepared clouds, ...
   int places_mb = 768;       // ... for submaps and the sweeps they use for lines of sight ...
   int walls_mb = 64;         // ... and for wall maps; the least recently used are discarded and rebuilt when needed
+
+  /// An attempt ends when this many of the `others` gave nothing: if they are more than `partners`, those that are
+  /// tried first are the most promising ones.
+  int most_in_vain(std::size_t others) const {
+    return others <= static_cast<std::size_t>(partners) ? partners : partners * 3 / 4;
+  }
 };
 
 }  // namespace headframe

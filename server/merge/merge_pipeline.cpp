@@ -93,7 +93,7 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
   const std::set<SessionId> aligned = book.aligned_with(id);
   std::set<SessionId> left = aligned;
   std::vector<SessionId> ranked = partners.rank(id, sessions);
-  const int in_vain = most_in_vain(ranked);
+  const int in_vain = config.most_in_vain(ranked.size());
   if (in_vain < config.partners) ranked = most_promising(id, ranked, attempt.report);
   int came_to_nothing = 0;
   for (const SessionId other : ranked) {
@@ -106,10 +106,6 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
   }
   for (const SessionId other : left)
     if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
-}
-
-int MergePipeline::State::most_in_vain(const std::vector<SessionId>& ranked) const {
-  return ranked.size() <= static_cast<std::size_t>(config.partners) ? config.partners : config.partners / 2;
 }
 
 /// None while it is still being searched which these are.
@@ -145,7 +141,7 @@ void MergePipeline::State::announce(SessionId id, const std::vector<SessionId>& 
     if (later.size() >= enough_later) break;
     if (other == id || !session.complete || session.looked_at) continue;
     const auto others = partners.rank(other, sessions);
-    const auto searches = searches_of(other, others, most_in_vain(others), clouds);
+    const auto searches = searches_of(other, others, config.most_in_vain(others.size()), clouds);
     later.insert(later.end(), searches.begin(), searches.end());
   }
   shared.announce(searches_of(id, ranked, in_vain, clouds), later, clouds);

@@ -39,7 +39,6 @@ struct MergePipeline::State {
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
-  int most_in_vain(const std::vector<SessionId>& ranked) const;
   std::vector<SessionId> most_promising(SessionId id, const std::vector<SessionId>& ranked, AttemptReport& report);
   void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report, std::optional<PairFindings> known = {});

@@ -36,7 +36,7 @@ std::size_t cells_under(std::span<const Eigen::Vector2f> points, const OnGrid& g
                         CellIndices& cells);
 
 /// Adds the worth of the cells around each point to `scores`, row by row, for all shifts of a window at once; takes
-/// every so-manieth point. Windows: reach 6 and stride 2, reach 2 and stride 1, or a single cell. As far as `reach`
+/// each `every`th point. Windows: reach 6 and stride 2, reach 2 and stride 1, or a single cell. As far as `reach`
 /// from the cell (reach, reach), the grid has to be empty.
 void add_windows(std::span<const Eigen::Vector2f> points, std::size_t every, const OnGrid& grid, const CellWorth& worth,
                  CellWindow window, std::span<std::int32_t> scores);

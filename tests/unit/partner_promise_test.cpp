@@ -77,6 +77,11 @@ TEST(PartnerPromise, SharedTunnelsComeFirstAndWhatPromisesNothingIsLeftOut) {
   for (std::size_t i = 1; i < chosen->size(); ++i) EXPECT_GE(worth.at((*chosen)[i - 1]), worth.at((*chosen)[i]));
 }
 
+TEST(PartnerPromise, OfMoreThanSixteenOthersTwelveMayComeToNothing) {
+  EXPECT_EQ(MergeConfig{}.most_in_vain(16), 16) << "all are tried";
+  EXPECT_EQ(MergeConfig{}.most_in_vain(17), 12);
+}
+
 TEST(PartnerPromise, EightPairsAreSearchedAtOnceAndOnlyAgainAfterGrowth) {
   Sessions s(16);
   const Drive own = test::drive(crossing(), {{0, 0}, {88, 0}}, 0, 1);

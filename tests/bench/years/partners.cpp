@@ -82,7 +82,7 @@ nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
       if (i != j && kind_of(driven[i].world) == kind_of(driven[j].world))
         shared[i][j] = shared_m(driven[i].path, driven[j].path);
   // Sessions that share nothing with `of` and come before `wanted`.
-  const auto in_vain = [&](std::size_t of, std::size_t wanted) {
+  const auto before_it = [&](std::size_t of, std::size_t wanted) {
     double count = 0;
     for (const SessionId id : tried[of]) {
       const auto other = static_cast<std::size_t>(id - 1);
@@ -98,24 +98,25 @@ nlohmann::json partners(const std::vector<std::filesystem::path>& folders) {
       const auto bin =
           std::find_if(least_shared_m.begin(), least_shared_m.end(), [&](int least) { return m >= least; });
       if (bin != least_shared_m.end())
-        tries[static_cast<std::size_t>(bin - least_shared_m.begin())].push_back(std::min(in_vain(i, j), in_vain(j, i)));
+        tries[static_cast<std::size_t>(bin - least_shared_m.begin())].push_back(
+            std::min(before_it(i, j), before_it(j, i)));
     }
+  const int in_vain = config.most_in_vain(n - 1);
   nlohmann::json out{{"sessions", n}};
-  std::printf("partners: %zu sessions in one database; an attempt ends after %d that came to nothing\n", n,
-              config.partners);
+  std::printf("partners: %zu sessions in one database; an attempt ends after %d that came to nothing\n", n, in_vain);
   std::size_t all_tried = 0;
-  for (const auto& list : tried) all_tried += std::min(list.size(), static_cast<std::size_t>(config.partners));
+  for (const auto& list : tried) all_tried += std::min(list.size(), static_cast<std::size_t>(in_vain));
   std::printf("  %.1f are tried on average, if none gives anything\n",
               static_cast<double>(all_tried) / static_cast<double>(n));
-  std::printf("  path shared   pairs   found before 4   8   %d have\n", config.partners);
+  std::printf("  path shared   pairs   found before 4   8   %d have\n", in_vain);
   for (std::size_t bin = 0; bin < tries.size(); ++bin) {
     const auto before = [&](int most) {
       return static_cast<int>(std::count_if(tries[bin].begin(), tries[bin].end(), [&](double x) { return x < most; }));
     };
     std::printf("  %7d m +   %5zu   %14d   %3d   %3d\n", least_shared_m[bin], tries[bin].size(), before(4), before(8),
-                before(config.partners));
+                before(in_vain));
     out["from_" + std::to_string(least_shared_m[bin]) + "_m"] = {{"pairs", tries[bin].size()},
-                                                                 {"found", before(config.partners)}};
+                                                                 {"found", before(in_vain)}};
   }
   return out;
 }
