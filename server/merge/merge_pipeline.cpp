@@ -108,13 +108,15 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     if (sessions.contains(other)) merge_pair(sessions.ordered(id, other), attempt);
 }
 
-/// None while it is still being searched which these are.
-std::vector<SessionId> MergePipeline::State::most_promising(SessionId id, const std::vector<SessionId>& ranked,
+/// While it is still being searched which these are, the few with the most votes.
+std::vector<SessionId> MergePipeline::State::most_promising(SessionId id, std::vector<SessionId> ranked,
                                                             AttemptReport& report) {
   const Stopwatch watch(report.times.hypotheses_ms);
-  const auto chosen = promise.choose(id, ranked);
-  report.unfinished |= !chosen;
-  return chosen.value_or(std::vector<SessionId>());
+  if (auto chosen = promise.choose(id, ranked)) return *chosen;
+  report.unfinished = true;
+  if (ranked.size() > static_cast<std::size_t>(config.searches))
+    ranked.resize(static_cast<std::size_t>(config.searches));
+  return ranked;
 }
 
 /// Looks once more at recently published alignments of other sessions, until no clouds are requested for them: this

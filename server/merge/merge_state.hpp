@@ -39,7 +39,7 @@ struct MergePipeline::State {
 
   void merge_pair(const OrderedPair& pair, const Attempt& attempt);
   void merge_with_partners(SessionId id, const Attempt& attempt);
-  std::vector<SessionId> most_promising(SessionId id, const std::vector<SessionId>& ranked, AttemptReport& report);
+  std::vector<SessionId> most_promising(SessionId id, std::vector<SessionId> ranked, AttemptReport& report);
   void settle_others(SessionId id, const Attempt& attempt);
   const Found* propose(const OrderedPair& pair, AttemptReport& report, std::optional<PairFindings> known = {});
   std::optional<PairFindings> found_elsewhere(const OrderedPair& pair, const Attempt& attempt);
