@@ -82,8 +82,8 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// descriptors; and 60 m if a place disagrees. If the descriptors differ and the overlap is nearly straight as well
 /// (the walls hardly hold it along the tunnel), 40 m more. Each metre missing costs 0.3. Set by hand. Of the placements
 /// in worlds of equal tunnels for which all else spoke, 21 of 44 of 25 to 57 m were copies, and of 29 longer ones one:
-/// 83 m of straight tunnel, .89. Of 20 below 60 m in which the descriptors agreed, three: 44 m, .93; 41 m, .94; and 37
-/// m, .96, where one place of six disagreed, as at none of the right ones.
+/// 83 m of straight tunnel, .89. Of 16 of 20 to 60 m with descriptors of .90 and more, three: 44 m, .93; 41 m, .94; and
+/// 37 m, .96, where one place of six disagreed, as at none of the right ones.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
