@@ -16,6 +16,7 @@
 #include "tests/bench/localize.hpp"
 #include "tests/bench/measure.hpp"
 #include "tests/bench/merges.hpp"
+#include "tests/bench/one_map.hpp"
 #include "tests/bench/pose_graph.hpp"
 #include "tests/bench/registration.hpp"
 #include "tests/bench/stages.hpp"
@@ -137,6 +138,7 @@ int run(const Options& options) {
     return years(bench);
   });
   part("partners", false, [&] { return partners(options.sets); });
+  part("one-map", false, [&] { return one_map(options.sets); });
   part("pose-graph", false, [&] {
     const PoseGraphBench usual;
     return pose_graph({options.sets, options.mines.value_or(usual.mines), options.first_seed.value_or(usual.first_seed),
@@ -149,8 +151,8 @@ int run(const Options& options) {
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, localize, coverage, live, years, partners, pose-graph, pose-graph-scale, "
-          "descriptors, link",
+          "recordings, merge-times, stages, localize, coverage, live, years, partners, one-map, pose-graph, "
+          "pose-graph-scale, descriptors, link",
       2);
 }
 
@@ -203,6 +205,9 @@ int main(int argc, char** argv) {
   auto* partners = app.add_subcommand("partners", "is the right session among those that one is tried with");
   partners->add_option("DIR", options.sets, "data sets (as of stages), or folders of them")->required();
   partners->callback([&options] { options.what = "partners"; });
+  auto* one_map = app.add_subcommand("one-map", "do all drives through a mine become one map");
+  one_map->add_option("DIR", options.sets, "data sets (as of stages), or folders of them")->required();
+  one_map->callback([&options] { options.what = "one-map"; });
   years->callback([&options] { options.what = "years"; });
   live->callback([&options] { options.what = "live"; });
   try {

@@ -10,6 +10,7 @@ inline Evidence convincing() {
   e.pairs = 12;
   e.places = e.places_agreeing = 6;
   e.inlier_fraction = 0.8;
+  e.matched_share = 0.9;
   e.residual_m = 0.02;
   e.overlap_m = 36;
   e.weakest_hold = 0.1;

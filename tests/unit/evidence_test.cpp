@@ -202,6 +202,13 @@ Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<Pla
   return out;
 }
 
+TEST(Judge, APlaceThatNothingSpeaksAgainstMayStillBeRight) {
+  EXPECT_GT(best_probability({}), 0.99) << "or rivals of a copy would be spared, and it would be accepted";
+  ScreeningResult contradicted;
+  contradicted.place.a_by_b = {1000, 100, 0, 0};
+  EXPECT_LT(best_probability(contradicted), 0.1);
+}
+
 TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
   const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30), BoxMine::drift(10, -20, 10, 0, 6)});
   const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);

@@ -91,6 +91,23 @@ TEST(Probability, FewPointsThatMeetSpeakAgainst) {
   EXPECT_LT(p(0.14), 0.5) << "side by side, with rock between them";
 }
 
+TEST(Probability, OfFewPlacesMostOfWhatBothCouldSeeHasToMatch) {
+  const auto p = [](double places, double matched) {
+    Evidence e = convincing();
+    e.places = e.places_agreeing = places;
+    e.overlap_m = 12;
+    e.matched_share = matched;
+    return probability(RegistrationStatus::converged, e);
+  };
+  const double right = 0.745, wrong = 0.6;
+  EXPECT_GT(p(3, right), MergeConfig{}.accept_probability);
+  EXPECT_LT(p(3, wrong), MergeConfig{}.accept_probability) << "14 m off in a surveyed mine, and all else agreed";
+  EXPECT_EQ(p(3, 0.72), p(3, 1));
+  EXPECT_LT(p(3, 0.71), p(3, 0.72));
+  EXPECT_LT(p(3, wrong), p(4, wrong));
+  EXPECT_EQ(p(5, 0.52), p(5, 1)) << "five places in a surveyed mine were right";
+}
+
 TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
   const auto p = [](double compared, double alike) {
     Evidence e = convincing();
