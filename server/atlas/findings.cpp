@@ -63,7 +63,9 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
                  100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
        formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
-       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), shared(e) + ": hardly any",
+       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), places(e),
+       formatted("of the surfaces that both could see %.0f %% match", 100 * e.matched_share),
+       shared(e) + ": hardly any",
        descriptors(e) +
            formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes)}};
 }
@@ -99,6 +101,8 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {&Evidence::inlier_fraction, 1, "%.0f %% would suffice", 100},
            {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
            {&Evidence::tilt_deg, 0, "%.2f deg at most would suffice"},
+           {&Evidence::spread_m, 0, "%.2f m at most would suffice"},
+           {&Evidence::matched_share, 1, "%.0f %% would suffice", 100},
            path,
            alike}};
 }

@@ -1,6 +1,7 @@
 #include "server/verification/prepared_cloud.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "server/registration/kd_tree.hpp"
 #include "server/registration/surfels.hpp"
@@ -20,17 +21,35 @@ constexpr float farthest_origin_m = 200, farthest_point_m = 1000;
 /// False for what is not finite, too.
 bool within(const Eigen::Vector3f& p, float reach_m) { return p.squaredNorm() < reach_m * reach_m; }
 
+/// Whether `count` of the points lie within reach of points[i], itself among them, as far as those tell that come just
+/// before and after it in the cloud: it is coded so that these are mostly near.
+bool has_near_in_order(const Points& points, std::size_t i, float reach_m, int count) {
+  constexpr std::size_t looked_at = 8;
+  const std::size_t end = std::min(points.size(), i + looked_at + 1);
+  int found = 0;
+  for (std::size_t j = i - std::min(i, looked_at); j < end; ++j) {
+    const Eigen::Vector3f d = points[j] - points[i];
+    found += d.x() * d.x() + d.y() * d.y() + d.z() * d.z() < reach_m * reach_m;
+  }
+  return found >= count;
+}
+
 /// Dust and stray returns stand alone: a point stays when three others of its sweep lie within 8 % of its range, or
 /// 0.25 m (dynamic radius outlier removal: Charron, Phillips, Waslander, CRV 2018). Seen from the sweep's origin.
 Points without_strays(const Points& points) {
-  constexpr std::size_t companions = 3;
+  constexpr int companions = 3;
   constexpr float least_reach_m = 0.25F, reach_share = 0.08F;
-  const KdTree tree(points);
+  std::optional<KdTree> tree;
   Points kept;
   kept.reserve(points.size());
-  for (const auto& p : points) {
-    const float reach_m = std::max(least_reach_m, reach_share * p.norm());
-    if (tree.has_within(p, reach_m, companions + 1)) kept.push_back(p);  // itself among them
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float reach_m = std::max(least_reach_m, reach_share * points[i].norm());
+    bool stays = has_near_in_order(points, i, reach_m, companions + 1);
+    if (!stays) {
+      if (!tree) tree.emplace(points);
+      stays = tree->has_within(points[i], reach_m, companions + 1);
+    }
+    if (stays) kept.push_back(points[i]);
   }
   return kept;
 }
@@ -49,49 +68,6 @@ Points without_transients(Points points, const std::vector<PreparedCloud::View>&
     return is_transient(hits, through, 0);
   });
   return points;
-}
-
-/// Remembers which cubes were seen: open addressing over 64-bit keys.
-class SeenCubes {
- public:
-  explicit SeenCubes(std::size_t expected) {
-    std::size_t size = 64;
-    while (size < 2 * expected) size *= 2;
-    slots_.assign(size, none);
-  }
-  bool first(std::uint64_t key) {
-    if (2 * ++used_ > slots_.size()) grow();
-    std::size_t at = mixed(key) & (slots_.size() - 1);
-    while (slots_[at] != none && slots_[at] != key) at = (at + 1) & (slots_.size() - 1);
-    const bool fresh = slots_[at] == none;
-    slots_[at] = key;
-    used_ -= !fresh;
-    return fresh;
-  }
-
- private:
-  static constexpr std::uint64_t none = ~std::uint64_t{0};
-  static std::size_t mixed(std::uint64_t key) { return (key * 0x9E3779B97F4A7C15U) >> 20; }
-  void grow() {
-    std::vector<std::uint64_t> old(2 * slots_.size(), none);
-    old.swap(slots_);
-    for (const std::uint64_t key : old) {
-      if (key == none) continue;
-      std::size_t at = mixed(key) & (slots_.size() - 1);
-      while (slots_[at] != none) at = (at + 1) & (slots_.size() - 1);
-      slots_[at] = key;
-    }
-  }
-  std::vector<std::uint64_t> slots_;
-  std::size_t used_ = 0;
-};
-
-/// The key of the cube of a point that lies within 16 km of the origin.
-std::uint64_t cube(const Eigen::Vector3f& p, float leaf_m) {
-  constexpr int half = 1 << 20;
-  const Eigen::Vector3i c = (p / leaf_m).array().floor().cast<int>() + half;
-  return std::uint64_t{static_cast<std::uint32_t>(c.x())} << 42 |
-         std::uint64_t{static_cast<std::uint32_t>(c.y())} << 21 | static_cast<std::uint32_t>(c.z());
 }
 
 }  // namespace
@@ -126,31 +102,6 @@ PreparedCloud prepare(const KeyframeCloud& cloud, int threads) {
   out.points = std::move(surfels.points);
   out.normals = std::move(surfels.normals);
   out.views = std::make_shared<const std::vector<PreparedCloud::View>>(std::move(views));
-  return out;
-}
-
-SurfelCloud sphere(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& centre, double radius_m, float leaf_m) {
-  constexpr double sight_m = 12;  // clouds from farther out add little to the sphere but noise
-  SurfelCloud out;
-  SeenCubes seen(4096);
-  const auto r2 = static_cast<float>(radius_m * radius_m);
-  // The nearest clouds first: where several see a cube, the best view of it stays.
-  std::vector<std::pair<double, const PlacedCloud*>> near;
-  for (const PlacedCloud& c : clouds)
-    if (const double d = (c.T_local_sensor.translation() - centre).norm(); d < radius_m + sight_m)
-      near.emplace_back(d, &c);
-  std::stable_sort(near.begin(), near.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
-  for (const auto& [distance, c] : near) {
-    // Relative to the centre: float keeps its precision however far a session has come.
-    const Eigen::Matrix3f R = c->T_local_sensor.linear().cast<float>();
-    const Eigen::Vector3f t = (c->T_local_sensor.translation() - centre).cast<float>(), origin = centre.cast<float>();
-    for (std::size_t i = 0; i < c->cloud->points.size(); ++i) {
-      const Eigen::Vector3f p = R * c->cloud->points[i] + t;
-      if (p.squaredNorm() > r2 || !seen.first(cube(p, leaf_m))) continue;
-      out.points.push_back(p + origin);
-      out.normals.push_back(R * c->cloud->normals[i]);
-    }
-  }
   return out;
 }
 

@@ -45,10 +45,15 @@ double halvings_below(double metres, const Evidence& e) {
 /// halving below 30 m costs 0.5.
 double shared_path(const Evidence& e) { return 0.5 * halvings_below(30, e); }
 
-/// Below 10 m each halving costs 1 more; only half of it where no place looks like another. Not part of the fit,
-/// because the fitted bias would compensate for it.
+/// 1 up to 8 m of shared path, 0 from 10 m on.
+double hardly_shared(const Evidence& e) { return std::clamp((10 - e.overlap_m) / 2, 0.0, 1.0); }
+
+/// Below 10 m each halving costs 1 more; only half of it where no place looks like another. Where the walls hold a
+/// placement of hardly any path loosely (in full up to .03, not at all from .05 on), another 1.5: short pieces of
+/// tunnel fit at many places. Not part of the fit, because the fitted bias would compensate for it.
 double hardly_any_path(const Evidence& e) {
-  return (0.5 + 0.5 * places_look_alike(e)) * std::min(0.0, halvings_below(10, e));
+  const double loose = std::clamp((0.05 - e.weakest_hold) / 0.02, 0.0, 1.0);
+  return (0.5 + 0.5 * places_look_alike(e)) * std::min(0.0, halvings_below(10, e)) - 1.5 * loose * hardly_shared(e);
 }
 
 /// Several places along a hundred metres that all agree, while the walls hold the placement, are no coincidence.
@@ -65,14 +70,26 @@ double ends_farther_off(const Evidence& e) {
 }
 
 /// At right placements in all worlds 28 % and more of the points had a partner; where paths run side by side with rock
-/// between them a drawn mine had 14 %. Each halving below 30 % costs 5. Where up to three places speak (less with four,
-/// nothing from five on), the surfaces that both could see have to match as well: each tenth below 72 % costs 1.2. At
-/// right placements of three places and fewer 74 % and more matched, at a wrong one of 12 m, for which all else spoke,
-/// 60 %. Not part of the fit, whose data has no such rows.
+/// between them a drawn mine had 14 %. Each halving below 30 % costs 5. Not part of the fit, whose data has no such
+/// rows.
 double few_points_meet(const Evidence& e) {
+  return -5 * std::max(0.0, std::log2(0.3 / std::max(e.inlier_fraction, 0.02)));
+}
+
+/// The surfaces that both could see have to match if little else speaks: where up to three places do (less with four,
+/// nothing from five on), each tenth below 72 % costs 1.2; where hardly any path is shared, each tenth below 74 % costs
+/// 2.8. At right placements of three places and fewer 74 % and more matched; at those of less than 10 m 69 % and more,
+/// and once 64 %; at five wrong ones, for which all else spoke, 60 to 68 %. Not part of the fit.
+double surfaces_do_not_match(const Evidence& e) {
   const double few_places = std::clamp((5 - e.places) / 2, 0.0, 1.0);
-  return -5 * std::max(0.0, std::log2(0.3 / std::max(e.inlier_fraction, 0.02))) -
-         12 * few_places * std::max(0.0, 0.72 - e.matched_share);
+  return -std::max({0.0, 12 * few_places * (0.72 - e.matched_share), 28 * hardly_shared(e) * (0.74 - e.matched_share)});
+}
+
+/// Drift moves places apart, and along a tunnel that hardly holds them they slide by less than a metre. Each doubling
+/// beyond 1.2 m, plus 1 % of the overlap, costs 4. At right placements 0.97 m and less; where three metres were missing
+/// along a tunnel, 2.2 m. Not part of the fit.
+double places_lie_apart(const Evidence& e) {
+  return -4 * std::max(0.0, std::log2(e.spread_m / (1.2 + 0.01 * e.overlap_m)));
 }
 
 /// Both maps are level, but the last stage of registration does not use that, so accidental fits are tilted. In worlds
@@ -80,23 +97,28 @@ double few_points_meet(const Evidence& e) {
 /// and 2 of 112 right ones. Each doubling beyond that costs 3. Not part of the fit.
 double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
-/// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. Demands 60 m of
-/// overlap if the descriptors agree to .90 or less, falling to nothing at .93; 28 m if none were compared. From three
-/// look-alikes on, 56 m are demanded up to .94, falling to nothing at .955, because one of many copies may have such
-/// descriptors; and 60 m if a place disagrees. If the descriptors differ and the overlap is nearly straight as well
-/// (the walls hardly hold it along the tunnel), 40 m more. Each metre missing costs 0.3. Set by hand. Of the placements
-/// in worlds of equal tunnels for which all else spoke, 21 of 44 of 25 to 57 m were copies, and of 29 longer ones one:
-/// 83 m of straight tunnel, .89. Of 16 of 20 to 60 m with descriptors of .90 and more, three: 44 m, .93; 41 m, .94; and
+/// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
+/// longest of these overlaps, and each metre missing costs 0.3:
+/// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
+///   walls hardly hold it along the tunnel);
+/// - from about one look-alike on 56 m if they agree to .94 or less, falling to nothing at .955, because one of many
+///   copies may have such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
+/// - 60 m if a place disagrees;
+/// - 28 m if no descriptors were compared.
+/// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
+/// were copies. With descriptors of .92 and more, copies of 24, 41, 44, 44, 53, 58 and 83 m were accepted; and one of
 /// 37 m, .96, where one place of six disagreed, as at none of the right ones.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double many =
-      std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0) * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
+  const double by_chance =
+      std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0) * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
+  const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
   const double disagree = std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double told_m =
-      compared * std::max({differ * (60 + 40 * straight), 56 * many, 60 * disagree}) + (1 - compared) * 28;
+      compared * std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m), 60 * disagree}) +
+      (1 - compared) * 28;
   return -0.3 * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
 }
 
@@ -149,8 +171,10 @@ LogOdds log_odds(const Evidence& e) {
   out.contributions[verdict_term_count + 4] = {"few points meet", few_points_meet(e)};
   out.contributions[verdict_term_count + 5] = {"places look alike", -places_look_alike(e)};
   out.contributions[verdict_term_count + 6] = {"gravity disagrees", leans(e)};
-  out.contributions[verdict_term_count + 7] = {"hardly any path is shared", hardly_any_path(e)};
-  out.contributions[verdict_term_count + 8] = {"descriptors hardly tell it from another place", hardly_told_apart(e)};
+  out.contributions[verdict_term_count + 7] = {"places lie apart", places_lie_apart(e)};
+  out.contributions[verdict_term_count + 8] = {"surfaces do not match", surfaces_do_not_match(e)};
+  out.contributions[verdict_term_count + 9] = {"hardly any path is shared", hardly_any_path(e)};
+  out.contributions[verdict_term_count + 10] = {"descriptors hardly tell it from another place", hardly_told_apart(e)};
   return out;
 }
 

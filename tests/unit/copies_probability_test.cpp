@@ -149,8 +149,11 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(p(3.4, 44, 0.928, 11), 0.9) << "a copy, one of so many that its descriptors agree";
   EXPECT_LT(p(14, 41, 0.938, 9), 0.9) << "another";
   EXPECT_GT(p(3.4, 56, 0.935, 11), 0.9);
-  EXPECT_GT(p(2.5, 44, 0.935, 11), 0.9) << "of few copies none has such descriptors";
-  for (double n = 2; n < 4; n += 0.004) EXPECT_NEAR(p(n, 41, 0.938, 9), p(n + 0.004, 41, 0.938, 9), 0.05) << "no cliff";
+  EXPECT_LT(p(2.6, 44, 0.930, 9), 0.9) << "one of few";
+  EXPECT_LT(p(14, 57, 0.921, 9), p(11, 57, 0.921, 9));
+  EXPECT_GT(p(0.95, 38, 0.912, 6), 0.9) << "where hardly anything looks alike";
+  for (double n = 0.9; n < 4; n += 0.004)
+    EXPECT_NEAR(p(n, 41, 0.938, 9), p(n + 0.004, 41, 0.938, 9), 0.05) << "no cliff";
   EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";
   EXPECT_GT(p(8, 33, 0.88, 1), p(8, 33, 0.88, 4)) << "one keyframe says little";
   EXPECT_LT(p(8, 51, 0.88, 9), 0.9);
@@ -218,6 +221,10 @@ TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescri
   straight.look_alikes = 4.4;
   straight.weakest_hold = 0.044;
   EXPECT_GT(probability(RegistrationStatus::converged, straight), 0.9) << "three demands, and the longest counts";
+  straight.overlap_m = 58;
+  straight.descriptors_alike = 0.933;
+  straight.weakest_hold = 0.026;
+  EXPECT_LT(probability(RegistrationStatus::converged, straight), 0.9) << "a copy, though its descriptors agree";
   Evidence two;
   two.look_alikes = 1;
   EXPECT_EQ(looks_like_itself(two), 0);

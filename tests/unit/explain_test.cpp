@@ -89,7 +89,8 @@ TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {
   for (const Case& c : {Case{&Evidence::worst_place_violation, 0.05, 1.02, "one place contradicts"},
                         Case{&Evidence::residual_m, 0.12, 1.02, "surfaces lie apart"},
                         Case{&Evidence::descriptors_alike, 0.3, 0.98, "descriptors differ"},
-                        Case{&Evidence::inlier_fraction, 0.1, 0.98, "few points meet"}}) {
+                        Case{&Evidence::inlier_fraction, 0.1, 0.98, "few points meet"},
+                        Case{&Evidence::spread_m, 4, 1.02, "places lie apart"}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
     k.evidence.*c.member = c.bad;

@@ -96,16 +96,63 @@ TEST(Probability, OfFewPlacesMostOfWhatBothCouldSeeHasToMatch) {
     Evidence e = convincing();
     e.places = e.places_agreeing = places;
     e.overlap_m = 12;
+    e.residual_m = 0.05;
+    e.rmse_m = 0.121;
     e.matched_share = matched;
     return probability(RegistrationStatus::converged, e);
   };
   const double right = 0.745, wrong = 0.6;
   EXPECT_GT(p(3, right), MergeConfig{}.accept_probability);
-  EXPECT_LT(p(3, wrong), MergeConfig{}.accept_probability) << "14 m off in a surveyed mine, and all else agreed";
+  EXPECT_NEAR(std::log(p(3, right) / (1 - p(3, right))) - std::log(p(3, wrong) / (1 - p(3, wrong))), 1.44, 1e-6)
+      << "14 m off in a surveyed mine, and all else agreed";
   EXPECT_EQ(p(3, 0.72), p(3, 1));
   EXPECT_LT(p(3, 0.71), p(3, 0.72));
   EXPECT_LT(p(3, wrong), p(4, wrong));
   EXPECT_EQ(p(5, 0.52), p(5, 1)) << "five places in a surveyed mine were right";
+}
+
+TEST(Probability, WhereHardlyAnyPathIsSharedMostOfWhatBothCouldSeeHasToMatch) {
+  const auto p = [](double overlap_m, double matched) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.matched_share = matched;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_GT(p(8, 0.69), MergeConfig{}.accept_probability) << "a surveyed mine";
+  EXPECT_LT(p(5.3, 0.683), MergeConfig{}.accept_probability) << "112 m off, in a cave";
+  EXPECT_LT(p(6.4, 0.604), 0.7) << "another";
+  EXPECT_EQ(p(8, 0.74), p(8, 1));
+  EXPECT_EQ(p(10, 0.6), p(10, 1));
+  EXPECT_LT(p(9, 0.6), p(10, 0.6));
+}
+
+TEST(Probability, WhereHardlyAnyPathIsSharedTheWallsHaveToHold) {
+  const auto p = [](double overlap_m, double hold) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.places = e.places_agreeing = 2;
+    e.weakest_hold = hold;
+    e.end_on_match = 0.4;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_GT(p(5, 0.05), MergeConfig{}.accept_probability);
+  EXPECT_LT(p(2.3, 0.03), p(2.3, 0.05)) << "a piece of a tunnel elsewhere";
+  EXPECT_EQ(p(2.3, 0.05), p(2.3, 0.2));
+  EXPECT_EQ(p(10, 0.03), p(10, 0.2));
+}
+
+TEST(Probability, PlacesThatSlidMetresApartSpeakAgainst) {
+  const auto p = [](double overlap_m, double spread_m) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.spread_m = spread_m;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(65, 0.97), p(65, 0)) << "drift";
+  EXPECT_EQ(p(16, 1.3), p(16, 0));
+  EXPECT_LT(p(16, 1.4), p(16, 1.3));
+  EXPECT_LT(p(5.5, 2.25), 0.7) << "2 m off along a tunnel";
+  EXPECT_EQ(p(200, 3), p(200, 0)) << "the drift of a long way together";
 }
 
 TEST(Probability, DescriptorsThatAreUnlikeAlongThePathSpeakAgainst) {
