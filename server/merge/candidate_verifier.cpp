@@ -78,9 +78,11 @@ std::vector<std::size_t> by_promise(const std::vector<ScreeningResult>& screened
   return order;
 }
 
+/// Of the first cases of those that were screened.
 std::vector<ScreeningResult> as_screened(std::size_t cases, const std::vector<HopefulCase>& hopeful) {
   std::vector<ScreeningResult> out(cases);
-  for (const HopefulCase& one : hopeful) out.at(one.hypothesis) = {true, one.place, nullptr, nullptr};
+  for (const HopefulCase& one : hopeful)
+    if (one.hypothesis < cases) out[one.hypothesis] = {true, one.place, nullptr, nullptr};
   return out;
 }
 

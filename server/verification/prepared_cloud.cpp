@@ -5,6 +5,7 @@
 
 #include "server/registration/kd_tree.hpp"
 #include "server/registration/surfels.hpp"
+#include "server/support/wide.hpp"
 
 namespace headframe {
 namespace {
@@ -21,17 +22,39 @@ constexpr float farthest_origin_m = 200, farthest_point_m = 1000;
 /// False for what is not finite, too.
 bool within(const Eigen::Vector3f& p, float reach_m) { return p.squaredNorm() < reach_m * reach_m; }
 
-/// Whether `count` of the points lie within reach of points[i], itself among them, as far as those tell that come just
-/// before and after it in the cloud: it is coded so that these are mostly near.
-bool has_near_in_order(const Points& points, std::size_t i, float reach_m, int count) {
-  constexpr std::size_t looked_at = 8;
-  const std::size_t end = std::min(points.size(), i + looked_at + 1);
-  int found = 0;
-  for (std::size_t j = i - std::min(i, looked_at); j < end; ++j) {
-    const Eigen::Vector3f d = points[j] - points[i];
-    found += d.x() * d.x() + d.y() * d.y() + d.z() * d.z() < reach_m * reach_m;
+/// The coordinates of points, so that distances of many are computed at once.
+struct Coordinates {
+  explicit Coordinates(const Points& points) : x(points.size()), y(points.size()), z(points.size()) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      x[i] = points[i].x();
+      y[i] = points[i].y();
+      z[i] = points[i].z();
+    }
   }
-  return found >= count;
+  std::vector<float> x, y, z;
+};
+
+/// How many of the points from `begin` to `end` are less than the root of squared_m away from point i.
+HEADFRAME_WIDE int count_near(const Coordinates& points, std::size_t i, float squared_m, std::size_t begin,
+                              std::size_t end) {
+  const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  const float px = x[i], py = y[i], pz = z[i];
+  int found = 0;
+  for (std::size_t j = begin; j < end; ++j) {
+    const float dx = x[j] - px, dy = y[j] - py, dz = z[j] - pz;
+    found += static_cast<int>(dx * dx + dy * dy + dz * dz < squared_m);
+  }
+  return found;
+}
+
+/// Whether so many of the points, itself among them, are near point i. Looks first among those just before and after it
+/// in the cloud, which is coded so that they are mostly near.
+bool has_near(const Coordinates& points, std::size_t i, float squared_m, int count) {
+  for (const std::size_t beside : {8U, 64U, 1024U}) {
+    const std::size_t begin = i - std::min(i, beside), end = std::min(points.x.size(), i + beside + 1);
+    if (count_near(points, i, squared_m, begin, end) >= count) return true;
+  }
+  return count_near(points, i, squared_m, 0, points.x.size()) >= count;
 }
 
 /// Dust and stray returns stand alone: a point stays when three others of its sweep lie within 8 % of its range, or
@@ -39,15 +62,20 @@ bool has_near_in_order(const Points& points, std::size_t i, float reach_m, int c
 Points without_strays(const Points& points) {
   constexpr int companions = 3;
   constexpr float least_reach_m = 0.25F, reach_share = 0.08F;
+  constexpr std::size_t tree_from = 256;  // points that no others are near to: faster with a tree
+  const Coordinates all(points);
   std::optional<KdTree> tree;
+  std::size_t asked_all = 0;
   Points kept;
   kept.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float reach_m = std::max(least_reach_m, reach_share * points[i].norm());
-    bool stays = has_near_in_order(points, i, reach_m, companions + 1);
-    if (!stays) {
-      if (!tree) tree.emplace(points);
+    bool stays = false;
+    if (tree) {
       stays = tree->has_within(points[i], reach_m, companions + 1);
+    } else {
+      stays = has_near(all, i, reach_m * reach_m, companions + 1);
+      if (!stays && ++asked_all == tree_from) tree.emplace(points);
     }
     if (stays) kept.push_back(points[i]);
   }

@@ -70,10 +70,12 @@ double ends_farther_off(const Evidence& e) {
 }
 
 /// At right placements in all worlds 28 % and more of the points had a partner; where paths run side by side with rock
-/// between them a drawn mine had 14 %. Each halving below 30 % costs 5. Not part of the fit, whose data has no such
-/// rows.
+/// between them a drawn mine had 14 %. Each halving below 30 % costs 5; below 40 % where hardly any path is shared,
+/// because a wrong one of 8 m had 28 %, and right ones mostly 46 % and more. Not part of the fit, whose data has no
+/// such rows.
 double few_points_meet(const Evidence& e) {
-  return -5 * std::max(0.0, std::log2(0.3 / std::max(e.inlier_fraction, 0.02)));
+  const double asked = 0.3 + 0.1 * hardly_shared(e);
+  return -5 * std::max(0.0, std::log2(asked / std::max(e.inlier_fraction, 0.02)));
 }
 
 /// The surfaces that both could see have to match if little else speaks: where up to three places do (less with four,
@@ -101,8 +103,9 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
 ///   walls hardly hold it along the tunnel);
-/// - from about one look-alike on 56 m if they agree to .94 or less, falling to nothing at .955, because one of many
-///   copies may have such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
+/// - from three look-alikes on, or about one if all sessions together show as many, 56 m if they agree to .94 or less,
+///   falling to nothing at .955, because one of many copies may have such descriptors; 20 m more if it is nearly
+///   straight, and 2 m for each look-alike beyond eleven;
 /// - 60 m if a place disagrees;
 /// - 28 m if no descriptors were compared.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
@@ -111,8 +114,11 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double by_chance =
-      std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0) * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
+  Evidence of_all;
+  of_all.mine_look_alikes = e.mine_look_alikes;
+  const double copies = std::max(looks_like_itself(of_all) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
+                                 std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
+  const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
   const double disagree = std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);

@@ -149,9 +149,20 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(p(3.4, 44, 0.928, 11), 0.9) << "a copy, one of so many that its descriptors agree";
   EXPECT_LT(p(14, 41, 0.938, 9), 0.9) << "another";
   EXPECT_GT(p(3.4, 56, 0.935, 11), 0.9);
-  EXPECT_LT(p(2.6, 44, 0.930, 9), 0.9) << "one of few";
+  EXPECT_GT(p(2, 35, 0.94, 6), 0.9) << "of few copies none has such descriptors";
   EXPECT_LT(p(14, 57, 0.921, 9), p(11, 57, 0.921, 9));
-  EXPECT_GT(p(0.95, 38, 0.912, 6), 0.9) << "where hardly anything looks alike";
+  const auto in_mine_of_copies = [](double look_alikes, double overlap_m, double alike, double compared) {
+    Evidence e = convincing();
+    e.mine_look_alikes = 0.44;
+    e.look_alikes = look_alikes;
+    e.overlap_m = overlap_m;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = compared;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(in_mine_of_copies(1.4, 24, 0.932, 4), 0.5) << "a copy";
+  EXPECT_LT(in_mine_of_copies(2.6, 44, 0.930, 9), 0.9) << "another";
+  EXPECT_GT(in_mine_of_copies(0.95, 38, 0.932, 6), 0.9) << "where hardly anything looks alike";
   for (double n = 0.9; n < 4; n += 0.004)
     EXPECT_NEAR(p(n, 41, 0.938, 9), p(n + 0.004, 41, 0.938, 9), 0.05) << "no cliff";
   EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";

@@ -126,6 +126,19 @@ TEST(Probability, WhereHardlyAnyPathIsSharedMostOfWhatBothCouldSeeHasToMatch) {
   EXPECT_LT(p(9, 0.6), p(10, 0.6));
 }
 
+TEST(Probability, WhereHardlyAnyPathIsSharedMorePointsHaveToMeet) {
+  const auto p = [](double overlap_m, double inliers) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.inlier_fraction = inliers;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_EQ(p(8, 0.4), p(8, 0.9));
+  EXPECT_LT(p(8, 0.39), p(8, 0.4));
+  EXPECT_LT(p(7.6, 0.28), MergeConfig{}.accept_probability) << "elsewhere in a surveyed mine";
+  EXPECT_EQ(p(10, 0.3), p(10, 0.9));
+}
+
 TEST(Probability, WhereHardlyAnyPathIsSharedTheWallsHaveToHold) {
   const auto p = [](double overlap_m, double hold) {
     Evidence e = convincing();
