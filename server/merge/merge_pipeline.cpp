@@ -91,7 +91,7 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 std::vector<Verdict> MergePipeline::State::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases,
                                                        const Alignment* known, const PairFindings* found_elsewhere,
                                                        const Attempt& attempt, Look look) {
-  constexpr std::size_t likeliest = 8;
+  constexpr std::size_t likeliest = 4;
   const bool ruled = known && known->ruling != Ruling::none;
   if (look == Look::at_the_likeliest_first && !book.live(pair.a, pair.b) && cases.size() > likeliest) {
     const std::vector<Case> first(cases.begin(), cases.begin() + likeliest);

@@ -64,6 +64,39 @@ TEST(MergePipeline, LookAlikeDriftsDoNotMerge) {
   EXPECT_EQ(base.pipeline.atlas().revision, 0U);
 }
 
+/// The most placements that were judged for a pair of the session that came to nothing, with so many partners at least.
+std::size_t most_judged_in_vain(int partners, Pose& T_merged) {
+  MergeConfig config = test::waits_for_no_others();
+  config.partners = partners;
+  std::vector<Drive> drives{a()};
+  for (unsigned i = 1; i <= 4; ++i) {
+    const double n = i;
+    const BoxMine other({BoxMine::drift(0, 0, 70, 0), BoxMine::drift(10 + 12 * n, 0, 10 + 12 * n, 12 + n)});
+    drives.push_back(test::drive(other, {{2, 0}, {68, 0}}, 0.1 * n, i));
+  }
+  drives.push_back(b());
+  Base base(drives, config);
+  std::size_t most = 0;
+  for (bool more = true; more;) {
+    const AttemptReport report = base.pipeline.attempt(6, base.shelf);
+    for (const PairTrace& trace : report.traces)
+      if (trace.a != 1) most = std::max(most, trace.judged.size());
+    more = report.unfinished;
+  }
+  EXPECT_EQ(base.pipeline.atlas().components.size(), 5U);
+  for (const Alignment& k : base.pipeline.alignments())
+    if (k.a == 1 && k.b == 6 && k.state == AlignmentState::published) T_merged = k.T_a_b;
+  return most;
+}
+
+TEST(MergePipeline, OfManyPartnersTheLikeliestPlacementsDecideWhetherOthersAreLookedAt) {
+  Pose T_few = Pose::Identity(), T_many = Pose::Identity();
+  EXPECT_GT(most_judged_in_vain(16, T_few), 4U) << "or this test shows nothing";
+  EXPECT_LE(most_judged_in_vain(4, T_many), 4U);
+  EXPECT_FALSE(T_few.isApprox(Pose::Identity()));
+  EXPECT_TRUE(T_few.isApprox(T_many, 1e-12)) << "the merge is the same";
+}
+
 TEST(MergePipeline, AStraightDriftAloneProvesNothing) {
   const BoxMine mine({BoxMine::drift(0, 0, 300, 0)});
   Base base({test::drive(mine, {{60, 0}, {140, 0}}, 0, 1), test::drive(mine, {{200, 0}, {120, 0}}, 1.0, 2)});
