@@ -114,9 +114,7 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  Evidence of_all;
-  of_all.mine_look_alikes = e.mine_look_alikes;
-  const double copies = std::max(looks_like_itself(of_all) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
+  const double copies = std::max(mine_looks_like_itself(e) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
                                  std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
