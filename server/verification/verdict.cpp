@@ -103,10 +103,10 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
 ///   walls hardly hold it along the tunnel);
-/// - from three look-alikes on, or about one if all sessions together show as many, 56 m if they agree to .94 or less,
-///   falling to nothing at .955, because one of many copies may have such descriptors; 20 m more if it is nearly
-///   straight, and 2 m for each look-alike beyond eleven;
-/// - 60 m if a place disagrees;
+/// - from three look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
+///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
+///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
+/// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03);
 /// - 28 m if no descriptors were compared.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .92 and more, copies of 24, 41, 44, 44, 53, 58 and 83 m were accepted; and one of
@@ -114,11 +114,13 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double copies = std::max(mine_looks_like_itself(e) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
-                                 std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
+  const double copies = std::max(
+      std::clamp((e.mine_look_alikes - 0.35) / 0.08, 0.0, 1.0) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
+      std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
-  const double disagree = std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
+  const double held = std::clamp((e.weakest_hold - 0.03) / 0.02, 0.0, 1.0);
+  const double disagree = held * std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double told_m =
       compared * std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m), 60 * disagree}) +

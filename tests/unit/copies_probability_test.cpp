@@ -151,9 +151,10 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_GT(p(3.4, 56, 0.935, 11), 0.9);
   EXPECT_GT(p(2, 35, 0.94, 6), 0.9) << "of few copies none has such descriptors";
   EXPECT_LT(p(14, 57, 0.921, 9), p(11, 57, 0.921, 9));
-  const auto in_mine_of_copies = [](double look_alikes, double overlap_m, double alike, double compared) {
+  double of_mine = 0.44;
+  const auto in_mine_of_copies = [&](double look_alikes, double overlap_m, double alike, double compared) {
     Evidence e = convincing();
-    e.mine_look_alikes = 0.44;
+    e.mine_look_alikes = of_mine;
     e.look_alikes = look_alikes;
     e.overlap_m = overlap_m;
     e.descriptors_alike = alike;
@@ -163,6 +164,8 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(in_mine_of_copies(1.4, 24, 0.932, 4), 0.5) << "a copy";
   EXPECT_LT(in_mine_of_copies(2.6, 44, 0.930, 9), 0.9) << "another";
   EXPECT_GT(in_mine_of_copies(0.95, 38, 0.932, 6), 0.9) << "where hardly anything looks alike";
+  of_mine = 0.35;
+  EXPECT_GT(in_mine_of_copies(1.8, 21, 0.93, 4), 0.9) << "tunnel-four";
   for (double n = 0.9; n < 4; n += 0.004)
     EXPECT_NEAR(p(n, 41, 0.938, 9), p(n + 0.004, 41, 0.938, 9), 0.05) << "no cliff";
   EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";
@@ -177,8 +180,11 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
 }
 
 TEST(Probability, InAMineThatLooksLikeItselfAllPlacesOfAShortOverlapHaveToAgree) {
-  const auto p = [](double look_alikes, double overlap_m, double agreeing) {
+  double hold = 0.07;
+  const auto p = [&](double look_alikes, double overlap_m, double agreeing) {
     Evidence e = convincing();
+    e.weakest_hold = hold;
+    e.end_on_match = 0.4;
     e.look_alikes = look_alikes;
     e.overlap_m = overlap_m;
     e.descriptors_compared = 7;
@@ -192,6 +198,10 @@ TEST(Probability, InAMineThatLooksLikeItselfAllPlacesOfAShortOverlapHaveToAgree)
   EXPECT_GT(p(6, 60, all - 1), p(6, 59, all - 1));
   EXPECT_NEAR(p(6, 60, all - 1), p(6, 61, all - 1), 0.05);
   EXPECT_GT(p(1, 37, all - 1), 0.9) << "in a mine that does not look like itself, a place may slide";
+  hold = 0.05;
+  EXPECT_LT(p(6, 37, all - 1), 0.5);
+  hold = 0.03;
+  EXPECT_GT(p(6, 37, all - 1), 0.5) << "it may slide where the walls hardly hold it: tunnel-four";
 }
 
 TEST(Probability, InAMineThatLooksLikeItselfDescriptorsOfALongOverlapHaveToAgreeToo) {

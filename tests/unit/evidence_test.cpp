@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -73,6 +74,51 @@ TEST(SurfelCloud, StrayReturnsAreLeftOut) {
   EXPECT_EQ(dusty.points.size(), dusty.normals.size());
   sweep.points = {{std::nanf(""), 0, 0}, {1e9F, 0, 0}, {1, 1, std::numeric_limits<float>::infinity()}};
   EXPECT_TRUE(prepare({{sweep}}).points.empty());
+}
+
+TEST(SurfelCloud, HoweverManyStraysThereAreNothingElseIsLost) {
+  std::mt19937 rng(1);
+  std::uniform_real_distribution<float> beside(-0.1F, 0.1F);
+  const auto at = [](int i) { return Eigen::Vector3f(3, 1.2F * static_cast<float>(i), 0); };
+  Points fours, strays;
+  for (int i = 0; i < 60; ++i)
+    for (int k = 0; k < 4; ++k) fours.push_back(at(i % 30) + Eigen::Vector3f(i < 30 ? 0 : 3, beside(rng), beside(rng)));
+  for (int i = 0; i < 400; ++i) {  // farther apart than 8 % of their range
+    const float turn = 0.115F * static_cast<float>(i % 50), rise = 0.1F * static_cast<float>(i / 50) - 0.4F;
+    strays.emplace_back(-60 * std::cos(turn) * std::cos(rise), -60 * std::sin(turn) * std::cos(rise),
+                        60 * std::sin(rise));
+  }
+  const PreparedCloud clean = prepare({{{Eigen::Vector3f::Zero(), fours}}});
+  ASSERT_GT(clean.points.size(), 60U);
+  for (const std::size_t count : {1U, 200U, 400U})
+    for (const bool scattered : {false, true}) {
+      Points all(strays.begin(), strays.begin() + static_cast<std::ptrdiff_t>(count));
+      for (std::size_t i = 0; i < fours.size(); ++i)
+        all.insert(scattered ? all.begin() + static_cast<std::ptrdiff_t>(i * (all.size() / fours.size())) : all.end(),
+                   fours[i]);
+      EXPECT_EQ(prepare({{{Eigen::Vector3f::Zero(), all}}}).points.size(), clean.points.size()) << count << scattered;
+    }
+}
+
+TEST(SurfelCloud, SpheresHoldEveryCubeOfTheirClouds) {
+  const BoxMine drift({BoxMine::drift(-20, 0, 20, 0), BoxMine::drift(0, -20, 0, 20)});
+  const auto clouds = placed(drive(drift, {{-9, 0}, {9, 0}}, 0.4, 1, 2));
+  const Eigen::Vector3d centre = clouds[4].T_local_sensor.translation();
+  constexpr float radius_m = 7, leaf_m = 0.4F;
+  const auto cube = [&](const Eigen::Vector3f& p) {
+    return std::array{std::floor(p.x() / leaf_m), std::floor(p.y() / leaf_m), std::floor(p.z() / leaf_m)};
+  };
+  std::set<std::array<float, 3>> cubes;
+  for (const PlacedCloud& cloud : clouds)
+    for (const Eigen::Vector3f& p : cloud.cloud->points) {
+      const Eigen::Vector3f moved =
+          cloud.T_local_sensor.linear().cast<float>() * p + (cloud.T_local_sensor.translation() - centre).cast<float>();
+      if (moved.squaredNorm() <= radius_m * radius_m) cubes.insert(cube(moved));
+    }
+  EXPECT_GT(cubes.size(), 500U);
+  EXPECT_NEAR(static_cast<double>(sphere(clouds, centre, radius_m, leaf_m).points.size()),
+              static_cast<double>(cubes.size()), 1)
+      << "a point on a cube's face may be rounded to either side";
 }
 
 TEST(SurfelCloud, SpheresHoldTheirPointsOnceEach) {
