@@ -68,10 +68,8 @@ double places_look_alike(const Evidence& e) {
   return std::clamp(std::max(e.aliases, (e.look_alikes - 1) / 1.5), 0.0, 1.0);
 }
 
-double mine_looks_like_itself(const Evidence& e) { return std::clamp((e.mine_look_alikes - 0.1) / 0.2, 0.0, 1.0); }
-
 double looks_like_itself(const Evidence& e) {
-  return std::max(mine_looks_like_itself(e), std::clamp(e.look_alikes - 1, 0.0, 1.0));
+  return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
 }
 
 double asked_alike(const Evidence& e) {

@@ -77,13 +77,10 @@ double farther_contradiction(const Evidence& evidence);
 /// reached .9 before this rule.
 double places_look_alike(const Evidence& evidence);
 
-/// How far all sessions together show that the mine looks like itself: 0 up to 0.1 look-alikes per 100 m of path, 1
-/// from 0.3 on. Of pairs of drives, 29 in three worlds without copies had 0.2 at most, 20 of them less than 0.05; of 20
-/// in two worlds of equal pieces, 18 had more than 0.25.
-double mine_looks_like_itself(const Evidence& evidence);
-
-/// How far the mine is known to look like itself, 0 to 1: by all sessions together, or by the look-alikes of the two (0
-/// up to one, 1 from two on).
+/// How far the mine is known to look like itself, 0 to 1. By what all sessions show of themselves: 0 up to 0.1 look-
+/// alikes per 100 m of path, 1 from 0.3 on. Or by the look-alikes of the two sessions: 0 up to one, 1 from two on. Of
+/// pairs of drives, 29 in three worlds without copies had 0.2 per 100 m at most, 20 of them less than 0.05; of 20 in
+/// two worlds of equal pieces, 18 had more than 0.25.
 double looks_like_itself(const Evidence& evidence);
 
 /// How similar the descriptors have to be: .72, or .85 where the mine repeats or looks like itself, or places look

@@ -88,8 +88,8 @@ double surfaces_do_not_match(const Evidence& e) {
 }
 
 /// Drift moves places apart, and along a tunnel that hardly holds them they slide by less than a metre. Each doubling
-/// beyond 1.2 m, plus 1 % of the overlap, costs 4. At right placements 0.97 m and less; where three metres were missing
-/// along a tunnel, 2.2 m. Not part of the fit.
+/// beyond 1.2 m, plus 1 % of the overlap, costs 4. At right placements 0.97 m and less; at one that was 2 m off along a
+/// tunnel, 2.2 m. Not part of the fit.
 double places_lie_apart(const Evidence& e) {
   return -4 * std::max(0.0, std::log2(e.spread_m / (1.2 + 0.01 * e.overlap_m)));
 }
@@ -110,7 +110,7 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// - 28 m if no descriptors were compared.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .92 and more, copies of 24, 41, 44, 44, 53, 58 and 83 m were accepted; and one of
-/// 37 m, .96, where one place of six disagreed, as at none of the right ones.
+/// 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
