@@ -111,13 +111,15 @@ TEST(Probability, OfFewPlacesMostOfWhatBothCouldSeeHasToMatch) {
   EXPECT_EQ(p(5, 0.52), p(5, 1)) << "five places in a surveyed mine were right";
 }
 
+double over(double overlap_m, double Evidence::*member, double value) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.*member = value;
+  return probability(RegistrationStatus::converged, e);
+}
+
 TEST(Probability, WhereHardlyAnyPathIsSharedMostOfWhatBothCouldSeeHasToMatch) {
-  const auto p = [](double overlap_m, double matched) {
-    Evidence e = convincing();
-    e.overlap_m = overlap_m;
-    e.matched_share = matched;
-    return probability(RegistrationStatus::converged, e);
-  };
+  const auto p = [](double overlap_m, double matched) { return over(overlap_m, &Evidence::matched_share, matched); };
   EXPECT_GT(p(8, 0.69), MergeConfig{}.accept_probability) << "a surveyed mine";
   EXPECT_LT(p(5.3, 0.683), MergeConfig{}.accept_probability) << "112 m off, in a cave";
   EXPECT_LT(p(6.4, 0.604), 0.7) << "another";
@@ -127,12 +129,7 @@ TEST(Probability, WhereHardlyAnyPathIsSharedMostOfWhatBothCouldSeeHasToMatch) {
 }
 
 TEST(Probability, WhereHardlyAnyPathIsSharedMorePointsHaveToMeet) {
-  const auto p = [](double overlap_m, double inliers) {
-    Evidence e = convincing();
-    e.overlap_m = overlap_m;
-    e.inlier_fraction = inliers;
-    return probability(RegistrationStatus::converged, e);
-  };
+  const auto p = [](double overlap_m, double inliers) { return over(overlap_m, &Evidence::inlier_fraction, inliers); };
   EXPECT_EQ(p(8, 0.4), p(8, 0.9));
   EXPECT_LT(p(8, 0.39), p(8, 0.4));
   EXPECT_LT(p(7.6, 0.28), MergeConfig{}.accept_probability) << "elsewhere in a surveyed mine";
@@ -155,12 +152,7 @@ TEST(Probability, WhereHardlyAnyPathIsSharedTheWallsHaveToHold) {
 }
 
 TEST(Probability, PlacesThatSlidMetresApartSpeakAgainst) {
-  const auto p = [](double overlap_m, double spread_m) {
-    Evidence e = convincing();
-    e.overlap_m = overlap_m;
-    e.spread_m = spread_m;
-    return probability(RegistrationStatus::converged, e);
-  };
+  const auto p = [](double overlap_m, double spread_m) { return over(overlap_m, &Evidence::spread_m, spread_m); };
   EXPECT_EQ(p(65, 0.97), p(65, 0)) << "drift";
   EXPECT_EQ(p(16, 1.3), p(16, 0));
   EXPECT_LT(p(16, 1.4), p(16, 1.3));
