@@ -84,7 +84,8 @@ TEST(SurfelCloud, HoweverManyStraysThereAreNothingElseIsLost) {
   for (int i = 0; i < 60; ++i)
     for (int k = 0; k < 4; ++k) fours.push_back(at(i % 30) + Eigen::Vector3f(i < 30 ? 0 : 3, beside(rng), beside(rng)));
   for (int i = 0; i < 400; ++i) {  // farther apart than 8 % of their range
-    const float turn = 0.115F * static_cast<float>(i % 50), rise = 0.1F * static_cast<float>(i / 50) - 0.4F;
+    const int ring = i / 50;
+    const float turn = 0.115F * static_cast<float>(i % 50), rise = 0.1F * static_cast<float>(ring) - 0.4F;
     strays.emplace_back(-60 * std::cos(turn) * std::cos(rise), -60 * std::sin(turn) * std::cos(rise),
                         60 * std::sin(rise));
   }
