@@ -19,13 +19,16 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
                                     CloudSource& clouds, const JudgeConfig& judge) {
   std::vector<std::size_t> meet;  // cases
   std::vector<SubmapRequest> asked;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
+  std::vector<std::optional<Meeting>> meetings(cases.size());
+  for_blocks(cases.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Case& c = cases[i];
-    const auto meeting = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
-    if (!meeting) continue;
+    meetings[i] = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
+  });
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (!meetings[i]) continue;
     meet.push_back(i);
-    asked.push_back(submaps.at(pair.a, meeting->keyframe_a));
-    asked.push_back(submaps.at(pair.b, meeting->keyframe_b));
+    asked.push_back(submaps.at(pair.a, meetings[i]->keyframe_a));
+    asked.push_back(submaps.at(pair.b, meetings[i]->keyframe_b));
   }
   const std::vector<SubmapPtr> at = submaps.near(asked, clouds);
   std::vector<Pose> T(meet.size());

@@ -60,22 +60,34 @@ HEADFRAME_WIDE void mark_higher(const float* row, const float* up, const float* 
 
 /// Keeps the best of those that are different placements (same_wall_peak).
 void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
-  std::stable_sort(matches.begin(), matches.end(), [](const auto& m, const auto& n) { return m.score > n.score; });
-  if (matches.size() > 4 * most) matches.resize(4 * most);
+  std::vector<std::pair<double, std::size_t>> order(matches.size());  // the best first, then as found
+  for (std::size_t i = 0; i < matches.size(); ++i) order[i] = {-matches[i].score, i};
+  if (order.size() > 4 * most) {
+    const auto end = order.begin() + static_cast<std::ptrdiff_t>(4 * most);
+    std::nth_element(order.begin(), end, order.end());
+    order.erase(end, order.end());
+  }
+  std::sort(order.begin(), order.end());
   std::vector<WallMatch> kept;
   std::vector<Eigen::Vector2d> middles;  // of those that are kept
-  for (const WallMatch& m : matches) {
+  for (const auto& [score, i] : order) {
     if (kept.size() == most) break;
+    const WallMatch& m = matches[i];
     const Eigen::Vector2d at = middle_at(m, middle);
     bool known = false;
-    for (std::size_t i = 0; i < kept.size() && !known; ++i)
-      known = (middles[i] - at).squaredNorm() < same_wall_peak.metres * same_wall_peak.metres &&
-              std::abs(wrap_rad(kept[i].yaw_rad - m.yaw_rad)) < same_wall_peak.radians;
+    for (std::size_t k = 0; k < kept.size() && !known; ++k)
+      known = (middles[k] - at).squaredNorm() < same_wall_peak.metres * same_wall_peak.metres &&
+              std::abs(wrap_rad(kept[k].yaw_rad - m.yaw_rad)) < same_wall_peak.radians;
     if (known) continue;
     kept.push_back(m);
     middles.push_back(at);
   }
   matches = std::move(kept);
+}
+
+/// Of two cells of a grid and their scores.
+bool is_better(const std::pair<float, std::size_t>& p, const std::pair<float, std::size_t>& q) {
+  return p.first > q.first || (p.first == q.first && p.second < q.second);
 }
 
 /// Correlates a rotated b with a for all shifts at once. Grids are cyclic and b's middle lies in cell (0, 0), so that a
@@ -239,19 +251,21 @@ class Correlator {
       for (std::size_t x = 0; x < n_; ++x)
         if (higher[x] != 0 && row[x] >= row[(x + n_ - 1) % n_] && row[x] >= row[(x + 1) % n_])
           peaks.emplace_back(row[x], y * n_ + x);
-      if (peaks.size() >= 4 * steps_.peaks) least = trim(peaks);
+      if (peaks.size() >= 4 * steps_.peaks) least = keep_best(peaks);
     }
-    trim(peaks);
+    keep_best(peaks);
+    std::sort(peaks.begin(), peaks.end(), is_better);
     const auto scale = static_cast<float>(n_ * n_);
     for (const auto& [s, i] : peaks) found.push_back(match_at(i, yaw, s / scale));
   }
 
-  float trim(std::vector<std::pair<float, std::size_t>>& peaks) const {
-    std::sort(peaks.begin(), peaks.end(), [](const auto& p, const auto& q) {
-      return p.first > q.first || (p.first == q.first && p.second < q.second);
-    });
-    if (peaks.size() > steps_.peaks) peaks.resize(steps_.peaks);
-    return peaks.empty() ? 0 : peaks.back().first;
+  /// Returns the least score that is kept.
+  float keep_best(std::vector<std::pair<float, std::size_t>>& peaks) const {
+    if (peaks.size() <= steps_.peaks) return 0;
+    const auto last = peaks.begin() + static_cast<std::ptrdiff_t>(steps_.peaks) - 1;
+    std::nth_element(peaks.begin(), last, peaks.end(), is_better);
+    peaks.erase(last + 1, peaks.end());
+    return last->first;
   }
 
   WallMatch match_at(std::size_t i, double yaw, float score) const {

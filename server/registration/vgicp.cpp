@@ -1,6 +1,7 @@
 #include "server/registration/vgicp.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "server/registration/gauss_newton.hpp"
 
@@ -20,11 +21,14 @@ NormalEquations linearise(const Source& source, const Pose& T, const Eigen::Vect
   const Eigen::Matrix3f R = T.linear().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>(), c = centre.cast<float>();
   const auto add = [&](std::size_t begin, std::size_t end, FactorBlock& factors) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = source.taken[k];
-      const Eigen::Vector3f p = R * source.points[i] + t;
-      if (const Voxel* v = source.target.nearest(p)) factors.add(p - c, p - v->mean, v->N, R * source.normals[i]);
-    }
+    std::array<Eigen::Vector3f, FactorBlock::capacity> points;
+    std::array<const Voxel*, FactorBlock::capacity> partners;
+    const std::span<const std::uint32_t> taken(&source.taken[begin], end - begin);
+    for (std::size_t k = 0; k < taken.size(); ++k) points[k] = R * source.points[taken[k]] + t;
+    source.target.nearest(std::span(points).first(taken.size()), partners);
+    for (std::size_t k = 0; k < taken.size(); ++k)
+      if (const Voxel* v = partners[k])
+        factors.add(points[k] - c, points[k] - v->mean, v->N, R * source.normals[taken[k]]);
   };
   return sum_factors(source.taken.size(), config.threads, config.factor, source.target.leaf_m(), add, distances_m);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/support/parallel.hpp"
+
 namespace headframe {
 namespace {
 
@@ -42,16 +44,15 @@ double AxialSurfaces::match(double slide_m) const {
   return sum / static_cast<double>(std::max(fewest, points_.size()));
 }
 
-double AxialSurfaces::best_slide_m(double reach_m) const {
+double AxialSurfaces::best_slide_m(double reach_m, int threads) const {
   constexpr double step_m = 0.125, clearly = 0.05;
-  const auto steps = static_cast<int>(reach_m / step_m);
-  double best = match(0) + clearly, best_m = 0;
-  for (int k = -steps; k <= steps; ++k)
-    if (const double m = match(k * step_m); m > best) {
-      best = m;
-      best_m = k * step_m;
-    }
-  return best_m;
+  const auto steps = static_cast<std::size_t>(reach_m / step_m);
+  const auto slide_m = [&](std::size_t k) { return (static_cast<double>(k) - static_cast<double>(steps)) * step_m; };
+  std::vector<double> matches(2 * steps + 1);
+  for_blocks(matches.size(), 1, threads,
+             [&](std::size_t k, std::size_t, std::size_t) { matches[k] = match(slide_m(k)); });
+  const auto best = std::max_element(matches.begin(), matches.end());
+  return *best > matches[steps] + clearly ? slide_m(static_cast<std::size_t>(best - matches.begin())) : 0;
 }
 
 }  // namespace headframe

@@ -21,7 +21,8 @@ class AxialSurfaces {
   double match(double slide_m) const;
 
   /// The slide of at most reach_m that matches best, if it matches clearly better than no slide; else 0.
-  double best_slide_m(double reach_m) const;
+  /// The same whatever the number of threads.
+  double best_slide_m(double reach_m, int threads = 1) const;
 
  private:
   struct Point {

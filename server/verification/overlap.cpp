@@ -86,7 +86,7 @@ Pose settled(const Overlap& overlap, const Pose& T_a_b, const JudgeConfig& confi
   const AxialSurfaces here(overlap.everywhere, T_a_b, overlap.weakest);
   end_on_match = here.match(0);
   if (overlap.weakest_hold >= held_well || overlap.weakest_hold < config.held_by_nothing) return T_a_b;
-  const double slide_m = here.best_slide_m(config.slide_m);
+  const double slide_m = here.best_slide_m(config.slide_m, config.threads);
   if (slide_m == 0 || here.match(slide_m) < ends_meet) return T_a_b;
   Pose T = align_overlap(overlap, Eigen::Translation3d(slide_m * overlap.weakest) * T_a_b, config);
   const double there = AxialSurfaces(overlap.everywhere, T, overlap.weakest).match(0);
