@@ -110,21 +110,28 @@ std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock,
   std::vector<std::uint32_t> open(rock.points.size());  // points of which more may be said
   std::iota(open.begin(), open.end(), 0);
   std::array<Sight, SightBlock::most> sights;
+  std::array<std::uint8_t, SightBlock::most> known;  // points of a block of which the view knows something
   for (const View& view : views) {
     std::size_t still_open = 0;
     for (std::size_t first = 0; first < open.size(); first += sights.size()) {
       const auto block = std::span(open).subspan(first, std::min(sights.size(), open.size() - first));
       look(view, rock.points, block, reach_m, sights);
+      std::size_t count = 0;
       for (std::size_t i = 0; i < block.size(); ++i) {
+        known[count] = static_cast<std::uint8_t>(i);
+        count += static_cast<std::size_t>(sights[i] != Sight::unknown);
+      }
+      for (const std::uint8_t i : std::span(known).first(count)) {
         const std::uint32_t n = block[i];
-        if (sights[i] != Sight::unknown) {
-          const Eigen::Vector3f ray = rock.points[n] - view.origin;
-          const float range = ray.norm();
-          const bool grazes = std::abs(rock.normals[n].dot(ray)) <= least_cosine * range;
-          answers[n].hits += range <= reach_m && sights[i] == Sight::hit;
-          answers[n].through += range <= reach_m && sights[i] == Sight::through && !grazes;
-        }
-        if (answers[n].hits + answers[n].through < views_asked) open[still_open++] = n;
+        const Eigen::Vector3f ray = rock.points[n] - view.origin;
+        const float range = ray.norm();
+        const bool grazes = std::abs(rock.normals[n].dot(ray)) <= least_cosine * range;
+        answers[n].hits += static_cast<int>((range <= reach_m) & (sights[i] == Sight::hit));
+        answers[n].through += static_cast<int>((range <= reach_m) & (sights[i] == Sight::through) & !grazes);
+      }
+      for (const std::uint32_t n : block) {
+        open[still_open] = n;
+        still_open += static_cast<std::size_t>(answers[n].hits + answers[n].through < views_asked);
       }
     }
     open.resize(still_open);

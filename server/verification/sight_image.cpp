@@ -45,6 +45,11 @@ struct Directions {
   std::array<int, SightBlock::most> column, row;
 };
 
+/// What the bins in their directions hold, in cm; near is 0 where there is no return.
+struct Ranges {
+  std::array<int, SightBlock::most> near, far, nearest, farthest;
+};
+
 HEADFRAME_WIDE void find_directions(const SightBlock& points, Directions& out) {
   const float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
   std::array<float, SightBlock::most> across;
@@ -61,6 +66,27 @@ HEADFRAME_WIDE void find_directions(const SightBlock& points, Directions& out) {
 std::size_t index_of(int row, int column) {
   constexpr int n = SightImage::columns;
   return static_cast<std::size_t>(row) * n + static_cast<std::size_t>((column + n) % n);
+}
+
+/// The tolerance within which a point lies on a surface.
+[[gnu::always_inline]] inline float tolerance_m(float range) { return 0.35F + 0.03F * range; }
+
+constexpr int doubtful = 3;  // beside the values of Sight
+
+/// What the bins ahead say, without branches; doubtful where the bins around them have to be asked.
+HEADFRAME_WIDE void judge(const Directions& to, const Ranges& ahead, std::size_t count, int* answers) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float range = to.range[i], tolerance = tolerance_m(range);
+    const auto metres = [](int cm) { return 0.01F * static_cast<float>(cm); };
+    const int through = static_cast<int>(range < metres(ahead.nearest[i]) - tolerance),
+              hidden = static_cast<int>(range >= metres(ahead.farthest[i]) + tolerance),
+              meets = static_cast<int>(std::abs(range - metres(ahead.near[i])) < tolerance) |
+                      static_cast<int>(std::abs(range - metres(ahead.far[i])) < tolerance);
+    const int in_reach = meets != 0 ? static_cast<int>(Sight::hit) : doubtful,
+              not_through = hidden != 0 ? static_cast<int>(Sight::unknown) : in_reach,
+              known = through != 0 ? static_cast<int>(Sight::through) : not_through;
+    answers[i] = ahead.near[i] == 0 ? static_cast<int>(Sight::unknown) : known;
+  }
 }
 
 }  // namespace
@@ -80,8 +106,8 @@ SightImage::SightImage(const Points& points) {
     first_row_ = std::min(first_row_, d.row);
     end_row_ = std::max(end_row_, d.row + 1);
   }
-  if (end_row_ == 0) return;
-  bins_.assign(all.begin() + first_row_ * columns, all.begin() + end_row_ * columns);
+  if (end_row_ > 0) bins_.assign(all.begin() + first_row_ * columns, all.begin() + end_row_ * columns);
+  bins_.emplace_back();
   for (int row = first_row_; row < end_row_; ++row)
     for (int column = 0; column < columns; ++column) sum_up(row, column);
 }
@@ -105,35 +131,56 @@ SightImage::Direction SightImage::direction(float x, float y, float z) {
 }
 
 Sight SightImage::look(const Eigen::Vector3f& point, float reach_m) const {
-  return look(direction(point.x(), point.y(), point.z()), point.norm(), reach_m);
+  SightBlock block;
+  block.count = 1;
+  block.x[0] = point.x();
+  block.y[0] = point.y();
+  block.z[0] = point.z();
+  std::array<Sight, SightBlock::most> answers;
+  look(block, reach_m, answers);
+  return answers[0];
 }
 
+/// Which way a comparison goes can hardly be predicted, so branches are left to the few points in doubt.
 void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, SightBlock::most> answers) const {
   Directions to;
   find_directions(points, to);
-  for (std::size_t i = 0; i < points.count; ++i) answers[i] = look({to.column[i], to.row[i]}, to.range[i], reach_m);
+  Ranges ahead;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const bool within =
+        (to.range[i] <= reach_m) & (to.range[i] >= 0.5F) & (to.row[i] >= first_row_) & (to.row[i] < end_row_);
+    const Bin& bin = bins_[within ? index_of(to.row[i] - first_row_, to.column[i]) : bins_.size() - 1];
+    ahead.near[i] = bin.near_cm;
+    ahead.far[i] = bin.far_cm;
+    ahead.nearest[i] = bin.nearest_cm;
+    ahead.farthest[i] = bin.farthest_cm;
+  }
+  std::array<int, SightBlock::most> known;
+  judge(to, ahead, points.count, known.data());
+  std::array<std::uint8_t, SightBlock::most> in_doubt;
+  std::size_t doubts = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    answers[i] = static_cast<Sight>(known[i]);
+    in_doubt[doubts] = static_cast<std::uint8_t>(i);
+    doubts += static_cast<std::size_t>(known[i] == doubtful);
+  }
+  for (const std::uint8_t i : std::span(in_doubt).first(doubts))
+    answers[i] = meets_around(to.row[i], to.column[i], to.range[i]) ? Sight::hit : Sight::unknown;
 }
 
-Sight SightImage::look(Direction d, float range, float reach_m) const {
-  if (range > reach_m || range < 0.5F) return Sight::unknown;
-  if (d.row < first_row_ || d.row >= end_row_) return Sight::unknown;
-  const Bin& ahead = bin(d.row, d.column);
-  if (ahead.near_cm == 0) return Sight::unknown;
-  const float tolerance = 0.35F + 0.03F * range;
-  if (range < 0.01F * ahead.nearest_cm - tolerance) return Sight::through;
-  if (range >= 0.01F * ahead.farthest_cm + tolerance) return Sight::unknown;
+/// A surface seen at a flat angle has very different ranges in neighbouring bins.
+bool SightImage::meets_around(int at_row, int at_column, float range) const {
+  const float tolerance = tolerance_m(range);
   // The ranges between the nearest and the farthest of a bin belong to a slanted wall, or to dust and the wall behind
   // it.
   const auto meets = [&](const Bin& b) {
     return b.near_cm > 0 &&
            (std::abs(range - 0.01F * b.near_cm) < tolerance || std::abs(range - 0.01F * b.far_cm) < tolerance);
   };
-  if (meets(ahead)) return Sight::hit;
-  // A surface seen at a flat angle has very different ranges in neighbouring bins, so these are checked too.
-  for (int row = std::max(first_row_, d.row - 1); row <= std::min(end_row_ - 1, d.row + 1); ++row)
+  for (int row = std::max(first_row_, at_row - 1); row <= std::min(end_row_ - 1, at_row + 1); ++row)
     for (int step = -1; step <= 1; ++step)
-      if (meets(bin(row, d.column + step))) return Sight::hit;
-  return Sight::unknown;
+      if (meets(bin(row, at_column + step))) return true;
+  return false;
 }
 
 }  // namespace headframe

@@ -58,12 +58,12 @@ class SightImage {
     int column = 0, row = 0;
   };
   static Direction direction(float x, float y, float z);
-  Sight look(Direction direction, float range, float reach_m) const;
+  bool meets_around(int row, int column, float range) const;
   void sum_up(int row, int column);
   const Bin& bin(int row, int column) const;
 
   int first_row_ = 0, end_row_ = 0;
-  std::vector<Bin> bins_;  // of rows first_row_ to end_row_
+  std::vector<Bin> bins_;  // of rows first_row_ to end_row_, and one without a return for what lies elsewhere
 };
 
 }  // namespace headframe
