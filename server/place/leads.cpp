@@ -45,9 +45,14 @@ void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agree
   for_blocks(leads.size(), 4, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       Lead& lead = leads[i];
-      const WallMatch refined = lead.a->field.refine(lead.part->map, lead.match, step, lead.around);
-      if (refined.score > 0) lead.match = refined;
-      lead.fit = lead.a->field.fit(lead.part->map, lead.match, lead.around);
+      const WallField& field = lead.a->field;
+      const WallMap& part = lead.part->map;
+      const WallMatch refined = field.refine(part, lead.match, step, lead.around);
+      lead.fit = field.fit(part, refined, lead.around);
+      if ((lead.around ? field.score(part, refined) : lead.fit.score()) > 0)
+        lead.match = refined;
+      else
+        lead.fit = field.fit(part, lead.match, lead.around);
       const Agreement alike = agreement.at(flat_placement(lead.match), Heights::any);
       lead.promise = std::max(0.0, lead.fit.score()) * alike.cautious() * alike.cautious();
     }

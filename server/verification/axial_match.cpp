@@ -24,24 +24,38 @@ float along(const Symmetric3f& N, const Eigen::Vector3f& d) {
 AxialSurfaces::AxialSurfaces(std::span<const VgicpPair> pairs, const Pose& T_a_b, const Eigen::Vector3d& axis_a)
     : axis_(axis_a.cast<float>()) {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
-  for (const VgicpPair& pair : pairs)
-    for (std::size_t i = 0; i < pair.source->size(); ++i)
-      if (const Eigen::Vector3f n = T.linear() * (*pair.normals)[i]; std::abs(n.dot(axis_)) > least_facing)
-        points_.push_back({&pair.target->back(), T * (*pair.source)[i], n});
+  for (const VgicpPair& pair : pairs) {
+    Surfaces& here = surfaces_.emplace_back(Surfaces{&pair.target->back(), {}, {}});
+    for (std::size_t i = 0; i < pair.source->size(); ++i) {
+      const Eigen::Vector3f n = T.linear() * (*pair.normals)[i];
+      if (std::abs(n.dot(axis_)) <= least_facing) continue;
+      here.points.push_back(T * (*pair.source)[i]);
+      here.normals.push_back(n);
+    }
+    count_ += here.points.size();
+  }
 }
 
 double AxialSurfaces::match(double slide_m) const {
   const Eigen::Vector3f slide = static_cast<float>(slide_m) * axis_;
   double sum = 0;
-  for (const Point& point : points_) {
-    const Voxel* v = point.target->nearest(point.p + slide);
-    if (!v) continue;
-    const float trace = v->N[0] + v->N[3] + v->N[5];
-    if (along(v->N, axis_) < facing_share * trace) continue;
-    const float e = point.normal.dot(point.p + slide - v->mean) / near_m;
-    sum += static_cast<double>(std::exp(-e * e));
+  Points slid;
+  std::vector<const Voxel*> partners;
+  for (const Surfaces& here : surfaces_) {
+    slid = here.points;
+    for (auto& p : slid) p += slide;
+    partners.resize(slid.size());
+    here.target->nearest(slid, partners);
+    for (std::size_t i = 0; i < slid.size(); ++i) {
+      const Voxel* v = partners[i];
+      if (!v) continue;
+      const float trace = v->N[0] + v->N[3] + v->N[5];
+      if (along(v->N, axis_) < facing_share * trace) continue;
+      const float e = here.normals[i].dot(slid[i] - v->mean) / near_m;
+      sum += static_cast<double>(std::exp(-e * e));
+    }
   }
-  return sum / static_cast<double>(std::max(fewest, points_.size()));
+  return sum / static_cast<double>(std::max(fewest, count_));
 }
 
 double AxialSurfaces::best_slide_m(double reach_m, int threads) const {

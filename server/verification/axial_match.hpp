@@ -25,11 +25,12 @@ class AxialSurfaces {
   double best_slide_m(double reach_m, int threads = 1) const;
 
  private:
-  struct Point {
+  struct Surfaces {  // of one pair
     const VoxelMap* target;
-    Eigen::Vector3f p, normal;
+    Points points, normals;
   };
-  std::vector<Point> points_;
+  std::vector<Surfaces> surfaces_;
+  std::size_t count_ = 0;
   Eigen::Vector3f axis_;
 };
 

@@ -246,7 +246,7 @@ TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
     const WallField field(map);
     const WallMatch coarse = field.refine(turned, found[0], WallField::Step::coarse),
                     fine = field.refine(turned, coarse, WallField::Step::fine);
-    EXPECT_GE(fine.score, coarse.score);
+    EXPECT_GE(field.score(turned, fine), field.score(turned, coarse));
     EXPECT_LT((fine.shift_m - Eigen::Vector2d(5, 9)).norm(), 1);
   }
 }
