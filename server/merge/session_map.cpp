@@ -64,9 +64,16 @@ void Session::set_aside_outliers() {
 }
 
 bool Session::passes_near(const Eigen::Vector3d& p, double reach_m) const {
-  return std::any_of(keyframes.begin(), keyframes.end(), [&](const Keyframe& k) {
-    return (k.T_local_sensor.translation() - p).squaredNorm() < reach_m * reach_m;
-  });
+  if (box.exteriorDistance(p) > reach_m) return false;
+  for (std::size_t i = 0; i < keyframes.size();) {
+    const double away_m = (keyframes[i].T_local_sensor.translation() - p).norm();
+    if (away_m < reach_m) return true;
+    // The path would have to come back first.
+    const double next_m = path_to_m[i] + away_m - reach_m;
+    do ++i;
+    while (i < keyframes.size() && path_to_m[i] < next_m);
+  }
+  return false;
 }
 
 const Keyframe& SessionMap::add_keyframe(SessionId id, Keyframe keyframe) {
