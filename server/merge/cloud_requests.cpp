@@ -1,6 +1,7 @@
 #include "server/merge/cloud_requests.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace headframe {
 namespace {
@@ -60,10 +61,17 @@ NearbyKeyframes CloudRequests::nearby(SessionId id, SessionId other, const Pose&
   const Session &session = sessions_.at(id), &theirs = sessions_.at(other);
   const Pose T_other_id = T_id_other.inverse();
   NearbyKeyframes out;
+  double distance_m = 0, from_m = 0, certain_m = -1;  // the last answer holds for so much path
   for (std::size_t i = 0; i < session.keyframes.size(); ++i) {
     const Keyframe& k = session.keyframes[i];
     const Eigen::Vector3d p = k.T_local_sensor.translation();
-    if (k.point_count == 0 || !theirs.passes_near(T_other_id * p, reach_m)) continue;
+    if (k.point_count == 0) continue;
+    if (session.path_to_m[i] - from_m >= certain_m) {
+      distance_m = theirs.distance_m(T_other_id * p);
+      from_m = session.path_to_m[i];
+      certain_m = std::abs(distance_m - reach_m);
+    }
+    if (distance_m >= reach_m) continue;
     const CloudState state = clouds.state({id, k.sequence});
     if (state == CloudState::stored) out.stored.push_back({i, p});
     if (state == CloudState::obtainable) out.obtainable.push_back({i, p});

@@ -25,7 +25,7 @@ bool ConsistencyCheck::meet(const ImpliedPlacement& placement) const {
   if (reach.exteriorDistance(placement.T_a_b * b.box.center()) > radius_b_m) return false;
   return std::any_of(b.keyframes.begin(), b.keyframes.end(), [&](const Keyframe& k) {
     const Eigen::Vector3d p = placement.T_a_b * k.T_local_sensor.translation();
-    return reach.contains(p) && a.passes_near(p, reach_m);
+    return reach.contains(p) && a.distance_m(p) < reach_m;
   });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "server/place/sanity.hpp"
@@ -36,7 +37,7 @@ std::optional<double> path_since(const Session& session, const Session& other, c
                                  double reach_m) {
   for (std::size_t i = session.keyframes.size(); i-- > 0;) {
     const Eigen::Vector3d p = T_other_session * session.keyframes[i].T_local_sensor.translation();
-    if (other.passes_near(p, reach_m)) return session.path_m() - session.path_to_m[i];
+    if (other.distance_m(p) < reach_m) return session.path_m() - session.path_to_m[i];
   }
   return std::nullopt;
 }
@@ -63,17 +64,16 @@ void Session::set_aside_outliers() {
   }
 }
 
-bool Session::passes_near(const Eigen::Vector3d& p, double reach_m) const {
-  if (box.exteriorDistance(p) > reach_m) return false;
+double Session::distance_m(const Eigen::Vector3d& p) const {
+  double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < keyframes.size();) {
     const double away_m = (keyframes[i].T_local_sensor.translation() - p).norm();
-    if (away_m < reach_m) return true;
-    // The path would have to come back first.
-    const double next_m = path_to_m[i] + away_m - reach_m;
+    nearest_m = std::min(nearest_m, away_m);
+    const double nearer_at_m = path_to_m[i] + away_m - nearest_m;  // before that the path cannot have come nearer
     do ++i;
-    while (i < keyframes.size() && path_to_m[i] < next_m);
+    while (i < keyframes.size() && path_to_m[i] < nearer_at_m);
   }
-  return false;
+  return nearest_m;
 }
 
 const Keyframe& SessionMap::add_keyframe(SessionId id, Keyframe keyframe) {

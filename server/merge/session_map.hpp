@@ -30,8 +30,8 @@ struct Session {
   /// Strips keyframes that do not match their neighbours (fits_neighbours) of walls, cloud and descriptor; they keep
   /// their place on the path.
   void set_aside_outliers();
-  /// Whether one of its keyframes lies nearer than reach_m to p, in its local frame.
-  bool passes_near(const Eigen::Vector3d& p, double reach_m) const;
+  /// Distance of p, in its local frame, from its nearest keyframe; infinite if it has none.
+  double distance_m(const Eigen::Vector3d& p) const;
   Eigen::Vector3d middle() const { return keyframes[keyframes.size() / 2].T_local_sensor.translation(); }
   double path_m() const { return path_to_m.empty() ? 0 : path_to_m.back(); }
 };

@@ -78,8 +78,9 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
   const auto walls_a = walls(a), walls_b = walls(b);
   const int threads = config_.threads;
   std::vector<Lead> leads = wall_leads(*walls_a, *walls_b, agreement, seats, threads);
+  const std::vector<PlacedPair> placed = placed_pairs(a.keyframes, b.keyframes, matches, threads);
   for (const auto& source : {vote_leads, place_leads})
-    for (const Lead& lead : source(*walls_a, *walls_b, a.keyframes, b.keyframes, matches, agreement, seats, threads))
+    for (const Lead& lead : source(*walls_a, *walls_b, b.keyframes, placed, agreement, seats, threads))
       leads.push_back(lead);
   std::vector<Hypothesis> out;
   for (const Lead& lead : leads) {

@@ -102,17 +102,6 @@ Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seat
   return found;
 }
 
-/// The most informative pairs of keyframes: similar to each other, and not similar to everything.
-std::vector<MatchedPair> rarest(std::vector<MatchedPair> matches, std::size_t keyframes_a) {
-  std::vector<float> popular(keyframes_a, 0);
-  for (const MatchedPair& m : matches) ++popular[m.a];
-  std::stable_sort(matches.begin(), matches.end(), [&](const auto& m, const auto& n) {
-    return m.squared_distance * popular[m.a] < n.squared_distance * popular[n.a];
-  });
-  if (matches.size() > pairs_tried) matches.resize(pairs_tried);
-  return matches;
-}
-
 const SessionWalls::Level* level_with(const SessionWalls& walls, std::size_t keyframe) {
   for (const auto& level : walls.levels)
     if (keyframe >= level.piece.begin && keyframe < level.piece.end) return &level;
@@ -139,6 +128,25 @@ std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::
   return out;
 }
 
+std::vector<PlacedPair> placed_pairs(std::span<const Keyframe> of_a, std::span<const Keyframe> of_b,
+                                     std::vector<MatchedPair> matches, int threads) {
+  std::vector<float> popular(of_a.size(), 0);
+  for (const MatchedPair& m : matches) ++popular[m.a];
+  std::stable_sort(matches.begin(), matches.end(), [&](const auto& m, const auto& n) {
+    return m.squared_distance * popular[m.a] < n.squared_distance * popular[n.a];
+  });
+  if (matches.size() > pairs_tried) matches.resize(pairs_tried);
+  std::vector<std::vector<Pose>> placements(matches.size());
+  for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i)
+      placements[i] = initial_transforms(of_a[matches[i].a], of_b[matches[i].b], 2);
+  });
+  std::vector<PlacedPair> out;
+  for (std::size_t i = 0; i < matches.size(); ++i)
+    for (const Pose& T : placements[i]) out.push_back({matches[i].a, matches[i].b, T});
+  return out;
+}
+
 std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const DescriptorAgreement& agreement,
                              const LeadSeats& seats, int threads) {
   Leads found = search(a, b, seats, threads);
@@ -153,22 +161,16 @@ std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const
   return out;
 }
 
-std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_a,
-                              std::span<const Keyframe> of_b, const std::vector<MatchedPair>& matches,
-                              const DescriptorAgreement& agreement, const LeadSeats& seats, int threads) {
+std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,
+                              std::span<const PlacedPair> placed, const DescriptorAgreement& agreement,
+                              const LeadSeats& seats, int threads) {
   Leads found;
-  for (const MatchedPair& m : rarest(matches, of_a.size())) {
-    const auto* level = level_with(a, m.a);
-    const auto* part = part_with(b, m.b);
+  for (const PlacedPair& pair : placed) {
+    const auto* level = level_with(a, pair.a);
+    const auto* part = part_with(b, pair.b);
     if (!level || !part) continue;
-    for (const Pose& T : initial_transforms(of_a[m.a], of_b[m.b], 2))
-      found.push_back({level,
-                       part,
-                       flat(T),
-                       {},
-                       ProposalSource::places,
-                       0,
-                       Surroundings{position(of_b[m.b]).head<2>(), place_radius_m}});
+    const Surroundings here{position(of_b[pair.b]).head<2>(), place_radius_m};
+    found.push_back({level, part, flat(pair.T_a_b), {}, ProposalSource::places, 0, here});
   }
   refine(found, WallField::Step::coarse, agreement, threads);
   Leads best = best_of(found, seats.spare * seats.places, by_coherence);
@@ -176,28 +178,20 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
   return best_of(best, seats.places, by_coherence);
 }
 
-std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_a,
-                             std::span<const Keyframe> of_b, const std::vector<MatchedPair>& matches,
-                             const DescriptorAgreement& agreement, const LeadSeats& seats, int threads) {
-  struct Candidate {
-    Pose T;
-    Eigen::Vector3d at;
-    double support = 0;
-  };
-  std::vector<Candidate> candidates;
-  for (const MatchedPair& m : rarest(matches, of_a.size()))
-    for (const Pose& T : initial_transforms(of_a[m.a], of_b[m.b], 2)) candidates.push_back({T, position(of_b[m.b])});
-  for_blocks(candidates.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
-    candidates[i].support = agreement.at(candidates[i].T).support();
+std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,
+                             std::span<const PlacedPair> placed, const DescriptorAgreement& agreement,
+                             const LeadSeats& seats, int threads) {
+  std::vector<std::pair<double, std::size_t>> order(placed.size());  // most support first, then as placed
+  for_blocks(placed.size(), 1, threads, [&](std::size_t i, std::size_t, std::size_t) {
+    order[i] = {-agreement.at(placed[i].T_a_b).support(), i};
   });
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& c, const Candidate& d) { return c.support > d.support; });
+  std::sort(order.begin(), order.end());
   std::vector<Pose> chosen;
-  for (const Candidate& c : candidates)
+  for (const auto& [support, i] : order)
     if (chosen.size() < seats.votes && std::none_of(chosen.begin(), chosen.end(), [&](const Pose& T) {
-          return same_placement(T, c.T, c.at, same_hypothesis);
+          return same_placement(T, placed[i].T_a_b, position(of_b[placed[i].b]), same_hypothesis);
         }))
-      chosen.push_back(c.T);
+      chosen.push_back(placed[i].T_a_b);
   Leads out;
   for (const Pose& T : chosen)
     for (const auto& level_a : a.levels)

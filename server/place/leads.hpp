@@ -42,17 +42,28 @@ struct LeadSeats {
   std::size_t spare = 4;  // refined to half a cell: this many times the quota
 };
 
+/// A placement under which two keyframes describe one place.
+struct PlacedPair {
+  std::size_t a = 0, b = 0;  // indices of the keyframes
+  Pose T_a_b = Pose::Identity();
+};
+
+/// The two likeliest placements for each of the most informative matches: similar to each other, and not similar to
+/// everything; these first.
+std::vector<PlacedPair> placed_pairs(std::span<const Keyframe> of_a, std::span<const Keyframe> of_b,
+                                     std::vector<MatchedPair> matches, int threads);
+
 /// The best proposals of each method, refined to half a cell, best first; those of one method are 4 m or 15 deg apart.
-/// Independent of the thread count. `matches` may be empty: then the descriptors propose nothing.
+/// Independent of the thread count. `placed` may be empty: then the descriptors propose nothing.
 std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const DescriptorAgreement& agreement,
                              const LeadSeats& seats, int threads);
-std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_a,
-                              std::span<const Keyframe> of_b, const std::vector<MatchedPair>& matches,
-                              const DescriptorAgreement& agreement, const LeadSeats& seats, int threads);
+std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,
+                              std::span<const PlacedPair> placed, const DescriptorAgreement& agreement,
+                              const LeadSeats& seats, int threads);
 /// Votes are proposed on every pair of levels, and are kept whatever their walls' score.
-std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_a,
-                             std::span<const Keyframe> of_b, const std::vector<MatchedPair>& matches,
-                             const DescriptorAgreement& agreement, const LeadSeats& seats, int threads);
+std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,
+                             std::span<const PlacedPair> placed, const DescriptorAgreement& agreement,
+                             const LeadSeats& seats, int threads);
 
 /// The placement as a transform without height.
 Pose flat_placement(const WallMatch& match);
