@@ -187,11 +187,13 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
   });
   std::sort(order.begin(), order.end());
   std::vector<Pose> chosen;
-  for (const auto& [support, i] : order)
+  for (const auto& entry : order) {
+    const PlacedPair& pair = placed[entry.second];
     if (chosen.size() < seats.votes && std::none_of(chosen.begin(), chosen.end(), [&](const Pose& T) {
-          return same_placement(T, placed[i].T_a_b, position(of_b[placed[i].b]), same_hypothesis);
+          return same_placement(T, pair.T_a_b, position(of_b[pair.b]), same_hypothesis);
         }))
-      chosen.push_back(placed[i].T_a_b);
+      chosen.push_back(pair.T_a_b);
+  }
   Leads out;
   for (const Pose& T : chosen)
     for (const auto& level_a : a.levels)

@@ -125,9 +125,10 @@ std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock,
         const std::uint32_t n = block[i];
         const Eigen::Vector3f ray = rock.points[n] - view.origin;
         const float range = ray.norm();
-        const bool grazes = std::abs(rock.normals[n].dot(ray)) <= least_cosine * range;
-        answers[n].hits += static_cast<int>((range <= reach_m) & (sights[i] == Sight::hit));
-        answers[n].through += static_cast<int>((range <= reach_m) & (sights[i] == Sight::through) & !grazes);
+        const int within = static_cast<int>(range <= reach_m),
+                  faces = static_cast<int>(std::abs(rock.normals[n].dot(ray)) > least_cosine * range);
+        answers[n].hits += within & static_cast<int>(sights[i] == Sight::hit);
+        answers[n].through += within & faces & static_cast<int>(sights[i] == Sight::through);
       }
       for (const std::uint32_t n : block) {
         open[still_open] = n;

@@ -147,9 +147,10 @@ void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, 
   find_directions(points, to);
   Ranges ahead;
   for (std::size_t i = 0; i < points.count; ++i) {
-    const bool within =
-        (to.range[i] <= reach_m) & (to.range[i] >= 0.5F) & (to.row[i] >= first_row_) & (to.row[i] < end_row_);
-    const Bin& bin = bins_[within ? index_of(to.row[i] - first_row_, to.column[i]) : bins_.size() - 1];
+    const int in_reach = static_cast<int>(to.range[i] <= reach_m) & static_cast<int>(to.range[i] >= 0.5F),
+              in_view = static_cast<int>(to.row[i] >= first_row_) & static_cast<int>(to.row[i] < end_row_);
+    const Bin& bin =
+        bins_[(in_reach & in_view) != 0 ? index_of(to.row[i] - first_row_, to.column[i]) : bins_.size() - 1];
     ahead.near[i] = bin.near_cm;
     ahead.far[i] = bin.far_cm;
     ahead.nearest[i] = bin.nearest_cm;
