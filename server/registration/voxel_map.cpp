@@ -86,7 +86,8 @@ std::size_t VoxelMap::offset(int x, int y, int z) {
 }
 
 std::size_t VoxelMap::index_of(int x, int y, int z) const {
-  return static_cast<std::size_t>((z * bricks_y_ + y) * bricks_x_ + x);
+  const int at = (z * bricks_y_ + y) * bricks_x_ + x;
+  return static_cast<std::size_t>(at);
 }
 
 VoxelMap::Brick& VoxelMap::brick(const Eigen::Vector3i& at) {
