@@ -22,46 +22,6 @@ std::vector<PlacedCloud> placed(const test::Drive& drive) {
   return out;
 }
 
-TEST(SightImage, HitThroughAndHidden) {
-  const BoxMine room({{{-5, -5, -1}, {5, 5, 2}}});
-  std::mt19937 rng(1);
-  const SightImage image(room.scan(Pose::Identity(), rng, 0, 64, 360));
-  const float tolerance = 0.35F + 0.03F * 5;
-  EXPECT_EQ(image.look({5, 0, 0}, 30), Sight::hit);
-  EXPECT_EQ(image.look({5 - 0.8F * tolerance, 0, 0}, 30), Sight::hit);
-  EXPECT_EQ(image.look({5 - 1.6F * tolerance, 0, 0}, 30), Sight::through);
-  EXPECT_EQ(image.look({5 + 2 * tolerance, 0, 0}, 30), Sight::unknown) << "behind the wall";
-  EXPECT_EQ(image.look({2, 0, 0}, 1.9F), Sight::unknown) << "out of reach";
-  EXPECT_EQ(image.look({0.1F, 0, 3}, 30), Sight::unknown) << "above the field of view";
-  EXPECT_EQ(SightImage(Points{}).look({1, 0, 0}, 30), Sight::unknown);
-}
-
-TEST(SightImage, ABlockIsSeenLikeItsPoints) {
-  const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
-  std::mt19937 rng(1);
-  const SightImage image(drift.scan(pose_from_yaw(0, {0, 0, 1}), rng, 0, 32, 512));
-  std::uniform_real_distribution<float> along(-25, 25), across(-4, 4);
-  std::array<int, 3> seen{};
-  for (std::size_t count = 0; count <= SightBlock::most; ++count) {
-    SightBlock block;
-    block.count = count;
-    Points points{Eigen::Vector3f::Zero(), {0, 0, 3}, {std::nanf(""), 0, 0}, {-5, 0, 0}, {-5, -0.0F, 0}, {1e9F, 0, 0}};
-    while (points.size() < count) points.emplace_back(along(rng), across(rng), 0.5F * across(rng));
-    for (std::size_t i = 0; i < count; ++i) {
-      block.x[i] = points[i].x();
-      block.y[i] = points[i].y();
-      block.z[i] = points[i].z();
-    }
-    std::array<Sight, SightBlock::most> answers{};
-    image.look(block, 20, answers);
-    for (std::size_t i = 0; i < count; ++i) {
-      EXPECT_EQ(answers[i], image.look(points[i], 20)) << points[i].transpose();
-      ++seen.at(static_cast<std::size_t>(answers[i]));
-    }
-  }
-  for (const int of_each : seen) EXPECT_GT(of_each, 50);
-}
-
 TEST(SurfelCloud, StrayReturnsAreLeftOut) {
   const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
   std::mt19937 rng(1);

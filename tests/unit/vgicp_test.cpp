@@ -58,8 +58,12 @@ TEST(VoxelMap, AgreesWithBruteForce) {
   }
   EXPECT_EQ(map.voxels().size(), oracle.size());
   int found = 0, missed = 0;
-  for (int i = 0; i < 4000; ++i) {
-    const Eigen::Vector3f p(u(rng), u(rng), 0.5F * u(rng));
+  Points asked;
+  for (int i = 0; i < 4000; ++i) asked.emplace_back(u(rng), u(rng), 0.5F * u(rng));
+  std::vector<const Voxel*> answers(asked.size());
+  map.nearest(asked, answers);
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const Eigen::Vector3f& p = asked[i];
     const Cell low = cell_of(p - Eigen::Vector3f::Constant(0.25F), 0.5F);
     double least = std::numeric_limits<double>::max();
     for (int corner = 0; corner < 8; ++corner) {
@@ -69,6 +73,7 @@ TEST(VoxelMap, AgreesWithBruteForce) {
       least = std::min(least, (sum / count - p.cast<double>()).norm());
     }
     const Voxel* nearest = map.nearest(p);
+    ASSERT_EQ(answers[i], nearest);
     ASSERT_EQ(nearest != nullptr, least < std::numeric_limits<double>::max());
     (nearest ? found : missed) += 1;
     if (nearest) {
@@ -77,6 +82,14 @@ TEST(VoxelMap, AgreesWithBruteForce) {
   }
   EXPECT_GT(found, 1000);
   EXPECT_GT(missed, 100);
+}
+
+TEST(VoxelMap, ReachesFiveHundredLeavesFromItsFirstPoint) {
+  const Points points{{0.5F, 0.5F, 0.5F}, {-499.5F, 0.5F, 0.5F}, {0.5F, 500.5F, 0.5F}, {0.5F, 0.5F, 501.5F}};
+  const VoxelMap map(points, Points(4, Eigen::Vector3f::UnitX()), 1);
+  EXPECT_EQ(map.voxels().size(), 3U);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_EQ(map.nearest(points[i] + Eigen::Vector3f::Constant(0.2F)) != nullptr, i < 3) << i;
 }
 
 TEST(VoxelMap, LeavesOutWhatIsNotAPlace) {
