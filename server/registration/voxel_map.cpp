@@ -99,16 +99,20 @@ VoxelMap::Brick& VoxelMap::brick(const Eigen::Vector3i& at) {
   return bricks_[number];
 }
 
-std::uint32_t& VoxelMap::voxel_at(const Eigen::Vector3i& cell) {
+/// The brick of a cell, and the cell's place within it.
+std::pair<Eigen::Vector3i, Eigen::Vector3i> VoxelMap::place_of(const Eigen::Vector3i& cell) const {
   const Eigen::Vector3i in_grid = cell - Eigen::Vector3i(low_[0], low_[1], low_[2]), at = in_grid / own;
-  const Eigen::Vector3i local = in_grid - own * at;
+  return {at, in_grid - own * at};
+}
+
+std::uint32_t& VoxelMap::voxel_at(const Eigen::Vector3i& cell) {
+  const auto [at, local] = place_of(cell);
   return brick(at).voxels[offset(local.x(), local.y(), local.z())];
 }
 
 /// Writes the voxel into its own brick and into the preceding ones that contain it as their next layer.
 void VoxelMap::share(const Eigen::Vector3i& cell, std::uint32_t voxel) {
-  const Eigen::Vector3i in_grid = cell - Eigen::Vector3i(low_[0], low_[1], low_[2]), at = in_grid / own;
-  const Eigen::Vector3i local = in_grid - own * at;
+  const auto [at, local] = place_of(cell);
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3i back(corner & 1, corner >> 1 & 1, corner >> 2);
     if ((back.array() > 0 && local.array() > 0).any()) continue;

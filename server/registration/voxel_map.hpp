@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/cloud/point_cloud.hpp"
@@ -54,6 +55,7 @@ class VoxelMap {
   };
 
   void lay_out(const std::vector<Eigen::Vector3i>& cells);
+  std::pair<Eigen::Vector3i, Eigen::Vector3i> place_of(const Eigen::Vector3i& cell) const;
   std::uint32_t& voxel_at(const Eigen::Vector3i& cell);
   void share(const Eigen::Vector3i& cell, std::uint32_t voxel);
   static std::size_t offset(int x, int y, int z);   // of a cell within its brick

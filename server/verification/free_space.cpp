@@ -92,13 +92,7 @@ HEADFRAME_WIDE void move(const Eigen::Matrix4f& T, SightBlock& points) {
 void look(const View& view, const Points& points, std::span<const std::uint32_t> numbers, float reach_m,
           std::array<Sight, SightBlock::most>& sights) {
   SightBlock block;
-  block.count = numbers.size();
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const Eigen::Vector3f& p = points[numbers[i]];
-    block.x[i] = p.x();
-    block.y[i] = p.y();
-    block.z[i] = p.z();
-  }
+  for (const std::uint32_t n : numbers) block.add(points[n]);
   move(view.T_view_points.matrix(), block);
   view.image->look(block, reach_m, sights);
 }

@@ -1,7 +1,9 @@
 #include "server/verification/prepared_cloud.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <span>
 
 #include "server/registration/kd_tree.hpp"
 #include "server/registration/surfels.hpp"
@@ -85,17 +87,26 @@ Points without_strays(const Points& points) {
 /// Removes what the other sweeps of the keyframe see through; there are no normals yet. A point that only one sweep hit
 /// stays, because the others may be where they could not hit it; the submap checks again with the sweeps of
 /// neighbouring keyframes (free_space).
-Points without_transients(Points points, const std::vector<PreparedCloud::View>& views) {
-  std::erase_if(points, [&](const Eigen::Vector3f& p) {
-    int through = 0, hits = 0;
+Points without_transients(const Points& points, const std::vector<PreparedCloud::View>& views) {
+  Points kept;
+  kept.reserve(points.size());
+  std::array<Sight, SightBlock::most> sights;
+  for (std::size_t first = 0; first < points.size(); first += SightBlock::most) {
+    const auto some = std::span(points).subspan(first, std::min(SightBlock::most, points.size() - first));
+    std::array<int, SightBlock::most> through{}, hits{};
     for (const auto& view : views) {
-      const Sight sight = view.image.look(p - view.origin, view_reach_m);
-      through += sight == Sight::through;
-      hits += sight == Sight::hit;
+      SightBlock block;
+      for (const Eigen::Vector3f& p : some) block.add(p - view.origin);
+      view.image.look(block, view_reach_m, sights);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        through[i] += static_cast<int>(sights[i] == Sight::through);
+        hits[i] += static_cast<int>(sights[i] == Sight::hit);
+      }
     }
-    return is_transient(hits, through, 0);
-  });
-  return points;
+    for (std::size_t i = 0; i < some.size(); ++i)
+      if (!is_transient(hits[i], through[i], 0)) kept.push_back(some[i]);
+  }
+  return kept;
 }
 
 }  // namespace

@@ -132,10 +132,7 @@ SightImage::Direction SightImage::direction(float x, float y, float z) {
 
 Sight SightImage::look(const Eigen::Vector3f& point, float reach_m) const {
   SightBlock block;
-  block.count = 1;
-  block.x[0] = point.x();
-  block.y[0] = point.y();
-  block.z[0] = point.z();
+  block.add(point);
   std::array<Sight, SightBlock::most> answers;
   look(block, reach_m, answers);
   return answers[0];

@@ -27,6 +27,12 @@ struct SightBlock {
   static constexpr std::size_t most = 64;
   std::size_t count = 0;
   std::array<float, most> x, y, z;
+
+  void add(const Eigen::Vector3f& p) {
+    x[count] = p.x();
+    y[count] = p.y();
+    z[count++] = p.z();
+  }
 };
 
 /// The ranges of one sweep in bins of 2 x 2 deg, to tell whether a point is hit, seen through or hidden. Made for
