@@ -49,6 +49,7 @@ void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agree
       const WallMap& part = lead.part->map;
       const WallMatch refined = field.refine(part, lead.match, step, lead.around);
       lead.fit = field.fit(part, refined, lead.around);
+      // What counts are all walls of the part, even if only its surroundings were laid.
       if ((lead.around ? field.score(part, refined) : lead.fit.score()) > 0)
         lead.match = refined;
       else

@@ -154,7 +154,7 @@ WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step,
                             const std::optional<Surroundings>& within) const {
   const WallMap part = near_part(b, guess, within);
   const std::size_t cells = part.walls.size() + part.free.size();
-  if (cells == 0) return guess;
+  if (cells == 0) return {guess.yaw_rad, guess.shift_m, 0};
   // Rotations are about the middle of the matching cells, so that they do not shift these.
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const auto* list : {&part.walls, &part.free})
@@ -184,7 +184,7 @@ WallMatch WallField::refine(const WallMap& b, const WallMatch& guess, Step step,
           const Best found = best_within(part, on_grid(R.cast<float>(), shift.cast<float>()), round.window, every);
           if (found.score <= most) continue;
           most = found.score;
-          best = {wrap_rad(yaw), shift + cell_m * found.cells.cast<double>(), static_cast<double>(found.score)};
+          best = {wrap_rad(yaw), shift + cell_m * found.cells.cast<double>(), 0};
         }
     }
   }

@@ -50,7 +50,7 @@ class WallField {
   /// Searches for the best placement near the guess. coarse: within +-6 cells and +-4 deg in steps of 2 cells and 2
   /// deg, using some hundred of b's cells. fine: within 2.5 cells and 2 deg, to half a cell and 1 deg, using all of
   /// them. Only cells of b that the guess brings near to known cells of a are used; rotations are about their middle,
-  /// and `within` restricts them further. The score of the result is that of the cells used.
+  /// and `within` restricts them further. The result has no score: see fit() and score().
   enum class Step { coarse, fine };
   WallMatch refine(const WallMap& b, const WallMatch& guess, Step step,
                    const std::optional<Surroundings>& within = std::nullopt) const;

@@ -58,15 +58,20 @@ HEADFRAME_WIDE void mark_higher(const float* row, const float* up, const float* 
   for (std::size_t x = 0; x < count; ++x) higher[x] = (row[x] > least) & (row[x] >= up[x]) & (row[x] >= down[x]);
 }
 
+/// Keeps the least of them, in any order.
+template <class T>
+void keep_least(std::vector<T>& all, std::size_t most) {
+  if (all.size() <= most) return;
+  const auto end = all.begin() + static_cast<std::ptrdiff_t>(most);
+  std::nth_element(all.begin(), end, all.end());
+  all.erase(end, all.end());
+}
+
 /// Keeps the best of those that are different placements (same_wall_peak).
 void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
   std::vector<std::pair<double, std::size_t>> order(matches.size());  // the best first, then as found
   for (std::size_t i = 0; i < matches.size(); ++i) order[i] = {-matches[i].score, i};
-  if (order.size() > 4 * most) {
-    const auto end = order.begin() + static_cast<std::ptrdiff_t>(4 * most);
-    std::nth_element(order.begin(), end, order.end());
-    order.erase(end, order.end());
-  }
+  keep_least(order, 4 * most);
   std::sort(order.begin(), order.end());
   std::vector<WallMatch> kept;
   std::vector<Eigen::Vector2d> middles;  // of those that are kept
@@ -83,11 +88,6 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
     middles.push_back(at);
   }
   matches = std::move(kept);
-}
-
-/// Of two cells of a grid and their scores.
-bool is_better(const std::pair<float, std::size_t>& p, const std::pair<float, std::size_t>& q) {
-  return p.first > q.first || (p.first == q.first && p.second < q.second);
 }
 
 /// Correlates a rotated b with a for all shifts at once. Grids are cyclic and b's middle lies in cell (0, 0), so that a
@@ -242,7 +242,7 @@ class Correlator {
   }
 
   void add_peaks(const std::vector<float>& scores, double yaw, std::vector<WallMatch>& found) const {
-    std::vector<std::pair<float, std::size_t>> peaks;
+    std::vector<std::pair<float, std::size_t>> peaks;  // the negative score, and the cell
     std::vector<std::uint8_t> higher(n_);
     float least = 0;
     for (std::size_t y = 0; y < n_; ++y) {
@@ -250,22 +250,15 @@ class Correlator {
       mark_higher(row, up, down, n_, least, higher.data());
       for (std::size_t x = 0; x < n_; ++x)
         if (higher[x] != 0 && row[x] >= row[(x + n_ - 1) % n_] && row[x] >= row[(x + 1) % n_])
-          peaks.emplace_back(row[x], y * n_ + x);
-      if (peaks.size() >= 4 * steps_.peaks) least = keep_best(peaks);
+          peaks.emplace_back(-row[x], y * n_ + x);
+      if (peaks.size() < 4 * steps_.peaks) continue;
+      keep_least(peaks, steps_.peaks);
+      least = -std::max_element(peaks.begin(), peaks.end())->first;
     }
-    keep_best(peaks);
-    std::sort(peaks.begin(), peaks.end(), is_better);
+    keep_least(peaks, steps_.peaks);
+    std::sort(peaks.begin(), peaks.end());
     const auto scale = static_cast<float>(n_ * n_);
-    for (const auto& [s, i] : peaks) found.push_back(match_at(i, yaw, s / scale));
-  }
-
-  /// Returns the least score that is kept.
-  float keep_best(std::vector<std::pair<float, std::size_t>>& peaks) const {
-    if (peaks.size() <= steps_.peaks) return 0;
-    const auto last = peaks.begin() + static_cast<std::ptrdiff_t>(steps_.peaks) - 1;
-    std::nth_element(peaks.begin(), last, peaks.end(), is_better);
-    peaks.erase(last + 1, peaks.end());
-    return last->first;
+    for (const auto& [negative, i] : peaks) found.push_back(match_at(i, yaw, -negative / scale));
   }
 
   WallMatch match_at(std::size_t i, double yaw, float score) const {

@@ -15,9 +15,9 @@ int floored(float v) {
 }
 
 /// Returns false if p is not finite or too far away.
-bool cell_of(const Eigen::Vector3f& p, float per_m, float shift, Eigen::Vector3i& cell) {
+bool cell_of(const Eigen::Vector3f& p, float per_m, Eigen::Vector3i& cell) {
   for (int a = 0; a < 3; ++a) {
-    const float v = p[a] * per_m - shift;
+    const float v = p[a] * per_m;
     if (!(v > -farthest_cell && v < farthest_cell)) return false;
     cell[a] = floored(v);
   }
@@ -33,7 +33,7 @@ VoxelMap::VoxelMap(const Points& points, const Points& normals, float leaf_m)
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < points.size(); ++i) {
     Eigen::Vector3i cell;
-    if (!cell_of(points[i], 1 / leaf_m_, 0, cell)) continue;
+    if (!cell_of(points[i], 1 / leaf_m_, cell)) continue;
     if (!cells.empty() && (cell - cells.front()).cwiseAbs().maxCoeff() > widest) continue;
     cells.push_back(cell);
     taken.push_back(i);
@@ -138,7 +138,7 @@ void VoxelMap::share(const Eigen::Vector3i& cell, std::uint32_t voxel) {
 [[gnu::always_inline]] inline const Voxel* VoxelMap::look_up(const Eigen::Vector3f& p) const {
   const float per_m = 1 / leaf_m_;
   const Float4 v = Float4{p.x() * per_m, p.y() * per_m, p.z() * per_m, 0.5F} - 0.5F;
-  if (any((v < low_cell_) | (v >= end_) | (v != v))) return nullptr;
+  if (any(~((v >= low_cell_) & (v < end_)))) return nullptr;  // also what is not a number
   Mask4 cell = __builtin_convertvector(v, Mask4);
   cell += v < __builtin_convertvector(cell, Float4);  // rounded down
   const Mask4 in_grid = cell - low_, at = in_grid >> 2, local = in_grid & 3;

@@ -74,7 +74,7 @@ std::size_t index_of(int row, int column) {
 constexpr int doubtful = 3;  // beside the values of Sight
 
 /// What the bins ahead say, without branches; doubtful where the bins around them have to be asked.
-HEADFRAME_WIDE void judge(const Directions& to, const Ranges& ahead, std::size_t count, int* answers) {
+HEADFRAME_WIDE void read_bins(const Directions& to, const Ranges& ahead, std::size_t count, int* answers) {
   for (std::size_t i = 0; i < count; ++i) {
     const float range = to.range[i], tolerance = tolerance_m(range);
     const auto metres = [](int cm) { return 0.01F * static_cast<float>(cm); };
@@ -154,7 +154,7 @@ void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, 
     ahead.farthest[i] = bin.farthest_cm;
   }
   std::array<int, SightBlock::most> known;
-  judge(to, ahead, points.count, known.data());
+  read_bins(to, ahead, points.count, known.data());
   std::array<std::uint8_t, SightBlock::most> in_doubt;
   std::size_t doubts = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
