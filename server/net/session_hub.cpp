@@ -233,8 +233,8 @@ void SessionHub::write(Write write, const std::shared_ptr<RobotLink>& link, std:
     if (result) applied();
     const bool dealt_with =
         !result && rejected && result.error().code == ErrorCode::invalid_argument && rejected(result.error());
-    --unsettled_;
     if (const auto robot = to.lock()) robot->settled(bytes, dealt_with ? Result<void>() : result);
+    --unsettled_;  // last: who waits for it finds the worker and the robot told
   });
 }
 

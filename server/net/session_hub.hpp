@@ -121,7 +121,7 @@ class SessionHub : public Robots {
   /// distance_m and trigger_to_transform_ms are not the hub's to fill.
   std::vector<SessionRow> sessions() const;
   std::map<SessionId, SessionKey> keys() const;
-  /// Writes that were received and are not settled. Falls only after the worker was told.
+  /// Writes that were received and are not settled. Falls only after the worker and the robot were told.
   std::size_t unsettled() const { return unsettled_; }
 
   /// What an event counts in settled(): 0 when nothing of it is stored.
