@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::size_t companions = 3;
 constexpr float companion_leaves = 1.8F;
-constexpr int views_asked = 8;
 constexpr int least_hits = 2;         // by its own session; a point that only one sweep hit may be dust
 constexpr float least_cosine = 0.3F;  // of ray and normal; rays that graze a surface do not count
 
@@ -79,6 +78,10 @@ struct Answer {
   int hits = 0, through = 0;
 };
 
+/// The first eight views that know anything of a point decide by majority: with so many answers of one kind it is
+/// settled, whatever the others say. With four of each, another session's point counts as hit, its own as seen through.
+constexpr Answer settles_anothers{4, 5}, settles_its_own{5, 4};
+
 HEADFRAME_WIDE void move(const Eigen::Matrix4f& T, SightBlock& points) {
   float *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
   for (std::size_t i = 0; i < points.count; ++i) {
@@ -97,9 +100,8 @@ void look(const View& view, const Points& points, std::span<const std::uint32_t>
   view.image->look(block, reach_m, sights);
 }
 
-/// What the first views that know anything of a point say of it; view by view, so that an image stays in the
-/// processor's cache.
-std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock, float reach_m) {
+/// What the views say of each point until it is settled; view by view, so that an image stays in the processor's cache.
+std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock, float reach_m, Answer settles) {
   std::vector<Answer> answers(rock.points.size());
   std::vector<std::uint32_t> open(rock.points.size());  // points of which more may be said
   std::iota(open.begin(), open.end(), 0);
@@ -126,7 +128,7 @@ std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock,
       }
       for (const std::uint32_t n : block) {
         open[still_open] = n;
-        still_open += static_cast<std::size_t>(answers[n].hits + answers[n].through < views_asked);
+        still_open += static_cast<std::size_t>(answers[n].hits < settles.hits && answers[n].through < settles.through);
       }
     }
     open.resize(still_open);
@@ -139,7 +141,7 @@ std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock,
 SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const PlacedView> own, float reach_m) {
   const std::vector<View> views = seen_from(own, Pose::Identity());
   SurfelCloud kept;
-  const std::vector<Answer> answers = ask(views, surfels, reach_m);
+  const std::vector<Answer> answers = ask(views, surfels, reach_m, settles_its_own);
   for (std::size_t i = 0; i < surfels.points.size(); ++i) {
     if (is_transient(answers[i].hits, answers[i].through, least_hits)) continue;
     kept.points.push_back(surfels.points[i]);
@@ -153,7 +155,7 @@ std::vector<PointSight> sights_from(std::span<const PlacedView> a, const SurfelC
   const std::vector<View> views = seen_from(a, T_a_b);
   std::vector<PointSight> sights;
   sights.reserve(b.points.size());
-  for (const Answer& answer : ask(views, b, reach_m))
+  for (const Answer& answer : ask(views, b, reach_m, settles_anothers))
     sights.push_back(answer.hits + answer.through == 0 ? PointSight::unknown
                      : answer.through > answer.hits    ? PointSight::violated
                                                        : PointSight::seen);
