@@ -71,7 +71,7 @@ struct Twiddle {
 [[gnu::always_inline]] inline void butterfly5(Run a, Run b, Run c, Run d, Run e, OutRun y, std::size_t count,
                                               const std::array<Twiddle, 4>& w) {
   constexpr float c1 = 0.309016994F, c2 = -0.809016994F, s1 = 0.951056516F, s2 = 0.587785252F;  // of 72 and 144 deg
-  std::array<float* __restrict, 5> re, im;
+  std::array<float*__restrict, 5> re, im;
   for (std::size_t i = 0; i < 5; ++i) {
     re[i] = y.re + i * count;
     im[i] = y.im + i * count;
