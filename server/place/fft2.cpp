@@ -1,7 +1,6 @@
 #include "server/place/fft2.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -68,34 +67,6 @@ struct Twiddle {
   }
 }
 
-[[gnu::always_inline]] inline void butterfly5(Run a, Run b, Run c, Run d, Run e, OutRun y, std::size_t count,
-                                              const std::array<Twiddle, 4>& w) {
-  constexpr float c1 = 0.309016994F, c2 = -0.809016994F, s1 = 0.951056516F, s2 = 0.587785252F;  // of 72 and 144 deg
-  std::array<float*__restrict, 5> re, im;
-  for (std::size_t i = 0; i < 5; ++i) {
-    re[i] = y.re + i * count;
-    im[i] = y.im + i * count;
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    const float ber = b.re[k] + e.re[k], bei = b.im[k] + e.im[k], bmr = b.re[k] - e.re[k], bmi = b.im[k] - e.im[k];
-    const float cdr = c.re[k] + d.re[k], cdi = c.im[k] + d.im[k], cmr = c.re[k] - d.re[k], cmi = c.im[k] - d.im[k];
-    const float t1r = a.re[k] + c1 * ber + c2 * cdr, t1i = a.im[k] + c1 * bei + c2 * cdi;
-    const float t2r = a.re[k] + c2 * ber + c1 * cdr, t2i = a.im[k] + c2 * bei + c1 * cdi;
-    const float u1r = s1 * bmr + s2 * cmr, u1i = s1 * bmi + s2 * cmi;
-    const float u2r = s2 * bmr - s1 * cmr, u2i = s2 * bmi - s1 * cmi;
-    const auto put = [&](std::size_t i, float r, float m) {
-      re[i][k] = r * w[i - 1].c - m * w[i - 1].s;
-      im[i][k] = r * w[i - 1].s + m * w[i - 1].c;
-    };
-    re[0][k] = a.re[k] + ber + cdr;
-    im[0][k] = a.im[k] + bei + cdi;
-    put(1, t1r + u1i, t1i - u1r);
-    put(2, t2r + u2i, t2i - u2r);
-    put(3, t2r - u2i, t2i + u2r);
-    put(4, t1r - u1i, t1i + u1r);
-  }
-}
-
 [[gnu::always_inline]] inline void butterfly2(Run a, Run b, OutRun y, std::size_t count) {
   float* __restrict y0r = y.re, * __restrict y0i = y.im;
   float* __restrict y1r = y.re + count, * __restrict y1i = y.im + count;
@@ -107,20 +78,13 @@ struct Twiddle {
   }
 }
 
-/// Of the next stage. 2 is the last one.
-std::size_t radix_of(std::size_t length) {
-  for (const std::size_t radix : {4U, 5U, 3U})
-    if (length % radix == 0) return radix;
-  return 2;
-}
-
 /// Runs all stages on a strip of columns of n numbers, alternating between two buffers. Returns the one with the
 /// result.
 HEADFRAME_WIDE ComplexGrid* transform_strip(ComplexGrid* from, ComplexGrid* to, std::size_t n, const float* cos,
                                             const float* sin) {
   std::size_t run = strip;
   for (std::size_t length = n; length > 1;) {
-    const std::size_t radix = radix_of(length), part = length / radix, turn = n / length;
+    const std::size_t radix = length % 4 == 0 ? 4 : length % 3 == 0 ? 3 : 2, part = length / radix, turn = n / length;
     const auto in = [&](std::size_t at) { return Run{from->re.data() + run * at, from->im.data() + run * at}; };
     const auto out = [&](std::size_t at) { return OutRun{to->re.data() + run * at, to->im.data() + run * at}; };
     const auto twiddle = [&](std::size_t k) { return Twiddle{cos[turn * k], sin[turn * k]}; };
@@ -128,10 +92,6 @@ HEADFRAME_WIDE ComplexGrid* transform_strip(ComplexGrid* from, ComplexGrid* to, 
       for (std::size_t p = 0; p < part; ++p)
         butterfly4(in(p), in(p + part), in(p + 2 * part), in(p + 3 * part), out(4 * p), run, twiddle(p), twiddle(2 * p),
                    twiddle(3 * p));
-    else if (radix == 5)
-      for (std::size_t p = 0; p < part; ++p)
-        butterfly5(in(p), in(p + part), in(p + 2 * part), in(p + 3 * part), in(p + 4 * part), out(5 * p), run,
-                   {twiddle(p), twiddle(2 * p), twiddle(3 * p), twiddle(4 * p)});
     else if (radix == 3)
       for (std::size_t p = 0; p < part; ++p)
         butterfly3(in(p), in(p + part), in(p + 2 * part), out(3 * p), run, twiddle(p), twiddle(2 * p));
@@ -155,12 +115,9 @@ Fft2::Fft2(std::size_t n) : n_(n), cos_(n), sin_(n), other_(n * n), from_(strip 
 }
 
 std::size_t Fft2::size_for(std::size_t cells) {
-  for (std::size_t strips = std::max<std::size_t>(1, (cells + strip - 1) / strip);; ++strips) {
-    std::size_t rest = strips;
-    for (const std::size_t factor : {2U, 3U, 5U})
-      while (rest % factor == 0) rest /= factor;
-    if (rest == 1) return strip * strips;
-  }
+  std::size_t n = strip;
+  while (n < cells) n *= 2;
+  return n >= 4 * strip && n / 4 * 3 >= cells ? n / 4 * 3 : n;
 }
 
 /// Transforms along y and writes the result transposed: value (ky, x) to row x, column ky.

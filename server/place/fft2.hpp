@@ -11,7 +11,7 @@ struct ComplexGrid {
   std::vector<float> re, im;
 };
 
-/// Complex 2D FFT of n x n grids, n = 16 * 2^i 3^j 5^k, unscaled. Our own, because a wall search needs 135 of
+/// Complex 2D FFT of n x n grids, n = 16 * 2^i or 16 * 3 * 2^i, unscaled. Our own, because a wall search needs 135 of
 /// them for each pair of levels, which took most of a merge's time with KissFFT, and FFTW is GPL. Not thread safe: it
 /// holds scratch memory.
 class Fft2 {

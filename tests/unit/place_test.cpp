@@ -202,7 +202,7 @@ TEST(SessionWalls, LevelsAboveEachOtherAreDrawnApart) {
 }
 
 TEST(Fft2, IsTheSlowTransform) {
-  for (const std::size_t n : {16U, 32U, 48U, 80U, 96U, 144U, 240U}) {
+  for (const std::size_t n : {16U, 32U, 48U, 96U}) {
     std::mt19937 rng(1);
     ComplexGrid grid(n * n);
     for (auto* values : {&grid.re, &grid.im})
@@ -210,7 +210,7 @@ TEST(Fft2, IsTheSlowTransform) {
     const ComplexGrid before = grid;
     Fft2 fft(n);
     fft.forward(grid);
-    for (std::size_t k = 0; k < n * n; k += 1 + n * n / 60) {
+    for (std::size_t k = 0; k < n * n; k += 37) {
       std::complex<double> sum = 0;
       for (std::size_t i = 0; i < n * n; ++i) {
         const std::size_t turns = (k / n) * (i / n) + (k % n) * (i % n);
@@ -221,16 +221,14 @@ TEST(Fft2, IsTheSlowTransform) {
       EXPECT_NEAR(grid.im[k], sum.imag(), 1e-3);
     }
     fft.inverse(grid);
-    for (std::size_t i = 0; i < n * n; ++i) EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 5e-2);
+    for (std::size_t i = 0; i < n * n; ++i) EXPECT_NEAR(grid.re[i], before.re[i] * static_cast<float>(n * n), 1e-2);
   }
   EXPECT_EQ(Fft2::size_for(1), 16U);
   EXPECT_EQ(Fft2::size_for(33), 48U);
   EXPECT_EQ(Fft2::size_for(49), 64U);
   EXPECT_EQ(Fft2::size_for(128), 128U);
-  EXPECT_EQ(Fft2::size_for(129), 144U);
-  EXPECT_EQ(Fft2::size_for(145), 160U);
-  EXPECT_EQ(Fft2::size_for(161), 192U);
-  EXPECT_EQ(Fft2::size_for(193), 240U);
+  EXPECT_EQ(Fft2::size_for(129), 192U);
+  EXPECT_EQ(Fft2::size_for(193), 256U);
 }
 
 TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
