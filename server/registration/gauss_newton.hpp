@@ -20,7 +20,7 @@ struct Stage {
 };
 
 struct GaussNewtonConfig {
-  int iterations = 8;               // limit for each stage
+  int iterations = 15;              // limit for each stage
   double least_inliers = 0.1;       // share of the stage's source points
   double degenerate_below = 0.012;  // hold of a direction below which it counts as free (Registration::direction_hold)
   double gravity_stiffness = 0.5;   // of a spring that keeps z along gravity until the last stage; 0: none
