@@ -8,6 +8,8 @@
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <cerrno>
+#include <cstring>
 #include <memory>
 #include <string>
 
@@ -62,11 +64,13 @@ class PlainPeer {
   /// All that comes until the other side ends.
   std::string rest() { return read(std::string::npos); }
 
-  /// The other side ends it, and sends nothing before.
-  bool is_turned_away() {
+  /// The other side ends it, and sends nothing before. A reset that comes after its end is told as EPIPE.
+  testing::AssertionResult is_turned_away() {
     char byte = 0;
     const auto n = ::recv(socket_->native_handle(), &byte, 1, 0);
-    return n == 0 || (n < 0 && errno == ECONNRESET);
+    const int error = n < 0 ? errno : 0;
+    if (n == 0 || error == ECONNRESET || error == EPIPE) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << (n > 0 ? "it was answered" : std::strerror(error));
   }
 
   /// The server may have turned it away before.
