@@ -57,8 +57,8 @@ struct Evidence {
 
 /// held_well: weakest hold from which on nothing slides along a tunnel. ends_meet: end-on match from which on a place
 /// in a tunnel with less hold can be told from its neighbours. In the recordings right placements match 0.22 and more,
-/// wrong ones 0.07.
-inline constexpr double held_well = 0.03, ends_meet = 0.12;
+/// wrong ones 0.07. held_firmly: from which on a placement without descriptors needs no more overlap than others do.
+inline constexpr double held_well = 0.03, held_firmly = 0.07, ends_meet = 0.12;
 
 /// Repetition from which on the database is known to hold copies. Over all recordings at once it is 0.05.
 inline constexpr double copies_known = 0.15;

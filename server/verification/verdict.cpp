@@ -99,6 +99,15 @@ double places_lie_apart(const Evidence& e) {
 /// and 2 of 112 right ones. Each doubling beyond that costs 3. Not part of the fit.
 double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
+/// 1 where a place disagrees though the walls hold the placement (fully from .05 on, not up to .03).
+double held_place_disagrees(const Evidence& e) {
+  const double held = std::clamp((e.weakest_hold - 0.03) / 0.02, 0.0, 1.0);
+  return held * std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
+}
+
+/// 1 where the walls hardly hold the placement along the tunnel (up to .04, not from .05 on).
+double nearly_straight(const Evidence& e) { return std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0); }
+
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
@@ -106,8 +115,7 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 /// - from three look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
-/// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03);
-/// - 28 m if no descriptors were compared.
+/// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03).
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 53, 58, 66, 83 and 84 m were
 /// accepted; and one of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
@@ -119,13 +127,24 @@ double short_in_mine_of_copies(const Evidence& e) {
       std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
-  const double held = std::clamp((e.weakest_hold - 0.03) / 0.02, 0.0, 1.0);
-  const double disagree = held * std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
-  const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
-  const double told_m =
-      compared * std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m), 60 * disagree}) +
-      (1 - compared) * 28;
-  return -0.3 * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
+  const double straight = nearly_straight(e);
+  const double told_m = std::max(
+      {differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m), 60 * held_place_disagrees(e)});
+  return -0.3 * compared * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
+}
+
+/// If no descriptors were compared, only the length of the overlap and how well the walls hold it tell a copy from the
+/// place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or the mine looks like itself,
+/// each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to .06, not from .07 on),
+/// there also if only a place disagrees. Set by hand on crossed drives through five worlds, of robots with descriptors
+/// of two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one of them nothing looked
+/// alike, but a place disagreed.
+double short_without_descriptors(const Evidence& e) {
+  const double absent = 1 - std::min(1.0, e.descriptors_compared);
+  const double loosely = std::clamp((held_firmly - e.weakest_hold) / 0.01, 0.0, 1.0);
+  const double doubt = std::max(
+      {looks_like_itself(e), std::clamp((e.look_alikes - 0.4) / 0.6, 0.0, 1.0), loosely * held_place_disagrees(e)});
+  return -0.3 * absent * doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m);
 }
 
 /// If another placement fits, or places look alike, the descriptors of a short overlap have to decide. Of 11 such right
@@ -137,7 +156,8 @@ double hardly_told_apart(const Evidence& e) {
                compared = std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0),
                is_short = std::clamp((36 - e.overlap_m) / 10, 0.0, 1.0);
   const double differ = std::clamp((0.83 - e.descriptors_alike) / 0.07, 0.0, 1.0);
-  return std::min(-6 * likeness * compared * is_short * differ, short_in_mine_of_copies(e));
+  return std::min(
+      {-6 * likeness * compared * is_short * differ, short_in_mine_of_copies(e), short_without_descriptors(e)});
 }
 
 }  // namespace
