@@ -1,0 +1,72 @@
+// What a placement has to show if the two sessions' descriptors cannot be compared: those of two families, or of a
+// family whose similarity was never measured.
+
+#include <gtest/gtest.h>
+
+#include "server/merge/merge_config.hpp"
+#include "server/verification/verdict.hpp"
+#include "tests/support/convincing_evidence.hpp"
+
+namespace headframe {
+namespace {
+
+const double accepted = MergeConfig{}.accept_probability;
+
+/// Look-alikes, shared path, hold by the walls, and how many of six places disagree.
+double p(double look_alikes, double overlap_m, double hold, double disagreeing = 0, double compared = 0) {
+  Evidence e = test::convincing();
+  e.look_alikes = look_alikes;
+  e.overlap_m = overlap_m;
+  e.weakest_hold = hold;
+  e.places_agreeing = e.places - disagreeing;
+  e.descriptors_compared = compared;
+  e.descriptors_alike = compared > 0 ? 0.95 : 0;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(ProbabilityWithoutDescriptors, CopiesThatTheWallsHoldLooselyAreNotBelieved) {
+  EXPECT_LT(p(0.65, 17.4, 0.051), accepted);
+  EXPECT_LT(p(0.75, 22.5, 0.038), accepted);
+  EXPECT_LT(p(3.4, 30.6, 0.031), accepted);
+  EXPECT_LT(p(2.6, 49.9, 0.059), accepted);
+  EXPECT_LT(p(7.4, 51.1, 0.052), accepted);
+}
+
+TEST(ProbabilityWithoutDescriptors, WhatNothingResemblesNeedsNoMoreThanBefore) {
+  for (const double hold : {0.04, 0.1}) {
+    EXPECT_GT(p(0, 15, hold), accepted);
+    EXPECT_EQ(p(0, 15, hold), p(0, 15, 0.2));
+    EXPECT_GT(p(0.4, 15, hold), accepted) << "as in a cave";
+  }
+}
+
+TEST(ProbabilityWithoutDescriptors, WhatTheWallsHoldFirmlyNeedsLess) {
+  EXPECT_LT(p(1, 40, 0.06), accepted);
+  EXPECT_GT(p(1, 40, held_firmly), accepted);
+  EXPECT_EQ(p(1, 40, held_firmly), p(1, 40, 0.2));
+  EXPECT_EQ(p(1, 40, 0.06), p(1, 40, 0.045)) << "loosely is loosely";
+  EXPECT_LT(p(1, 18, 0.1), accepted) << "short even so";
+  EXPECT_GT(p(1, 28, 0.1), accepted);
+}
+
+TEST(ProbabilityWithoutDescriptors, SixtyMetresAreEnough) {
+  EXPECT_GT(p(1, 60, 0.05), accepted);
+  EXPECT_LT(p(1, 45, 0.05), accepted);
+  EXPECT_LT(p(1, 45, 0.05), p(1, 50, 0.05));
+}
+
+TEST(ProbabilityWithoutDescriptors, APlaceThatDisagreesIsADoubtWhereTheWallsHoldLoosely) {
+  const double not_compared = p(0, 28, 0.055, 1);
+  EXPECT_LT(not_compared, 0.3) << "a copy at which nothing looked alike";
+  EXPECT_GT(p(0, 28, 0.055, 1, 10), not_compared + 0.5) << "descriptors tell";
+  EXPECT_GT(p(0, 28, 0.1, 1), not_compared + 0.5) << "so do walls";
+  EXPECT_GT(p(0, 60, 0.055, 1), not_compared + 0.5);
+}
+
+TEST(ProbabilityWithoutDescriptors, ComparedDescriptorsLiftTheDemand) {
+  EXPECT_LT(p(1, 40, 0.055), accepted);
+  EXPECT_GT(p(1, 40, 0.055, 0, 8), accepted);
+}
+
+}  // namespace
+}  // namespace headframe
