@@ -194,7 +194,12 @@ int main(int argc, char** argv) {
   graph->add_option("--mines", options.mines, "of each kind");
   graph->callback([&options] { options.what = "pose-graph"; });
   auto* live = app.add_subcommand("live", "robots drive while the server merges; all that stood, against the truth");
-  live->add_option("DIR", options.live.sets, "data sets (as of stages), or folders of them; none: recordings, mines");
+  auto* driven = live->add_option("DIR", options.live.sets,
+                                  "data sets (as of stages), or folders of them; none: recordings, mines");
+  live->add_option("--family", options.live.families, "of descriptors: the robots of a set in DIR take these in turn")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->needs(driven);
   live->add_option("--only", options.live.only, "sets whose names contain this");
   live->add_option("--conditions", options.live.conditions, "drives whose conditions contain this, as \"link lost\"");
   live->add_option("--seed", options.live.first_seed, "of the first drawn mine");

@@ -61,7 +61,8 @@ nlohmann::json live(const LiveBench& bench) {
   std::filesystem::create_directories(bench.out);
   std::ofstream lines(bench.out / "live-drives.jsonl");
   std::vector<LiveDrive> drives;
-  const auto sets = bench.sets.empty() ? live_sets(bench.recordings, bench.first_seed) : made_live_sets(bench.sets);
+  const auto sets =
+      bench.sets.empty() ? live_sets(bench.recordings, bench.first_seed) : made_live_sets(bench.sets, bench.families);
   for (const LiveSet& set : sets) {
     if (set.name.find(bench.only) == std::string::npos) continue;
     const Sessions present = set.present(), driving = set.driving();

@@ -106,16 +106,17 @@ std::vector<LiveSet> live_sets(const std::filesystem::path& recordings, std::uin
   return sets;
 }
 
-std::vector<LiveSet> made_live_sets(const std::vector<std::filesystem::path>& folders) {
+std::vector<LiveSet> made_live_sets(const std::vector<std::filesystem::path>& folders,
+                                    const std::vector<std::string>& families) {
   constexpr std::size_t drives = 2;
   const std::vector<LiveConditions> all = conditions(16, 1);
   std::map<std::string, std::filesystem::path> last;  // of each world
   std::vector<LiveSet> sets;
   for (const auto& folder : sets_below(folders)) {
     const std::string name = folder.filename(), world = kind_of(name);
-    const auto read_all = [world](const std::filesystem::path& set) {
+    const auto read_all = [world, families](const std::filesystem::path& set) {
       std::vector<DrivenSession> out;
-      for (auto& [robot, session] : sessions_of(set, {std::string(default_family_name)})) {
+      for (auto& [robot, session] : sessions_of(set, families)) {
         session.world = world;
         out.push_back(std::move(session));
       }

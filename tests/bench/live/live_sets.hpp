@@ -22,8 +22,9 @@ struct LiveSet {
 std::vector<LiveSet> live_sets(const std::filesystem::path& recordings, std::uint64_t first_seed);
 
 /// Data sets below the folders, each driven twice, with the sessions of the one before it through the same world there
-/// already.
-std::vector<LiveSet> made_live_sets(const std::vector<std::filesystem::path>& folders);
+/// already. The robots of a set take the descriptor families in turn.
+std::vector<LiveSet> made_live_sets(const std::vector<std::filesystem::path>& folders,
+                                    const std::vector<std::string>& families);
 
 /// "6x busy together at once", for tables.
 std::string text_of(const LiveConditions& conditions);
