@@ -16,7 +16,7 @@ constexpr std::size_t always_said = 6;    // the first terms are always listed, 
 
 std::string descriptors(const Evidence& e) {
   if (e.descriptors_compared == 0)
-    return "no keyframe stands within 3 m of one of the other's: descriptors say nothing";
+    return "no two keyframes of one known descriptor family stand within 3 m of each other: descriptors say nothing";
   return formatted("%.0f keyframes stand where one of the other's stood; what they describe is %.0f %% alike",
                    e.descriptors_compared, 100 * e.descriptors_alike);
 }
@@ -66,7 +66,7 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
        formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), places(e),
        formatted("of the surfaces that both could see %.0f %% match", 100 * e.matched_share),
        shared(e) + ": hardly any",
-       descriptors(e) +
+       descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
            formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes)}};
 }
 
@@ -104,7 +104,7 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {&Evidence::spread_m, 0, "%.2f m at most would suffice"},
            {&Evidence::matched_share, 1, "%.0f %% would suffice", 100},
            path,
-           alike}};
+           e.descriptors_compared > 0 ? alike : path}};
 }
 
 /// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even

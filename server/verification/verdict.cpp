@@ -105,9 +105,6 @@ double held_place_disagrees(const Evidence& e) {
   return held * std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
 }
 
-/// 1 where the walls hardly hold the placement along the tunnel (up to .04, not from .05 on).
-double nearly_straight(const Evidence& e) { return std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0); }
-
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
@@ -127,7 +124,7 @@ double short_in_mine_of_copies(const Evidence& e) {
       std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
-  const double straight = nearly_straight(e);
+  const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double told_m = std::max(
       {differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m), 60 * held_place_disagrees(e)});
   return -0.3 * compared * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);

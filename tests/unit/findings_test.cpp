@@ -1,0 +1,39 @@
+#include "server/atlas/findings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/verification/verdict.hpp"
+#include "tests/support/convincing_evidence.hpp"
+
+namespace headframe {
+namespace {
+
+/// Where places look alike and the walls hold the placement loosely.
+Finding first_finding(double descriptors_compared) {
+  Evidence e = test::convincing();
+  e.look_alikes = 3;
+  e.weakest_hold = 0.05;
+  e.descriptors_compared = descriptors_compared;
+  e.descriptors_alike = descriptors_compared > 0 ? 0.9 : 0;
+  e.probability = probability(RegistrationStatus::converged, e);
+  EXPECT_LT(e.probability, VerdictThresholds{}.accept_probability);
+  return findings_of(e).front();
+}
+
+TEST(Findings, WithoutDescriptorsMorePathWouldTellPlacesThatLookAlikeApart) {
+  const Finding f = first_finding(0);
+  EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
+  EXPECT_NE(f.text.find("no two keyframes of one known descriptor family"), std::string::npos) << f.text;
+  EXPECT_NE(f.text.find("36 m of path are shared"), std::string::npos) << f.text;
+  EXPECT_NE(f.would_suffice.find("m of path in common would suffice"), std::string::npos) << f.would_suffice;
+}
+
+TEST(Findings, WithDescriptorsOnesThatAgreeWould) {
+  const Finding f = first_finding(8);
+  EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
+  EXPECT_EQ(f.text.find("m of path are shared"), std::string::npos) << f.text;
+  EXPECT_NE(f.would_suffice.find("% alike would suffice"), std::string::npos) << f.would_suffice;
+}
+
+}  // namespace
+}  // namespace headframe
