@@ -1,13 +1,13 @@
 #include "server/net/robot_connection.hpp"
 
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 
 #include "common/security/tls.hpp"
 #include "common/wire/lossy_link.hpp"
+#include "server/security/relay_header.hpp"
 #include "server/security/relayed_peer.hpp"
 
 namespace headframe {
@@ -59,12 +59,10 @@ void RobotConnection::start() {
 /// Who speaks first? TLS begins with a handshake record. Seeing that before reading it, we can tell a robot that took
 /// the wrong door so in the language that it speaks.
 void RobotConnection::meet() {
-  stream_.socket().async_wait(tcp::socket::wait_read, [self = shared_from_this()](error_code error) {
-    if (error || self->dropped_) return self->drop();
-    if (!self->relayed_ && begins_with_relay_header(self->stream_.socket())) return self->meet_relay();
-    unsigned char first = 0;
-    if (::recv(self->stream_.socket().native_handle(), &first, 1, MSG_PEEK | MSG_DONTWAIT) != 1) return self->drop();
-    const bool speaks_tls = first == tls_handshake_record;
+  async_first_byte(stream_.socket(), [self = shared_from_this()](std::optional<unsigned char> first) {
+    if (!first || self->dropped_) return self->drop();
+    if (!self->relayed_ && *first == relay_first_byte) return self->meet_relay();
+    const bool speaks_tls = *first == tls_handshake_record;
     if (speaks_tls && self->entrance_.tls) return self->shake_hands();
     if (!speaks_tls && self->entrance_.tls)
       self->protocol_.fail(v1::ERROR_KIND_REFUSED, "this port takes TLS only: connect without --insecure", true);

@@ -6,6 +6,7 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
+#include "server/security/relay_header.hpp"
 #include "server/security/relayed_peer.hpp"
 
 namespace headframe {
@@ -51,10 +52,10 @@ void HttpSession::meet() {
   look_.async_wait([self = shared_from_this()](Code ended) {
     if (!ended) self->finish();
   });
-  tcp().socket().async_wait(net::ip::tcp::socket::wait_read, [self = shared_from_this()](Code code) {
+  async_first_byte(tcp().socket(), [self = shared_from_this()](std::optional<unsigned char> first) {
     self->look_.cancel();
-    if (code) return self->finish();
-    begins_with_relay_header(self->tcp().socket()) ? self->meet_relay() : self->begin();
+    if (!first) return self->finish();
+    *first == relay_first_byte ? self->meet_relay() : self->begin();
   });
 }
 

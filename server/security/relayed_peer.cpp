@@ -5,6 +5,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cerrno>
 #include <chrono>
 #include <memory>
 
@@ -65,9 +66,15 @@ class HeaderRead : public std::enable_shared_from_this<HeaderRead> {
 
 }  // namespace
 
-bool begins_with_relay_header(net::ip::tcp::socket& socket) {
-  unsigned char first = 0;
-  return ::recv(socket.native_handle(), &first, 1, MSG_PEEK | MSG_DONTWAIT) == 1 && first == relay_first_byte;
+/// A wait may end though no byte is there yet. Taken for an answer, that would mistake a relay for a client that speaks
+/// in the clear.
+void async_first_byte(net::ip::tcp::socket& socket, std::function<void(std::optional<unsigned char>)> done) {
+  socket.async_wait(net::ip::tcp::socket::wait_read, [&socket, done = std::move(done)](error_code error) mutable {
+    unsigned char first = 0;
+    const auto seen = error ? 0 : ::recv(socket.native_handle(), &first, 1, MSG_PEEK | MSG_DONTWAIT);
+    if (seen < 0 && (errno == EAGAIN || errno == EINTR)) return async_first_byte(socket, std::move(done));
+    done(seen == 1 ? std::optional(first) : std::nullopt);
+  });
 }
 
 void async_read_relay_header(net::ip::tcp::socket& socket, std::string key,
