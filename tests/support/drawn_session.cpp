@@ -35,6 +35,7 @@ const BoxMine& branches_mine() {
 
 Drive drive_a_to_c(double spacing_m) { return drive(branches_mine(), {{2, 0}, {30, 0}, {30, 38}}, 0, 1, spacing_m); }
 Drive drive_b_to_a(double spacing_m) { return drive(branches_mine(), {{88, 0}, {4, 0}}, 2.3, 2, spacing_m); }
+Drive drive_a_to_b(double spacing_m) { return drive(branches_mine(), {{4, 0}, {88, 0}}, 0.7, 4, spacing_m); }
 Drive drive_d_to_b(double spacing_m) {
   return drive(branches_mine(), {{60, -23}, {60, 0}, {88, 0}}, -1.1, 3, spacing_m);
 }

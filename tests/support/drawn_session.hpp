@@ -21,6 +21,8 @@ const BoxMine& branches_mine();
 Drive drive_a_to_c(double spacing_m = 2);
 Drive drive_b_to_a(double spacing_m = 2);
 Drive drive_d_to_b(double spacing_m = 2);
+/// All of the path from B to A, the other way: long enough for walls alone to tell.
+Drive drive_a_to_b(double spacing_m = 2);
 /// From B to C in the same mine when C has been driven on by 12 m.
 Drive drive_b_to_c_driven_on(double spacing_m = 2);
 

@@ -66,7 +66,7 @@ class PlainPython : public testing::Test {
 };
 
 TEST_F(PlainPython, MergesByScanContextWithTheLibrarysRobotAndIsToldWhereItLies) {
-  const Drive a = drive_a_to_c(1), b = drive_b_to_a(1);
+  const Drive a = drive_a_to_b(1), b = drive_b_to_a(1);
   write_session(at("a"), a);
   write_session(at("b"), b);
   auto library =
