@@ -80,9 +80,10 @@ void add_costliest(const Evidence& e, const VerdictThresholds& config, std::vect
   const std::vector<Finding> findings = findings_of(e, config);
   for (std::size_t i = 0; i < std::min<std::size_t>(2, findings.size()); ++i)
     if (findings[i].speaks == Speaks::against)
-      missing.push_back(findings[i].text +
-                        formatted(": without this the probability would be %.3f", probability_without(findings[i], e)) +
-                        (findings[i].would_suffice.empty() ? "" : "; " + findings[i].would_suffice));
+      missing.push_back(
+          findings[i].text +
+          formatted(": without this the probability would be %.3f", probability_without(findings[i], e, config)) +
+          (findings[i].would_suffice.empty() ? "" : "; " + findings[i].would_suffice));
 }
 
 std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSession& b, const Alignment& k,

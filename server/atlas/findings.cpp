@@ -159,8 +159,10 @@ std::vector<Finding> findings_of(const Evidence& evidence, const VerdictThreshol
   return out;
 }
 
-double probability_without(const Finding& finding, const Evidence& evidence) {
-  return 1 / (1 + std::exp(finding.log_odds - log_odds(evidence).sum()));
+double probability_without(const Finding& finding, const Evidence& evidence, const VerdictThresholds& thresholds) {
+  Evidence without = evidence;
+  without.probability = 1 / (1 + std::exp(finding.log_odds - log_odds(evidence).sum()));
+  return calibrated(without, thresholds);
 }
 
 std::vector<Gate> gates_of(const Alignment& alignment, const VerdictThresholds& thresholds) {

@@ -37,6 +37,6 @@ struct Gate {
 std::vector<Gate> gates_of(const Alignment& alignment, const VerdictThresholds& thresholds);
 
 /// The probability without this term.
-double probability_without(const Finding& finding, const Evidence& evidence);
+double probability_without(const Finding& finding, const Evidence& evidence, const VerdictThresholds& thresholds);
 
 }  // namespace headframe

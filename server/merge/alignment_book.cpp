@@ -8,6 +8,7 @@
 #include "server/merge/frozen_places.hpp"
 #include "server/session/same_placement.hpp"
 #include "server/support/stopwatch.hpp"
+#include "server/verification/verdict.hpp"
 
 namespace headframe {
 namespace {
@@ -77,7 +78,7 @@ AlignmentState AlignmentBook::state_of(const OrderedPair& pair, const Judgement&
     if (!sessions_.may_merge(pair) || waits) return AlignmentState::candidate;
     return awaiting_state(e);
   }
-  return e.probability >= config_.candidate_probability ? AlignmentState::candidate : AlignmentState::rejected;
+  return calibrated(e, config_) >= config_.candidate_probability ? AlignmentState::candidate : AlignmentState::rejected;
 }
 
 void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up,
@@ -89,6 +90,7 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
   const auto T_runner_up = T_a_b_runner_up ? std::optional(by_ids(pair, *T_a_b_runner_up)) : std::nullopt;
   Alignment* known = find(a, b);
   AlignmentState now = state_of(pair, best, known, waits);
+  best.evidence.probability = calibrated(best.evidence, config_);
   if (!known) {
     const AlignmentId id = alignments_.empty() ? 1 : alignments_.back().id + 1;
     by_pair_[{a, b}] = alignments_.size();
@@ -110,7 +112,8 @@ void AlignmentBook::record(const OrderedPair& pair, const Judgement& judged, con
     now = AlignmentState::candidate;
   known->verdict = now;
   if (known->state == AlignmentState::published && now != AlignmentState::verified) now = AlignmentState::retracted;
-  if (known->state == AlignmentState::retracted && now == AlignmentState::rejected) now = AlignmentState::retracted;
+  if (known->state == AlignmentState::retracted && judged.evidence.probability < config_.candidate_probability)
+    now = AlignmentState::retracted;
   const bool news = known->state != now ||
                     !same_placement(known->T_a_b, best.T_a_b, Eigen::Vector3d::Zero(), same_numbers) ||
                     std::abs(known->evidence.awaited_m - best.evidence.awaited_m) > awaited_news_m;

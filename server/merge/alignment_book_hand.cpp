@@ -2,13 +2,15 @@
 #include <algorithm>
 
 #include "server/merge/alignment_book.hpp"
+#include "server/verification/verdict.hpp"
 
 namespace headframe {
 
 HandPlacement AlignmentBook::place(const OrderedPair& pair, const Judgement& judged,
                                    const std::optional<Pose>& T_a_b_runner_up, bool fits, AttemptReport& report) {
   const auto [a, b] = std::minmax(pair.a, pair.b);
-  const Judgement best = by_ids(pair, judged);
+  Judgement best = by_ids(pair, judged);
+  best.evidence.probability = calibrated(best.evidence, config_);
   const bool probable = best.evidence.probability >= config_.candidate_probability;
   Alignment now{0, a, b, probable ? AlignmentState::candidate : AlignmentState::rejected, best.T_a_b, best.evidence};
   now.verdict = now.state;

@@ -88,6 +88,21 @@ std::vector<ScreeningResult> as_screened(std::size_t cases, const std::vector<Ho
 
 }  // namespace
 
+std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
+  const Verdict& first = verdicts.front();
+  const auto rival = std::max_element(verdicts.begin(), verdicts.end(), [&](const Verdict& v, const Verdict& w) {
+    const auto worth = [&](const Verdict& of) {
+      return same_placement(of.judgement.T_a_b, first.judgement.T_a_b, of.p_b, same_as_rival)
+                 ? -1
+                 : of.judgement.evidence.probability;
+    };
+    return worth(v) < worth(w);
+  });
+  if (same_placement(rival->judgement.T_a_b, first.judgement.T_a_b, rival->p_b, same_as_rival)) return std::nullopt;
+  verdicts.front().judgement.evidence.runner_up = rival->judgement.evidence.probability;
+  return rival->judgement.T_a_b;
+}
+
 std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
                                                     const Attempt& attempt, const PairFindings* known) {
   for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, attempt.clouds);
@@ -107,8 +122,8 @@ std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, con
     verdicts.push_back(one.verdict);
     weigh_among(judged, pair, cases[one.of], verdicts.back(), attempt.clouds);
   }
-  std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {
-    return v.judgement.evidence.probability > w.judgement.evidence.probability;
+  std::stable_sort(verdicts.begin(), verdicts.end(), [this](const Verdict& v, const Verdict& w) {
+    return calibrated(v.judgement.evidence, config_) > calibrated(w.judgement.evidence, config_);
   });
   return verdicts;
 }

@@ -70,15 +70,8 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   if (verdicts.empty()) verdicts.emplace_back();
   if (known) drop_ruled_out(pair, *known, verdicts);
   if (verdicts.empty()) return;  // the operator has ruled on all placements
-  Judgement& best = verdicts.front().judgement;
-  std::optional<Pose> T_a_b_runner_up;
-  const auto rival = std::find_if(verdicts.begin() + 1, verdicts.end(), [&](const Verdict& v) {  // the most probable
-    return !same_placement(v.judgement.T_a_b, best.T_a_b, v.p_b, same_as_rival);
-  });
-  if (rival != verdicts.end()) {
-    best.evidence.runner_up = rival->judgement.evidence.probability;
-    T_a_b_runner_up = rival->judgement.T_a_b;
-  }
+  const std::optional<Pose> T_a_b_runner_up = note_rival(verdicts);
+  const Judgement& best = verdicts.front().judgement;
   const bool waits = verifier.ask_for_more(pair, verdicts, candidates.awaited, attempt);
   if (waits) judged.forget(pair.a, pair.b);  // it is judged again even if the clouds do not come
   if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))

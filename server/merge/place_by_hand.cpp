@@ -34,22 +34,6 @@ std::vector<Verdict>::iterator nearest_to_hand(std::vector<Verdict>& verdicts, c
                       [&](const Verdict& v) { return same_placement(v.judgement.T_a_b, T_a_b, v.p_b, near_hand); });
 }
 
-/// Adds to the first verdict's evidence how probable the best other placement is, and returns that placement.
-std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
-  const Verdict& first = verdicts.front();
-  const auto rival = std::max_element(verdicts.begin(), verdicts.end(), [&](const Verdict& v, const Verdict& w) {
-    const auto worth = [&](const Verdict& of) {
-      return same_placement(of.judgement.T_a_b, first.judgement.T_a_b, of.p_b, same_as_rival)
-                 ? -1
-                 : of.judgement.evidence.probability;
-    };
-    return worth(v) < worth(w);
-  });
-  if (same_placement(rival->judgement.T_a_b, first.judgement.T_a_b, rival->p_b, same_as_rival)) return std::nullopt;
-  verdicts.front().judgement.evidence.runner_up = rival->judgement.evidence.probability;
-  return rival->judgement.T_a_b;
-}
-
 }  // namespace
 
 /// The verdict near the operator's placement comes first, however bad it is, then those of the search's proposals.

@@ -17,7 +17,7 @@ struct VerdictThresholds {
 /// Everything the verdict is based on. NaN: not measured. evidence_fields() lists the members by name, so that store,
 /// API and reports need not repeat them.
 struct Evidence {
-  double probability = 0;      // calibrated, that T_a_b is right
+  double probability = 0;      // that T_a_b is right; of an alignment calibrated()
   double pairs = 0;            // keyframes within 10 m of a keyframe of the other session, mean of both sessions
   double places = 0;           // spread over the overlap, where both saw some rock; each registered independently
   double places_agreeing = 0;  // places whose own registration agrees with T_a_b up to drift

@@ -220,4 +220,12 @@ double probability(RegistrationStatus status, const Evidence& e) {
   return status == RegistrationStatus::converged ? p : 0.4 * p;
 }
 
+double calibrated(const Evidence& e, const VerdictThresholds& thresholds) {
+  const double p = e.probability;
+  if (p >= thresholds.accept_probability) return p;
+  const double right_all_the_same = 0.002 + 0.5 * std::pow(e.probability_if_unique, 10);  // odds
+  const double odds = p / (1 - p) + right_all_the_same * (1 - p);
+  return std::min(odds / (1 + odds), 0.999 * thresholds.accept_probability);
+}
+
 }  // namespace headframe

@@ -21,7 +21,7 @@ VerdictRows::VerdictRows(const std::filesystem::path& file) : csv_(file) {
   csv_ << "source,kind,mine,a,b,right,status";
   for (const auto& field : evidence_fields()) csv_ << ',' << field.name;
   for (const auto& term : verdict_terms({})) csv_ << ",term: " << term.name;
-  csv_ << ",by hand";
+  csv_ << ",by hand,told";
   csv_ << '\n';
 }
 
@@ -32,7 +32,7 @@ void VerdictRows::add(const PipelineRun& run) {
       const auto right = label(a, b, judged.T_a_b);
       if (!right) continue;
       write("judged", a, b, *right, judged);
-      calibration_.add(judged.evidence.probability, *right, a.world);
+      calibration_.add(calibrated(judged.evidence, {}), *right, a.world);
     }
 }
 
@@ -49,7 +49,7 @@ void VerdictRows::write(const char* source, const DrivenSession& a, const Driven
   Evidence unique = judged.evidence;
   unique.aliases = unique.repetition = unique.look_alikes = 0;
   for (const auto& term : verdict_terms(unique)) csv_ << ',' << term.value;
-  csv_ << ',' << log_odds(unique).taken_as_given();
+  csv_ << ',' << log_odds(unique).taken_as_given() << ',' << calibrated(judged.evidence, {});
   csv_ << '\n' << std::flush;
 }
 

@@ -77,7 +77,9 @@ TEST(Explain, FindingsAreTheVerdictItself) {
   EXPECT_EQ(findings.front().evidence, "one place contradicts");
   Evidence without = k.evidence;
   without.worst_place_violation = 0;
-  EXPECT_NEAR(probability_without(findings.front(), k.evidence), 1 / (1 + std::exp(-log_odds(without).sum())), 1e-9);
+  without.probability = 1 / (1 + std::exp(-log_odds(without).sum()));
+  const VerdictThresholds thresholds;
+  EXPECT_NEAR(probability_without(findings.front(), k.evidence, thresholds), calibrated(without, thresholds), 1e-9);
 }
 
 TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {

@@ -1,0 +1,65 @@
+// What becomes of placements that only their likeness to other places speaks against, while sessions ended long ago.
+#include <gtest/gtest.h>
+
+#include "server/merge/alignment_book.hpp"
+#include "tests/support/keyframes.hpp"
+
+namespace headframe {
+namespace {
+
+class ToldPlacement : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const SessionId id : {1, 2}) {
+      sessions_.add(id, {"test", 1});
+      for (std::uint64_t m = 1; m <= 61; ++m) {
+        Keyframe k = line_keyframe(m);
+        k.stamp_s = static_cast<double>(m);
+        sessions_.add_keyframe(id, k);
+      }
+      sessions_.complete(id);
+      sessions_.set_looked_at(id, true);
+    }
+  }
+  AlignmentState judged(double probability, double if_unique) {
+    Judgement judgement{RegistrationStatus::converged, pose_from_yaw(0.5, {1, 2, 0}), {}};
+    judgement.evidence.probability = probability;
+    judgement.evidence.probability_if_unique = if_unique;
+    judgement.evidence.inlier_fraction = 1;
+    judgement.evidence.overlap_m = 60;
+    AttemptReport report;
+    book.record({1, 2}, judgement, std::nullopt, false, report);
+    book.update_atlas([](SessionId, SessionId, const Pose&) { return Contact::none; },
+                      [](const std::pair<SessionId, SessionId>&) { return Objection{}; }, report);
+    return book.find(1, 2)->state;
+  }
+  double told() const { return book.find(1, 2)->evidence.probability; }
+
+  const MergeConfig config_;
+  SessionMap sessions_{config_};
+  AlignmentBook book{config_, sessions_};
+};
+
+TEST_F(ToldPlacement, IsACandidateIfOnlyLikenessSpeaksAgainstIt) {
+  EXPECT_EQ(judged(1e-6, 0.99), AlignmentState::candidate);
+  EXPECT_GT(told(), config_.candidate_probability);
+  EXPECT_EQ(judged(1e-6, 0.5), AlignmentState::rejected) << "the rock speaks against it";
+  EXPECT_LT(told(), 0.01);
+}
+
+TEST_F(ToldPlacement, IsMergedByItsDemandsAlone) {
+  EXPECT_EQ(judged(0.8999, 1), AlignmentState::candidate);
+  EXPECT_LT(told(), config_.accept_probability);
+  EXPECT_EQ(judged(0.9, 1), AlignmentState::published);
+  EXPECT_EQ(told(), 0.9);
+}
+
+TEST_F(ToldPlacement, ThatWasWithdrawnStaysSoWhereNothingButItsLikenessIsKnown) {
+  ASSERT_EQ(judged(0.99, 1), AlignmentState::published);
+  for (int again = 0; again < 2; ++again) EXPECT_EQ(judged(1e-6, 0.99), AlignmentState::retracted);
+  EXPECT_GT(told(), config_.candidate_probability);
+  EXPECT_EQ(judged(0.3, 0.99), AlignmentState::candidate);
+}
+
+}  // namespace
+}  // namespace headframe
