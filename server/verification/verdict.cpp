@@ -105,6 +105,13 @@ double held_place_disagrees(const Evidence& e) {
   return held * std::clamp(e.places - e.places_agreeing, 0.0, 1.0);
 }
 
+/// 1 where places lie apart (fully from 0.8 m on, not up to 0.6) though the walls hold the placement (fully from .02
+/// on, not up to .017).
+double held_places_lie_apart(const Evidence& e) {
+  const double held = std::clamp((e.weakest_hold - 0.017) / 0.003, 0.0, 1.0);
+  return held * std::clamp((e.spread_m - 0.6) / 0.2, 0.0, 1.0);
+}
+
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
@@ -112,7 +119,10 @@ double held_place_disagrees(const Evidence& e) {
 /// - from three look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
-/// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03).
+/// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
+///   though the walls hold them: each piece of a copy fits at its own place. Copies of 27 to 58 m, .93 to .97 alike,
+///   lay apart by 0.85 to 1.41 m; right ones by 0.49 m at most, but for two of 0.72 and 0.94 m that slide along a
+///   tunnel.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 53, 58, 66, 83 and 84 m were
 /// accepted; and one of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
@@ -125,8 +135,8 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
-  const double told_m = std::max(
-      {differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m), 60 * held_place_disagrees(e)});
+  const double told_m = std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m),
+                                  60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
   return -0.3 * compared * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
 }
 

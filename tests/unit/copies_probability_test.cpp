@@ -256,5 +256,29 @@ TEST(Probability, InAMineThatLooksLikeItselfAShortOverlapIsTrustedOnlyWithDescri
     EXPECT_NEAR(p(of_mine, 31, 0.91, 4), p(of_mine + 0.002, 31, 0.91, 4), 0.07) << "no cliff";
 }
 
+/// Figures of a copy in a mine of equal tunnels, and how far its places lie apart.
+double of_pieces(double spread_m, double hold, double overlap_m = 26.8, double look_alikes = 7.5,
+                 double of_mine = 1.2) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.weakest_hold = hold;
+  e.end_on_match = 0.38;
+  e.look_alikes = look_alikes;
+  e.mine_look_alikes = of_mine;
+  e.descriptors_compared = 6;
+  e.descriptors_alike = 0.975;
+  e.spread_m = spread_m;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, AmongLookAlikesPlacesThatTheWallsHoldLieTogether) {
+  EXPECT_LT(of_pieces(0.9, 0.028), 0.1) << "each piece of a copy fits at its own place";
+  EXPECT_LT(of_pieces(0.8, 0.02), 0.1);
+  EXPECT_GT(of_pieces(0.6, 0.028), 0.9);
+  EXPECT_GT(of_pieces(0.94, 0.0166), 0.9) << "they slide along the tunnel";
+  EXPECT_GT(of_pieces(0.9, 0.028, 60), 0.9) << "a long overlap tells by itself";
+  EXPECT_GT(of_pieces(0.9, 0.1, 26.8, 0, 0), 0.9) << "nothing looks alike";
+}
+
 }  // namespace
 }  // namespace headframe
