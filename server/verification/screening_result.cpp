@@ -16,7 +16,6 @@ constexpr double most_tilt_rad = 0.1, most_moved_m = 8;  // of a first registrat
 double coarse_fit(const Submap& a, const Submap& b, Pose& T) {
   VgicpConfig coarse;
   coarse.levels = {{2.0F, 400}, {1.0F, 800}};
-  coarse.iterations = 8;
   const Registration r = align(a.target, b.source.points, b.source.normals, T, coarse);
   const Pose moved = T.inverse() * r.T_target_source;
   if (!usable(r) || tilt_rad(r.T_target_source) > most_tilt_rad || (moved * b.p - b.p).norm() > most_moved_m) return 0;
