@@ -204,5 +204,22 @@ TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
   EXPECT_LT(p(0.9 * held_well, 0.9 * ends_meet, 0), p(0.1, 0, 0) - 1e-4);
 }
 
+TEST(Probability, WhereHardlyAnyPathIsSharedTheWallsHaveToHold) {
+  const auto p = [](double hold, double overlap_m) {
+    Evidence e = convincing();
+    e.weakest_hold = hold;
+    e.overlap_m = overlap_m;
+    e.matched_share = 0.9;
+    e.places = e.places_agreeing = 3;
+    e.look_alikes = 0.4;
+    e.descriptors_compared = e.descriptors_alike = 0;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.043, 7.5), 0.9) << "a piece of tunnel that is not the place";
+  EXPECT_GT(p(0.0525, 4.7), 0.9);
+  EXPECT_NEAR(p(0.048, 7.5), p(0.0481, 7.5), 0.01) << "no cliff";
+  EXPECT_EQ(p(0.043, 10), p(0.2, 10));
+}
+
 }  // namespace
 }  // namespace headframe
