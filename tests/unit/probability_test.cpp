@@ -146,8 +146,8 @@ TEST(Probability, WhereHardlyAnyPathIsSharedTheWallsHaveToHold) {
     return probability(RegistrationStatus::converged, e);
   };
   EXPECT_GT(p(5, 0.05), MergeConfig{}.accept_probability);
-  EXPECT_LT(p(2.3, 0.03), p(2.3, 0.05)) << "a piece of a tunnel elsewhere";
-  EXPECT_EQ(p(2.3, 0.05), p(2.3, 0.2));
+  EXPECT_LT(p(2.3, 0.03), p(2.3, 0.052)) << "a piece of a tunnel elsewhere";
+  EXPECT_EQ(p(2.3, 0.052), p(2.3, 0.2));
   EXPECT_EQ(p(10, 0.03), p(10, 0.2));
 }
 
@@ -204,7 +204,7 @@ TEST(Probability, WhereADriftHardlyHoldsItsEndsHaveToMeet) {
   EXPECT_LT(p(0.9 * held_well, 0.9 * ends_meet, 0), p(0.1, 0, 0) - 1e-4);
 }
 
-TEST(Probability, WhereHardlyAnyPathIsSharedTheWallsHaveToHold) {
+TEST(Probability, APieceOfTunnelThatTheWallsHoldLooselyDoesNotSuffice) {
   const auto p = [](double hold, double overlap_m) {
     Evidence e = convincing();
     e.weakest_hold = hold;
