@@ -100,6 +100,11 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
       missing.push_back(
           formatted("the probability is %.3f and must be %.2f", e.probability, config.accept_probability));
       add_costliest(e, config, missing);
+      if (e.probability_if_unique >= config.accept_probability)
+        missing.push_back(
+            formatted("nothing but its likeness to other places speaks against it (else the probability would be "
+                      "%.3f): when you know the place, confirm or refuse it",
+                      e.probability_if_unique));
     }
     if (runner_up_share(e) >= config.runner_up_share)
       missing.push_back(formatted(

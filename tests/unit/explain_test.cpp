@@ -59,6 +59,19 @@ TEST(Explain, WhatIsContradictedFartherOffSpeaksAgainst) {
   EXPECT_EQ(side(explained(k), "free space farther off contradicts"), Speaks::against);
 }
 
+TEST(Explain, WhatOnlyLikenessSpeaksAgainstIsForTheOperatorToDecide) {
+  Alignment k = good();
+  k.state = AlignmentState::candidate;
+  k.evidence.look_alikes = 6;
+  k.evidence.probability = 0.33;
+  k.evidence.probability_if_unique = 0.9;
+  EXPECT_TRUE(says(explained(k).missing, "nothing but its likeness to other places speaks against it"));
+  k.evidence.probability_if_unique = 0.89;
+  EXPECT_FALSE(says(explained(k).missing, "nothing but its likeness"));
+  k.evidence.probability = k.evidence.probability_if_unique = 0.95;
+  EXPECT_FALSE(says(explained(k).missing, "nothing but its likeness")) << "it convinces";
+}
+
 TEST(Explain, FindingsAreTheVerdictItself) {
   Alignment k = good();
   k.evidence.worst_place_violation = 0.01;
