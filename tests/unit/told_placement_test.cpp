@@ -35,7 +35,7 @@ class ToldPlacement : public testing::Test {
   }
   double told() const { return book.find(1, 2)->evidence.probability; }
 
-  const MergeConfig config_;
+  const MergeConfig config_{};
   SessionMap sessions_{config_};
   AlignmentBook book{config_, sessions_};
 };
