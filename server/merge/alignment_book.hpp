@@ -37,8 +37,8 @@ class AlignmentBook {
   /// Whether the alignment waits for requested clouds.
   bool waits_for_clouds(AlignmentId id) const { return wait_for_clouds_.contains(id); }
 
-  /// Makes the verdict on the best placement of a pair its alignment, whose probability is calibrated(). waits: clouds are still expected, so a new
-  /// placement becomes a candidate at most, however probable it is.
+  /// Makes the verdict on the best placement of a pair its alignment, whose probability is calibrated(). waits: clouds
+  /// are still expected, so a new placement becomes a candidate at most, however probable it is.
   void record(const OrderedPair& pair, const Judgement& judged, const std::optional<Pose>& T_a_b_runner_up, bool waits,
               AttemptReport& report);
 

@@ -122,7 +122,7 @@ double held_places_lie_apart(const Evidence& e) {
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
 ///   though the walls hold them: each piece of a copy fits at its own place. Copies of 27 to 58 m, .93 to .97 alike,
-///   lay apart by 0.85 to 1.41 m; right ones by 0.49 m at most, but for two of 0.72 and 0.94 m that slide along a
+///   lay apart by 0.85 to 1.41 m; right ones by 0.56 m at most, but for two of 0.72 and 0.94 m that slide along a
 ///   tunnel.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 53, 58, 66, 83 and 84 m were
