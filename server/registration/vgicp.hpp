@@ -16,8 +16,8 @@ struct VgicpLevel {
 
 struct VgicpConfig {
   std::vector<VgicpLevel> levels{{2.0F, 1000}, {1.0F, 2000}, {0.5F, 6000}};  // coarse to fine
-  int iterations = 8;                                                        // limit for each level
-  double least_inliers = 0.1;                                                // share of the level's source points
+  int iterations = 8;          // limit for each level; right placements take 2 or 3
+  double least_inliers = 0.1;  // share of the level's source points
   double degenerate_below = 0.012;
   double gravity_stiffness = 0.5;  // of a spring that keeps z along gravity until the last level; 0: none
   FactorModel factor;

@@ -50,8 +50,8 @@ double hardly_shared(const Evidence& e) { return std::clamp((10 - e.overlap_m) /
 
 /// Below 10 m each halving costs 1 more; only half of it where no place looks like another. Where the walls hold a
 /// placement of hardly any path loosely (in full up to .045, not at all from .052 on), another 1.5: short pieces of
-/// tunnel fit at many places. Of those below 10 m, without descriptors, that were otherwise convincing, all four held
-/// by less than .045 were wrong. Not part of the fit, because the fitted bias would compensate for it.
+/// tunnel fit at many places. Of those below 10 m, without descriptors, that reached .9, all four held by less than
+/// .045 were wrong. Not part of the fit, because the fitted bias would compensate for it.
 double hardly_any_path(const Evidence& e) {
   const double loose = std::clamp((0.052 - e.weakest_hold) / 0.007, 0.0, 1.0);
   return (0.5 + 0.5 * places_look_alike(e)) * std::min(0.0, halvings_below(10, e)) - 1.5 * loose * hardly_shared(e);
@@ -121,9 +121,9 @@ double held_places_lie_apart(const Evidence& e) {
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
-///   though the walls hold them: each piece of a copy fits at its own place. Copies of 27 to 58 m, .93 to .97 alike,
-///   lay apart by 0.85 to 1.41 m; right ones by 0.56 m at most, but for two of 0.72 and 0.94 m that slide along a
-///   tunnel.
+///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
+///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
+///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 53, 58, 66, 83 and 84 m were
 /// accepted; and one of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
