@@ -88,19 +88,19 @@ std::vector<ScreeningResult> as_screened(std::size_t cases, const std::vector<Ho
 
 }  // namespace
 
-std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
-  const Verdict& first = verdicts.front();
-  const auto rival = std::max_element(verdicts.begin(), verdicts.end(), [&](const Verdict& v, const Verdict& w) {
-    const auto worth = [&](const Verdict& of) {
-      return same_placement(of.judgement.T_a_b, first.judgement.T_a_b, of.p_b, same_as_rival)
-                 ? -1
-                 : of.judgement.evidence.probability;
-    };
-    return worth(v) < worth(w);
-  });
-  if (same_placement(rival->judgement.T_a_b, first.judgement.T_a_b, rival->p_b, same_as_rival)) return std::nullopt;
-  verdicts.front().judgement.evidence.runner_up = rival->judgement.evidence.probability;
-  return rival->judgement.T_a_b;
+std::optional<Pose> note_rival(std::vector<Verdict>& verdicts, const VerdictThresholds& thresholds) {
+  Judgement& first = verdicts.front().judgement;
+  const bool by_demands = first.evidence.probability >= thresholds.accept_probability;
+  std::optional<Pose> T_rival;
+  for (const Verdict& v : verdicts) {
+    if (same_placement(v.judgement.T_a_b, first.T_a_b, v.p_b, same_as_rival)) continue;
+    const Evidence& e = v.judgement.evidence;
+    const double probability = by_demands ? e.probability : calibrated(e, thresholds);
+    if (T_rival && probability <= first.evidence.runner_up) continue;
+    first.evidence.runner_up = probability;
+    T_rival = v.judgement.T_a_b;
+  }
+  return T_rival;
 }
 
 std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,

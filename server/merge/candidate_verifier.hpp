@@ -16,8 +16,9 @@ struct Verdict {
 };
 
 /// Adds to the first verdict's evidence how probable the best other placement is, and returns that placement; nullopt
-/// if there is none. There must be a verdict.
-std::optional<Pose> note_rival(std::vector<Verdict>& verdicts);
+/// if there is none. Both go by the demands among copies if the first reaches accept_probability, and else by what is
+/// told of them (calibrated()), so that they compare. There must be a verdict.
+std::optional<Pose> note_rival(std::vector<Verdict>& verdicts, const VerdictThresholds& thresholds);
 
 /// Verifies placements of pairs of sessions. Stateless. Not thread safe; the verdicts do not depend on the number of
 /// threads.

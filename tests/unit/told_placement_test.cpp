@@ -1,7 +1,8 @@
-// What becomes of placements that only their likeness to other places speaks against, while sessions ended long ago.
+// What is told of placements that only their likeness to other places speaks against, and of their rivals.
 #include <gtest/gtest.h>
 
 #include "server/merge/alignment_book.hpp"
+#include "server/merge/candidate_verifier.hpp"
 #include "tests/support/keyframes.hpp"
 
 namespace headframe {
@@ -59,6 +60,37 @@ TEST_F(ToldPlacement, ThatWasWithdrawnStaysSoWhereNothingButItsLikenessIsKnown) 
   for (int again = 0; again < 2; ++again) EXPECT_EQ(judged(1e-6, 0.99), AlignmentState::retracted);
   EXPECT_GT(told(), config_.candidate_probability);
   EXPECT_EQ(judged(0.3, 0.99), AlignmentState::candidate);
+}
+
+Verdict verdict(double x_m, double probability, double if_unique) {
+  Verdict v;
+  v.judgement.T_a_b = pose_from_yaw(0, {x_m, 0, 0});
+  v.judgement.evidence.probability = probability;
+  v.judgement.evidence.probability_if_unique = if_unique;
+  return v;
+}
+
+TEST(NoteRival, OfAPlacementThatIsMergedIsComparedByTheDemands) {
+  std::vector<Verdict> verdicts{verdict(0, 0.95, 0.99), verdict(0.1, 0.9, 0.99), verdict(50, 1e-9, 0.99),
+                                verdict(90, 1e-3, 0.1)};
+  const auto T_rival = note_rival(verdicts, {});
+  ASSERT_TRUE(T_rival);
+  EXPECT_EQ(T_rival->translation().x(), 90) << "the second is the same placement";
+  EXPECT_EQ(verdicts.front().judgement.evidence.runner_up, 1e-3);
+}
+
+TEST(NoteRival, OfACandidateIsComparedByWhatIsTold) {
+  std::vector<Verdict> verdicts{verdict(0, 1e-9, 0.99), verdict(50, 1e-12, 0.99), verdict(90, 1e-3, 0.1)};
+  const auto T_rival = note_rival(verdicts, {});
+  ASSERT_TRUE(T_rival);
+  EXPECT_EQ(T_rival->translation().x(), 50);
+  EXPECT_NEAR(verdicts.front().judgement.evidence.runner_up, 0.31, 0.01) << "nothing tells them apart";
+}
+
+TEST(NoteRival, IsNoneWhereAllAreOnePlacement) {
+  std::vector<Verdict> verdicts{verdict(0, 0.95, 0.99), verdict(0.1, 0.9, 0.99)};
+  EXPECT_FALSE(note_rival(verdicts, {}));
+  EXPECT_EQ(verdicts.front().judgement.evidence.runner_up, 0);
 }
 
 }  // namespace
