@@ -119,7 +119,7 @@ test('a map is dragged and turned with the pointer, the view stays, and Escape p
 
   await page.keyboard.press('Escape');
   await given();
-  assert.equal(await page.locator('.turn-handle').isVisible(), false);
+  await handle.waitFor({ state: 'hidden' }); // with the next frame, after the panels
   await page.getByText('b: own frame, not merged').waitFor();
   assert.equal((await alignment()).state, 'retracted', 'nothing was sent');
   clean();
