@@ -140,6 +140,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     if (judged_enough(out)) break;
     const SubmapCheck& place = screened[i].place;
     const double most = all ? 1 : most_probable(screened[i], agreement);
+    if (!out.empty() && most < config_.candidate_probability) continue;  // the first is judged so that it can be shown
     const bool spared = std::any_of(out.begin(), out.end(), [&](const Judged& other) {
       return same_placement(other.verdict.judgement.T_a_b, place.registration.T_target_source, place.p_b,
                             same_registration) ||

@@ -27,16 +27,25 @@ WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0
 
 Eigen::Vector3d middle_of(const Lead& lead) { return {lead.fit.middle.x(), lead.fit.middle.y(), 0}; }
 
-/// The part of b's level that supports the placement most.
-Lead best_part(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match) {
-  Lead best{&a, nullptr, match, {}};
-  double most = std::numeric_limits<double>::lowest();
-  for (const auto& part : b.parts)
-    if (const double s = a.field.score(part.map, match); s > most) {
-      best.part = &part;
-      most = s;
+/// The parts of b's level that support the placement most: by score, and with contradictions counting little, since a
+/// right placement that is not refined yet has many.
+void add_best_parts(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match, bool second,
+                    Leads& out) {
+  const SessionWalls::Part *by_score = nullptr, *by_walls = nullptr;
+  double best_score = std::numeric_limits<double>::lowest(), most_walls = best_score;
+  for (const auto& part : b.parts) {
+    const WallFit fit = a.field.fit(part.map, match);
+    if (fit.score() > best_score) {
+      by_score = &part;
+      best_score = fit.score();
     }
-  return best;
+    if (fit.met - fit.contradicted > most_walls) {
+      by_walls = &part;
+      most_walls = fit.met - fit.contradicted;
+    }
+  }
+  if (by_score) out.push_back({&a, by_score, match, {}});
+  if (second && by_walls != by_score) out.push_back({&a, by_walls, match, {}});
 }
 
 /// A placement proposed by descriptors may fit no walls nearby; then it stays where it is instead of moving to where
@@ -86,11 +95,12 @@ Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seat
     for (const auto& level_b : b.levels) {
       if (level_b.parts.size() <= laid_whole) {
         const auto matches = search_walls(level_a.map, level_a.field, level_b.map, most, seats.steps, threads);
-        const std::size_t before = found.size();
-        found.resize(before + matches.size());
+        std::vector<Leads> best(matches.size());
         for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
-          for (std::size_t i = begin; i < end; ++i) found[before + i] = best_part(level_a, level_b, matches[i]);
+          for (std::size_t i = begin; i < end; ++i)
+            add_best_parts(level_a, level_b, matches[i], seats.second_part, best[i]);
         });
+        for (const Leads& leads : best) found.insert(found.end(), leads.begin(), leads.end());
         continue;
       }
       // Over hundreds of metres, drift and half a rotation step move the ends of a right placement off the walls.
@@ -99,7 +109,6 @@ Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seat
              search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads))
           found.push_back({&level_a, &part, m, {}});
     }
-  std::erase_if(found, [](const Lead& l) { return l.part == nullptr; });
   return found;
 }
 
@@ -198,11 +207,8 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
   Leads out;
   for (const Pose& T : chosen)
     for (const auto& level_a : a.levels)
-      for (const auto& level_b : b.levels) {
-        Lead lead = best_part(level_a, level_b, flat(T));
-        lead.source = ProposalSource::votes;
-        if (lead.part) out.push_back(lead);
-      }
+      for (const auto& level_b : b.levels) add_best_parts(level_a, level_b, flat(T), seats.second_part, out);
+  for (Lead& lead : out) lead.source = ProposalSource::votes;
   refine(out, WallField::Step::coarse, agreement, threads);
   refine(out, WallField::Step::fine, agreement, threads);
   return out;
