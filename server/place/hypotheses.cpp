@@ -143,7 +143,8 @@ std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, con
 double HypothesisFinder::promise(const SessionView& a, const SessionView& b,
                                  const std::function<std::vector<MatchedPair>()>& matches) {
   LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = config_.seats.steps};
-  few.coarse_matches = std::min<std::size_t>(250, config_.seats.coarse_matches);
+  few.coarse_matches = std::min<std::size_t>(120, config_.seats.coarse_matches);
+  few.steps.quarter_turns = std::min<std::size_t>(15, few.steps.quarter_turns);
   few.steps.peaks = std::min<std::size_t>(50, few.steps.peaks);
   const auto found = search(a, b, matches, few);
   return found.empty() ? 0 : found.front().promise;
