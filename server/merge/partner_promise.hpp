@@ -1,6 +1,6 @@
 #pragma once
 // Which of the sessions that PartnerRanking names are worth an attempt? Their walls and descriptors tell, without
-// clouds, in some 50 ms a pair.
+// clouds, in some 25 ms a pair.
 
 #include <map>
 #include <optional>

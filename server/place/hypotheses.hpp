@@ -74,8 +74,8 @@ class HypothesisFinder {
   /// call. `matches` is called only for a new search.
   const Found* find(const SessionView& a, const SessionView& b,
                     const std::function<std::vector<MatchedPair>()>& matches);
-  /// Hypothesis::promise of about the best hypothesis; 0 without any. A search with few seats and rotations, in a fraction of the time.
-  /// Does not count against allow(), and find() does not learn of it.
+  /// Hypothesis::promise of about the best hypothesis; 0 without any. A search with few seats and a third of the
+  /// rotations. Does not count against allow(), and find() does not learn of it.
   double promise(const SessionView& a, const SessionView& b, const std::function<std::vector<MatchedPair>()>& matches);
   /// Whether the session has grown enough for a new search since its path was so long.
   bool has_news(const SessionView& session, double path_then_m) const;

@@ -162,6 +162,28 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
               found[i - 1].score * std::pow(found[i - 1].descriptors.cautious(), 2));
 }
 
+TEST(Hypotheses, APieceThatHardlyMeetsTheMapDoesNotHideTheOneThatFits) {
+  const BoxMine mine({BoxMine::drift(0, 0, 90, 0), BoxMine::drift(30, 0, 30, 40), BoxMine::drift(60, -25, 60, 0, 6),
+                      BoxMine::drift(90, 0, 90, 120), BoxMine::drift(90, 60, 130, 60)});
+  const auto a = drive(mine, {{0, 0}, {60, 0}, {60, -23}}, 0, 1);
+  const auto b = drive(mine, {{0, 0}, {30, 0}, {30, 38}, {30, 0}, {90, 0}, {90, 118}}, 1, 2);  // ends far from a's path
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  const SessionWalls walls_a(a.keyframes), walls_b(b.keyframes);
+  const Eigen::Vector3d start = position(b.keyframes[3]);
+  const auto found = [&](bool second_part) {
+    LeadSeats seats;
+    seats.second_part = second_part;
+    seats.steps.quarter_turns = 15;  // so coarse that the right placement contradicts before it is refined
+    const std::vector<Lead> leads = wall_leads(walls_a, walls_b, DescriptorAgreement({}, b.keyframes), seats, 1);
+    return std::any_of(leads.begin(), leads.end(), [&](const Lead& lead) {
+      const Pose T = flat_placement(lead.match);
+      return (T * start - truth * start).norm() < 1.5 && rotation_angle_rad(T.inverse() * truth) < 5 * degree;
+    });
+  };
+  EXPECT_FALSE(found(false)) << "the piece with the best score is one that does not meet a's walls";
+  EXPECT_TRUE(found(true));
+}
+
 TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
   const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40)});
   const auto a = drive(mine, {{0, 0}, {60, 0}}, 0, 1), b = drive(mine, {{75, 0}, {0, 0}}, 2.0, 2);
