@@ -142,6 +142,7 @@ std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, con
 
 double HypothesisFinder::promise(const SessionView& a, const SessionView& b,
                                  const std::function<std::vector<MatchedPair>()>& matches) {
+  // More rotations and placements find hardly any other partners (tests/bench/README.md, large databases).
   LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = config_.seats.steps};
   few.coarse_matches = std::min<std::size_t>(120, config_.seats.coarse_matches);
   few.steps.quarter_turns = std::min<std::size_t>(15, few.steps.quarter_turns);

@@ -27,21 +27,22 @@ WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0
 
 Eigen::Vector3d middle_of(const Lead& lead) { return {lead.fit.middle.x(), lead.fit.middle.y(), 0}; }
 
-/// The parts of b's level that support the placement most: by score, and with contradictions counting little, since a
-/// right placement that is not refined yet has many.
+/// The parts of b's level that support the placement most: by score, which a part that hardly meets a may win, and, if
+/// `second`, by WallFit::lenient.
 void add_best_parts(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match, bool second,
                     Leads& out) {
   const SessionWalls::Part *by_score = nullptr, *by_walls = nullptr;
-  double best_score = std::numeric_limits<double>::lowest(), most_walls = best_score;
+  double best_score = std::numeric_limits<double>::lowest();
+  int most_walls = std::numeric_limits<int>::lowest();
   for (const auto& part : b.parts) {
     const WallFit fit = a.field.fit(part.map, match);
     if (fit.score() > best_score) {
       by_score = &part;
       best_score = fit.score();
     }
-    if (fit.met - fit.contradicted > most_walls) {
+    if (fit.lenient() > most_walls) {
       by_walls = &part;
-      most_walls = fit.met - fit.contradicted;
+      most_walls = fit.lenient();
     }
   }
   if (by_score) out.push_back({&a, by_score, match, {}});

@@ -26,6 +26,8 @@ struct WallFit {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();  // of the walls of b that met, in b's frame
 
   double score() const { return met - static_cast<double>(wall_penalty) * contradicted; }
+  /// For placements that are not refined yet: half a coarse cell off, a right one has many contradictions.
+  int lenient() const { return met - contradicted; }
   /// Ranks a short overlap without contradictions above a long one with some; right placements have few at any length.
   double strict() const { return met - 10.0 * contradicted; }
 };

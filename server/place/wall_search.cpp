@@ -129,20 +129,19 @@ class Correlator {
 
   Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
 
-  /// Of all placements that fall on the same cell of the cyclic grid, the one under which most walls meet.
-  /// Contradictions count little here: half a coarse cell off, a right placement has many.
+  /// Of all placements that fall on the same cell of the cyclic grid, the best one (WallFit::lenient).
   WallMatch unfolded(const WallMatch& m, const WallField& field) const {
     const double side = static_cast<double>(n_) * static_cast<double>(steps_.cell_m);
     const Eigen::Vector2d from_middle = middle_at(m, middle()) - middle_a_.cast<double>();
     WallMatch best = m;
-    double most = std::numeric_limits<double>::lowest();
+    int most = std::numeric_limits<int>::lowest();
     for (const double x : {-side, 0.0, side})
       for (const double y : {-side, 0.0, side}) {
         if ((from_middle + Eigen::Vector2d(x, y)).norm() > static_cast<double>(radius_a_ + radius_b_)) continue;
         const WallMatch moved{m.yaw_rad, m.shift_m + Eigen::Vector2d(x, y), m.score};
-        const WallFit fit = field.fit(sketch_, moved);
-        if (fit.met - fit.contradicted <= most) continue;
-        most = fit.met - fit.contradicted;
+        const int worth = field.fit(sketch_, moved).lenient();
+        if (worth <= most) continue;
+        most = worth;
         best = moved;
       }
     return best;
