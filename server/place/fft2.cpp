@@ -33,7 +33,7 @@ struct Twiddle {
   float* __restrict y1r = y.re + count, * __restrict y1i = y.im + count;
   float* __restrict y2r = y.re + 2 * count, * __restrict y2i = y.im + 2 * count;
   float* __restrict y3r = y.re + 3 * count, * __restrict y3i = y.im + 3 * count;
-  for (std::size_t k = 0; k < count; ++k) {
+  HEADFRAME_INDEPENDENT for (std::size_t k = 0; k < count; ++k) {
     const float acr = a.re[k] + c.re[k], aci = a.im[k] + c.im[k], amr = a.re[k] - c.re[k], ami = a.im[k] - c.im[k];
     const float bdr = b.re[k] + d.re[k], bdi = b.im[k] + d.im[k], bmr = b.re[k] - d.re[k], bmi = b.im[k] - d.im[k];
     y0r[k] = acr + bdr;
@@ -54,7 +54,7 @@ struct Twiddle {
   float* __restrict y0r = y.re, * __restrict y0i = y.im;
   float* __restrict y1r = y.re + count, * __restrict y1i = y.im + count;
   float* __restrict y2r = y.re + 2 * count, * __restrict y2i = y.im + 2 * count;
-  for (std::size_t k = 0; k < count; ++k) {
+  HEADFRAME_INDEPENDENT for (std::size_t k = 0; k < count; ++k) {
     const float bcr = b.re[k] + c.re[k], bci = b.im[k] + c.im[k];
     const float ur = half_root3 * (b.re[k] - c.re[k]), ui = half_root3 * (b.im[k] - c.im[k]);
     const float tr = a.re[k] - 0.5F * bcr, ti = a.im[k] - 0.5F * bci;
@@ -70,7 +70,7 @@ struct Twiddle {
 [[gnu::always_inline]] inline void butterfly2(Run a, Run b, OutRun y, std::size_t count) {
   float* __restrict y0r = y.re, * __restrict y0i = y.im;
   float* __restrict y1r = y.re + count, * __restrict y1i = y.im + count;
-  for (std::size_t k = 0; k < count; ++k) {
+  HEADFRAME_INDEPENDENT for (std::size_t k = 0; k < count; ++k) {
     y0r[k] = a.re[k] + b.re[k];
     y0i[k] = a.im[k] + b.im[k];
     y1r[k] = a.re[k] - b.re[k];

@@ -1,14 +1,20 @@
 #pragma once
 
+#include <boost/align/aligned_allocator.hpp>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace headframe {
 
+/// Begins at a cache line, so that vector registers are loaded from one line each.
+using Floats = std::vector<float, boost::alignment::aligned_allocator<float, 64>>;
+
 /// Complex numbers of a row-major grid, with real and imaginary parts separate so that rows can be vectorised.
 struct ComplexGrid {
-  explicit ComplexGrid(std::size_t size) : re(size), im(size) {}
-  std::vector<float> re, im;
+  explicit ComplexGrid(std::size_t size = 0) : re(size), im(size) {}
+  ComplexGrid(Floats real, Floats imaginary) : re(std::move(real)), im(std::move(imaginary)) {}
+  Floats re, im;
 };
 
 /// Complex 2D FFT of n x n grids, n = 16 * 2^i or 16 * 3 * 2^i, unscaled. Our own, because a wall search needs 135 of

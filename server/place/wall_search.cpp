@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
 #include "common/geometry/se3.hpp"
-#include "server/place/fft2.hpp"
+#include "server/place/spectrum.hpp"
 #include "server/session/same_placement.hpp"
 #include "server/support/parallel.hpp"
 #include "server/support/wide.hpp"
@@ -52,10 +53,21 @@ WallMap every_fourth(const WallMap& map) {
   return out;
 }
 
-/// Which cells of a row are above the least score and not below the cells of the rows beside it. Vectorised.
-HEADFRAME_WIDE void mark_higher(const float* row, const float* up, const float* down, std::size_t count, float least,
-                                std::uint8_t* higher) {
-  for (std::size_t x = 0; x < count; ++x) higher[x] = (row[x] > least) & (row[x] >= up[x]) & (row[x] >= down[x]);
+/// Marks the cells of a cyclic row that score more than `least` and no less than the four cells beside them.
+HEADFRAME_WIDE void mark_peaks(const float* row, const float* up, const float* down, std::size_t n, float least,
+                               std::uint8_t* peak) {
+  const auto is_peak = [&](std::size_t x, std::size_t left, std::size_t right) {
+    return (row[x] > least) & (row[x] >= up[x]) & (row[x] >= down[x]) & (row[x] >= row[left]) & (row[x] >= row[right]);
+  };
+  peak[0] = is_peak(0, n - 1, 1);
+  for (std::size_t x = 1; x < n - 1; ++x) peak[x] = is_peak(x, x - 1, x + 1);
+  peak[n - 1] = is_peak(n - 1, n - 2, 0);
+}
+
+/// The first of the marks from `from` on that is set; their number if none is. The C library looks at many at once.
+std::size_t next_set(const std::vector<std::uint8_t>& marks, std::size_t from) {
+  const void* found = std::memchr(marks.data() + from, 1, marks.size() - from);
+  return found ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - marks.data()) : marks.size();
 }
 
 /// Keeps the least of them, in any order.
@@ -104,9 +116,7 @@ class Correlator {
         middle_b_(WallBox(b).middle()),
         radius_a_(radius_m(a, middle_a_)),
         radius_b_(radius_m(b, middle_b_)),
-        n_(size_for(radius_a_, radius_b_, steps.cell_m)),
-        wall_(n_ * n_),
-        free_(n_ * n_) {
+        n_(size_for(radius_a_, radius_b_, steps.cell_m)) {
     ComplexGrid grid(n_ * n_);
     draw(a, middle_a_, 0, grid);
     ComplexGrid worth(n_ * n_);  // real: score of a wall of b that falls there; imaginary: of a free cell of b
@@ -117,14 +127,7 @@ class Correlator {
         worth.im[i] = -wall_penalty * grid.re[i];
       }
     Fft2(n_).forward(worth);
-    for (std::size_t y = 0; y < n_; ++y)
-      for (std::size_t x = 0; x < n_; ++x) {
-        const std::size_t i = y * n_ + x, m = mirrored(y) * n_ + mirrored(x);
-        wall_.re[i] = (worth.re[i] + worth.re[m]) / 2;
-        wall_.im[i] = (worth.im[i] - worth.im[m]) / 2;
-        free_.re[i] = (worth.im[i] + worth.im[m]) / 2;
-        free_.im[i] = (worth.re[m] - worth.re[i]) / 2;
-      }
+    a_ = taken_apart(worth, n_);
   }
 
   Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
@@ -154,9 +157,10 @@ class Correlator {
     const double yaw = static_cast<double>(turn) * std::numbers::pi / 2 / static_cast<double>(steps_.quarter_turns);
     draw(b_, middle_b_, yaw, spectrum);
     fft.forward(spectrum);
-    const Spectrum b = take_apart(spectrum);
+    const Spectrum b = taken_apart(spectrum, n_);
+    const Spectrum b_turned = turned(b, n_);
     for (int quarters : {0, 2}) {
-      multiply(b, quarters, product);
+      correlate(a_, b, b_turned, quarters == 2, product);
       fft.inverse(product);
       add_peaks(product.re, yaw + quarters * std::numbers::pi / 2, found);
       add_peaks(product.im, yaw + (quarters + 1) * std::numbers::pi / 2, found);
@@ -168,7 +172,6 @@ class Correlator {
     const float span = std::max(2 * std::max(radius_a, radius_b), side_share * 2 * (radius_a + radius_b));
     return Fft2::size_for(static_cast<std::size_t>(span / cell_m) + 4);
   }
-  std::size_t mirrored(std::size_t i) const { return i == 0 ? 0 : n_ - i; }
   std::size_t cyclic(float cells) const {
     const auto i = static_cast<std::ptrdiff_t>(std::lround(cells)), n = static_cast<std::ptrdiff_t>(n_);
     return static_cast<std::size_t>((i % n + n) % n);
@@ -180,7 +183,7 @@ class Correlator {
     std::fill(grid.im.begin(), grid.im.end(), 0.0F);
     const Eigen::Matrix2f turn = Eigen::Rotation2Df(static_cast<float>(yaw)).toRotationMatrix() / steps_.cell_m;
     const float share = map.cell_m / steps_.cell_m;
-    const auto add = [&](const Eigen::Vector2f& p, std::vector<float>& to, float value) {
+    const auto add = [&](const Eigen::Vector2f& p, Floats& to, float value) {
       const Eigen::Vector2f c = turn * (p - middle);
       float& cell = to[cyclic(c.y()) * n_ + cyclic(c.x())];
       cell = std::min(1.0F, cell + value);
@@ -189,7 +192,7 @@ class Correlator {
     for (const auto& p : map.free) add(p, grid.im, share * share);
   }
 
-  float smeared(const std::vector<float>& grid, std::size_t x, std::size_t y) const {
+  float smeared(const Floats& grid, std::size_t x, std::size_t y) const {
     float sum = 0;
     for (std::size_t dy : {n_ - 1, n_, n_ + 1})
       for (std::size_t dx : {n_ - 1, n_, n_ + 1})
@@ -197,59 +200,15 @@ class Correlator {
     return std::min(1.0F, sum);
   }
 
-  /// b's spectrum, separated into walls and free ground.
-  struct Spectrum {
-    ComplexGrid wall, free;
-  };
-  Spectrum take_apart(const ComplexGrid& packed) const {
-    Spectrum out{ComplexGrid(n_ * n_), ComplexGrid(n_ * n_)};
-    for (std::size_t y = 0; y < n_; ++y)
-      for (std::size_t x = 0; x < n_; ++x) {
-        const std::size_t i = y * n_ + x, m = mirrored(y) * n_ + mirrored(x);
-        out.wall.re[i] = (packed.re[i] + packed.re[m]) / 2;
-        out.wall.im[i] = (packed.im[i] - packed.im[m]) / 2;
-        out.free.re[i] = (packed.im[i] + packed.im[m]) / 2;
-        out.free.im[i] = (packed.re[m] - packed.re[i]) / 2;
-      }
-    return out;
-  }
-
-  /// a's scores times the conjugate of b, summed over walls and free ground, with b at two rotations a right angle
-  /// apart: the real part gives the scores of the first, the imaginary part those of the second.
-  void multiply(const Spectrum& b, int quarters, ComplexGrid& out) const {
-    for (std::size_t y = 0; y < n_; ++y)
-      for (std::size_t x = 0; x < n_; ++x) {
-        const std::size_t i = y * n_ + x;
-        // A grid turned by a right angle has at (kx, ky) what the grid itself has at (ky, -kx).
-        const std::size_t s = mirrored(x) * n_ + y;
-        // Half a turn is the complex conjugate: the grids are real.
-        const float sign = quarters == 0 ? 1.0F : -1.0F;
-        const auto [re0, im0] = score_at(b, i, i, sign);
-        const auto [re1, im1] = score_at(b, i, s, sign);
-        out.re[i] = re0 - im1;
-        out.im[i] = im0 + re1;
-      }
-  }
-
-  struct Number {
-    float re, im;
-  };
-  Number score_at(const Spectrum& b, std::size_t i, std::size_t s, float sign) const {
-    const float wr = b.wall.re[s], wi = sign * b.wall.im[s], fr = b.free.re[s], fi = sign * b.free.im[s];
-    return {wall_.re[i] * wr + wall_.im[i] * wi + free_.re[i] * fr + free_.im[i] * fi,
-            wall_.im[i] * wr - wall_.re[i] * wi + free_.im[i] * fr - free_.re[i] * fi};
-  }
-
-  void add_peaks(const std::vector<float>& scores, double yaw, std::vector<WallMatch>& found) const {
+  void add_peaks(const Floats& scores, double yaw, std::vector<WallMatch>& found) const {
     std::vector<std::pair<float, std::size_t>> peaks;  // the negative score, and the cell
-    std::vector<std::uint8_t> higher(n_);
+    std::vector<std::uint8_t> peak(n_);
     float least = 0;
     for (std::size_t y = 0; y < n_; ++y) {
       const float *row = &scores[y * n_], *up = &scores[(y + n_ - 1) % n_ * n_], *down = &scores[(y + 1) % n_ * n_];
-      mark_higher(row, up, down, n_, least, higher.data());
-      for (std::size_t x = 0; x < n_; ++x)
-        if (higher[x] != 0 && row[x] >= row[(x + n_ - 1) % n_] && row[x] >= row[(x + 1) % n_])
-          peaks.emplace_back(-row[x], y * n_ + x);
+      mark_peaks(row, up, down, n_, least, peak.data());
+      for (std::size_t x = next_set(peak, 0); x < n_; x = next_set(peak, x + 1))
+        peaks.emplace_back(-row[x], y * n_ + x);
       if (peaks.size() < 4 * steps_.peaks) continue;
       keep_least(peaks, steps_.peaks);
       least = -std::max_element(peaks.begin(), peaks.end())->first;
@@ -275,7 +234,7 @@ class Correlator {
   Eigen::Vector2f middle_a_, middle_b_;
   float radius_a_, radius_b_;
   std::size_t n_;
-  ComplexGrid wall_, free_;
+  Spectrum a_;  // what a wall, and what a free cell of b scores there
 };
 
 }  // namespace

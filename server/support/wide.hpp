@@ -7,3 +7,11 @@
 #else
 #define HEADFRAME_WIDE
 #endif
+
+/// Before an innermost loop whose steps touch different memory, which the compiler cannot see: or it does not vectorise
+/// the loop where many pointers are involved.
+#if defined(__GNUC__) && !defined(__clang__)
+#define HEADFRAME_INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define HEADFRAME_INDEPENDENT
+#endif
