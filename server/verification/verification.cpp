@@ -89,22 +89,44 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
 
-/// The submaps of all places: first the pair in `first`, then those of the other places of the overlap.
-std::vector<SubmapPair> submap_pairs(const Scene& a, const Scene& b, const ScreeningResult& first,
-                                     const JudgeConfig& config) {
-  const Pose& T = first.place.registration.T_target_source;
-  const std::vector<KeyframePosition> chosen = other_places(a.positions, b.positions, T, first.place.p_b, config);
-  std::vector<std::size_t> of_a, of_b;
-  for (const KeyframePosition& s : chosen) {
-    of_a.push_back(nearest_to(a.positions, T * s.p).position->keyframe);
-    of_b.push_back(s.keyframe);
-  }
-  const auto places_a = a.places(of_a), places_b = b.places(of_b);
+/// The places at which a placement is judged: the submaps of both sessions, and what was found there.
+struct Places {
   std::vector<SubmapPair> pairs;
-  pairs.reserve(chosen.size() + 1);
-  pairs.push_back({first.a, first.b});
-  for (std::size_t i = 0; i < chosen.size(); ++i) pairs.push_back({places_a[i], places_b[i]});
-  return pairs;
+  std::vector<SubmapCheck> checks;
+};
+
+/// Registers the places from number `first` on, each by itself.
+void register_each(Places& places, std::size_t first, const Pose& T_a_b, const JudgeConfig& config) {
+  for_blocks(places.pairs.size() - first, 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const SubmapPair& pair = places.pairs[first + i];
+    places.checks[first + i] = register_submaps(*pair.a, *pair.b, T_a_b, config.place);
+  });
+}
+
+/// Adds the places of b where T_a_b puts them on a, and registers them.
+void add_places(const Scene& a, const Scene& b, std::span<const KeyframePosition> of_b, const Pose& T_a_b,
+                const JudgeConfig& config, Places& places) {
+  std::vector<std::size_t> keyframes_a, keyframes_b;
+  for (const KeyframePosition& s : of_b) {
+    keyframes_a.push_back(nearest_to(a.positions, T_a_b * s.p).position->keyframe);
+    keyframes_b.push_back(s.keyframe);
+  }
+  const auto at_a = a.places(keyframes_a), at_b = b.places(keyframes_b);
+  const std::size_t before = places.pairs.size();
+  for (std::size_t i = 0; i < of_b.size(); ++i) places.pairs.push_back({at_a[i], at_b[i]});
+  places.checks.resize(places.pairs.size());
+  register_each(places, before, T_a_b, config);
+}
+
+/// Whether the last place contradicts its own registration, for which its free space is checked, and T_a_b too.
+bool last_refutes(Places& places, const Pose& T_a_b, const JudgeConfig& config) {
+  SubmapCheck& last = places.checks.back();
+  if (!usable(last.registration)) return false;
+  const auto& [a, b] = places.pairs.back();
+  check_free_space(last, *a, *b, last.registration.T_target_source, config.place);
+  SubmapCheck least = last;
+  if (least.unexplained() >= config.refuting_violation) check_free_space_again(least, *a, *b, T_a_b, config.place);
+  return least.unexplained() >= config.refuting_violation;
 }
 
 /// How far T_a_b may be off at the place because of drift between there and the first place.
@@ -134,6 +156,43 @@ std::vector<bool> agreeing(const std::vector<SubmapCheck>& places, const Pose& T
   return out;
 }
 
+/// Finds one transform for all places, how firmly the walls hold it, and its status. Returns which places agree; if
+/// none does, the status stays too_little_overlap.
+std::vector<bool> place_by_all(Places& places, const JudgeConfig& config, Judgement& out) {
+  const Pose T_0 = places.checks[0].registration.T_target_source;
+  const RegistrationStatus first = places.checks[0].registration.status;
+  std::vector<bool> agrees = agreeing(places.checks, T_0, config);
+  const Overlap overlap = overlap_of(places.pairs, places.checks, agrees);
+  const Pose T_joined = align_overlap(overlap, combine(places.checks, agrees, T_0), config);
+  out.T_a_b = settled(overlap, T_joined, config, out.evidence.end_on_match);
+  out.evidence.weakest_hold = overlap.weakest_hold;
+  if (out.T_a_b.matrix() != T_joined.matrix()) {  // each place was registered at a different period
+    register_each(places, 0, out.T_a_b, config);
+    agrees = agreeing(places.checks, out.T_a_b, config);
+    if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return agrees;
+  }
+  out.status = first;
+  if (overlap.weakest_hold < config.held_by_nothing)
+    out.status = RegistrationStatus::degenerate;
+  else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= ends_meet)
+    out.status = RegistrationStatus::converged;
+  return agrees;
+}
+
+/// Checks the free space of all places. Drift does not contradict a placement; rock of another place does.
+void check_places(Places& places, const std::vector<bool>& agrees, const Pose& T_a_b, const JudgeConfig& config) {
+  std::vector<std::optional<Pose>> again;
+  for (std::size_t i = 0; i < agrees.size(); ++i)
+    again.push_back(agrees[i] ? T_a_b : across_within_drift(places.checks[i], places.checks[0], T_a_b, config));
+  for_blocks(agrees.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    SubmapCheck& place = places.checks[i];
+    const auto& [a, b] = places.pairs[i];
+    const bool known = agrees[i] && place.between().all() > 0;  // by its own registration
+    if (!known) check_free_space(place, *a, *b, agrees[i] ? place.registration.T_target_source : T_a_b, config.place);
+    if (again[i]) check_free_space_again(place, *a, *b, *again[i], config.place);
+  });
+}
+
 }  // namespace
 
 Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, const JudgeConfig& config) {
@@ -142,44 +201,26 @@ Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, co
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
-  const std::vector<SubmapPair> pairs = submap_pairs(a, b, first, config);
-  std::vector<SubmapCheck> places(pairs.size());
-  const auto register_all = [&](const Pose& from, std::size_t first_one) {
-    for_blocks(pairs.size() - first_one, 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-      places[first_one + i] = register_submaps(*pairs[first_one + i].a, *pairs[first_one + i].b, from, config.place);
-    });
-  };
-  places[0] = first.place;
-  register_all(T_0, 1);
-  std::vector<bool> agrees = agreeing(places, T_0, config);
-  const Overlap overlap = overlap_of(pairs, places, agrees);
-  const Pose T_joined = align_overlap(overlap, combine(places, agrees, T_0), config);
-  out.T_a_b = settled(overlap, T_joined, config, out.evidence.end_on_match);
-  out.evidence.weakest_hold = overlap.weakest_hold;
-  const bool slid = out.T_a_b.matrix() != T_joined.matrix();
-  if (slid) {  // each place was registered at a different period
-    register_all(out.T_a_b, 0);
-    agrees = agreeing(places, out.T_a_b, config);
-    if (std::find(agrees.begin(), agrees.end(), true) == agrees.end()) return out;
+  const auto others = other_places(a.positions, b.positions, T_0, first.place.p_b, config);
+  const bool doubted = first.place.unexplained() >= config.doubted_violation && !others.empty();
+  const auto farthest = std::span(others).first(doubted ? 1 : 0);
+  Places places{{{first.a, first.b}}, {first.place}};
+  std::vector<bool> agrees;
+  add_places(a, b, farthest, T_0, config, places);
+  if (doubted && last_refutes(places, T_0, config)) {
+    out.T_a_b = T_0;
+    out.status = first.place.registration.status;
+    agrees = agreeing(places.checks, T_0, config);
+    out.evidence.weakest_hold = overlap_of(places.pairs, places.checks, agrees).weakest_hold;
+  } else {
+    add_places(a, b, std::span(others).subspan(farthest.size()), T_0, config, places);
+    agrees = place_by_all(places, config, out);
+    if (out.status == RegistrationStatus::too_little_overlap) return out;
+    check_places(places, agrees, out.T_a_b, config);
   }
-  // Drift does not contradict a placement; rock of another place does.
-  std::vector<std::optional<Pose>> again;
-  for (std::size_t i = 0; i < places.size(); ++i)
-    again.push_back(agrees[i] ? out.T_a_b : across_within_drift(places[i], places[0], out.T_a_b, config));
-  for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    const Pose& T = agrees[i] ? places[i].registration.T_target_source : out.T_a_b;
-    const bool seen = i == 0 && !slid;
-    if (!seen) check_free_space(places[i], *pairs[i].a, *pairs[i].b, T, config.place);
-    if (again[i]) check_free_space_again(places[i], *pairs[i].a, *pairs[i].b, *again[i], config.place);
-  });
-  gather(out.evidence, places, agrees, out.T_a_b);
-  out.changes = gather_changes(out.evidence, places);
+  gather(out.evidence, places.checks, agrees, out.T_a_b);
+  out.changes = gather_changes(out.evidence, places.checks);
   measure_overlap(out.evidence, a.positions, b.positions, out.T_a_b, config);
-  out.status = first.place.registration.status;
-  if (overlap.weakest_hold < config.held_by_nothing)
-    out.status = RegistrationStatus::degenerate;
-  else if (overlap.weakest_hold >= VgicpConfig{}.degenerate_below || out.evidence.end_on_match >= ends_meet)
-    out.status = RegistrationStatus::converged;
   weigh(out);
   return out;
 }

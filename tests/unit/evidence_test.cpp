@@ -241,9 +241,7 @@ Scene scene(const std::vector<PlacedCloud>& clouds) {
 
 /// The whole way from a guess to a judgement.
 Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<PlacedCloud>& clouds_b, const Pose& T_0,
-                 const Eigen::Vector3d& p_b, int threads = 1) {
-  JudgeConfig config;
-  config.threads = threads;
+                 const Eigen::Vector3d& p_b, const JudgeConfig& config = {}) {
   const Scene a = scene(clouds_a), b = scene(clouds_b);
   const auto meeting = first_meeting(a.positions, b.positions, T_0, p_b, config);
   if (!meeting) return {};
@@ -273,7 +271,9 @@ TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
   EXPECT_LT((right.T_a_b * crossing - truth * crossing).norm(), 0.05);
   EXPECT_NEAR(right.T_a_b.linear().determinant(), 1, 1e-9);
   EXPECT_GT(right.evidence.places, 1);
-  EXPECT_EQ(right.T_a_b.matrix(), judged(clouds_a, clouds_b, guess, crossing, 3).T_a_b.matrix());
+  JudgeConfig with_threads;
+  with_threads.threads = 3;
+  EXPECT_EQ(right.T_a_b.matrix(), judged(clouds_a, clouds_b, guess, crossing, with_threads).T_a_b.matrix());
   const Judgement wrong = judged(clouds_a, clouds_b, Eigen::Translation3d(-20, 0, 0) * truth, crossing);
   EXPECT_LT(wrong.evidence.probability, 0.5);
   EXPECT_EQ(judged({}, clouds_b, truth, crossing).status, RegistrationStatus::too_little_overlap);
@@ -295,6 +295,29 @@ TEST(Judge, APlaceWhereRockLiesBetweenTheRobotsSaysNothing) {
   EXPECT_LT(right.evidence.places, JudgeConfig{}.places) << "some were left out";
   EXPECT_EQ(right.evidence.places_agreeing, right.evidence.places);
   EXPECT_GT(right.evidence.probability, 0.9);
+}
+
+TEST(Judge, AWrongPlacementThatItsFarthestPlaceRefutesIsNotJudgedAtTheOthers) {
+  // Two mines that are alike but for a hall where the other goes on as a drift.
+  std::vector<test::Box> alike{BoxMine::drift(0, 0, 60, 0), BoxMine::drift(8, -20, 8, 20)}, with_hall = alike;
+  with_hall.push_back(BoxMine::drift(36, 0, 60, 0, 12));
+  const auto a = drive(BoxMine(with_hall), {{3, 0}, {56, 0}}, 0, 1), b = drive(BoxMine(alike), {{3, 0}, {52, 0}}, 1, 2);
+  const auto clouds_a = placed(a), clouds_b = placed(b);
+  const Pose T_0 = a.T_mine_local.inverse() * b.T_mine_local;
+  const Eigen::Vector3d begin = b.T_mine_local.inverse() * Eigen::Vector3d(8, 0, 1);
+  const auto places = [&](double doubted_violation, double refuting_violation) {
+    JudgeConfig config;
+    config.doubted_violation = doubted_violation;
+    config.refuting_violation = refuting_violation;
+    const Judgement out = judged(clouds_a, clouds_b, T_0, begin, config);
+    EXPECT_LT(out.evidence.probability, 0.1);
+    EXPECT_GT(out.evidence.worst_place_violation, JudgeConfig{}.refuting_violation);
+    return out.evidence.places;
+  };
+  const JudgeConfig config;
+  EXPECT_EQ(places(0, config.refuting_violation), 2);
+  EXPECT_EQ(places(0, 1), config.places) << "the farthest place does not contradict enough";
+  EXPECT_EQ(places(config.doubted_violation, config.refuting_violation), config.places) << "the first one fits";
 }
 
 }  // namespace
