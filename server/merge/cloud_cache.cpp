@@ -19,22 +19,24 @@ std::vector<Prepared> CloudCache::get(std::span<const KeyframeRef> keyframes, Cl
   std::vector<Prepared> out(keyframes.size());
   for (std::size_t next = 0; next < keyframes.size();) {
     std::vector<std::size_t> missing;
-    std::vector<KeyframeCloud> read;
+    std::vector<CloudDecoder> read;
     for (; next < keyframes.size() && read.size() < read_at_once; ++next) {
       const KeyframeRef& keyframe = keyframes[next];
       if (const Prepared* known = kept_.find(keyframe)) {
         out[next] = *known;
       } else if (source.state(keyframe) == CloudState::stored) {
-        auto cloud = source.load(keyframe);
-        if (!cloud) continue;
+        auto decoder = source.load(keyframe);
+        if (!decoder) continue;
         missing.push_back(next);
-        read.push_back(std::move(*cloud));
+        read.push_back(std::move(*decoder));
       }
     }
     for_blocks(read.size(), 1, threads_, [&](std::size_t i, std::size_t, std::size_t) {
-      out[missing[i]] = std::make_shared<const PreparedCloud>(prepare(read[i], threads_));
+      if (const auto cloud = read[i]())
+        out[missing[i]] = std::make_shared<const PreparedCloud>(prepare(*cloud, threads_));
     });
-    for (const std::size_t i : missing) keep(keyframes[i], out[i]);
+    for (const std::size_t i : missing)
+      if (out[i]) keep(keyframes[i], out[i]);
   }
   return out;
 }

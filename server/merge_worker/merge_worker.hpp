@@ -189,7 +189,7 @@ class MergeWorker : public MergeNews, private CloudSource {
   void update_view();
 
   CloudState state(const KeyframeRef& keyframe) const override;
-  Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+  Result<CloudDecoder> load(const KeyframeRef& keyframe) override;
   void working_on(SessionId a, SessionId b) override;
 
   // The worker's thread only.

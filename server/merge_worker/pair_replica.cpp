@@ -92,10 +92,10 @@ CloudState PairReplica::state(const KeyframeRef& keyframe) const {
   return stored ? CloudState::stored : CloudState::unobtainable;
 }
 
-Result<KeyframeCloud> PairReplica::load(const KeyframeRef& keyframe) {
-  const auto encoded = read_cloud(database_, keyframe);
+Result<CloudDecoder> PairReplica::load(const KeyframeRef& keyframe) {
+  auto encoded = read_cloud(database_, keyframe);
   if (!encoded) return tl::unexpected(encoded.error());
-  return decode_points(*encoded);
+  return [bytes = std::move(*encoded)] { return decode_points(bytes); };
 }
 
 }  // namespace headframe

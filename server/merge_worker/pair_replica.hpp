@@ -31,7 +31,7 @@ class PairReplica : private CloudSource {
   void forget_others(const PairTask& task);
 
   CloudState state(const KeyframeRef& keyframe) const override;
-  Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+  Result<CloudDecoder> load(const KeyframeRef& keyframe) override;
 
   Database& database_;
   SessionMap sessions_;

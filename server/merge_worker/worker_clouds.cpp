@@ -16,10 +16,10 @@ CloudState MergeWorker::state(const KeyframeRef& keyframe) const {
   return can_come ? CloudState::obtainable : CloudState::unobtainable;
 }
 
-Result<KeyframeCloud> MergeWorker::load(const KeyframeRef& keyframe) {
-  const auto encoded = read_patiently([&] { return store_.cloud(keyframe); });
+Result<CloudDecoder> MergeWorker::load(const KeyframeRef& keyframe) {
+  auto encoded = read_patiently([&] { return store_.cloud(keyframe); });
   if (!encoded) return tl::unexpected(encoded.error());
-  return decode_points(*encoded);
+  return [bytes = std::move(*encoded)] { return decode_points(bytes); };
 }
 
 Result<std::size_t> MergeWorker::ask_for_clouds(SessionId session) {

@@ -49,8 +49,10 @@ CloudState PipelineRun::state(const KeyframeRef& keyframe) const {
   return clouds_ == Clouds::at_once || came_.contains(keyframe) ? CloudState::stored : CloudState::obtainable;
 }
 
-Result<KeyframeCloud> PipelineRun::load(const KeyframeRef& keyframe) {
-  return session(keyframe.session).clouds.at(keyframe.sequence - 1);
+Result<CloudDecoder> PipelineRun::load(const KeyframeRef& keyframe) {
+  return [&cloud = session(keyframe.session).clouds.at(keyframe.sequence - 1)]() -> Result<KeyframeCloud> {
+    return cloud;
+  };
 }
 
 Outcome judge_outcome(const PipelineRun& run, SessionId a, SessionId b) {

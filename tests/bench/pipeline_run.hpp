@@ -37,7 +37,7 @@ class PipelineRun : private CloudSource {
 
  private:
   CloudState state(const KeyframeRef& keyframe) const override;
-  Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+  Result<CloudDecoder> load(const KeyframeRef& keyframe) override;
 
   Clouds clouds_;
   std::set<KeyframeRef> came_;

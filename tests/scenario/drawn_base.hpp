@@ -20,7 +20,9 @@ class Shelf : public CloudSource {
     if (on_robots.contains(k)) return CloudState::obtainable;
     return clouds.contains(k) ? CloudState::stored : CloudState::unobtainable;
   }
-  Result<KeyframeCloud> load(const KeyframeRef& k) override { return clouds.at(k); }
+  Result<CloudDecoder> load(const KeyframeRef& k) override {
+    return [&cloud = clouds.at(k)]() -> Result<KeyframeCloud> { return cloud; };
+  }
 };
 
 /// Of two drives through a drawn mine of boxes, where one place looks like another, without waiting for third sessions.

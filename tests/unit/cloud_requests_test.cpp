@@ -18,7 +18,7 @@ class Shelves : public CloudSource {
   CloudState state(const KeyframeRef& k) const override {
     return stored.contains(k) ? CloudState::stored : CloudState::obtainable;
   }
-  Result<KeyframeCloud> load(const KeyframeRef&) override { return failure(ErrorCode::not_found, "none is needed"); }
+  Result<CloudDecoder> load(const KeyframeRef&) override { return failure(ErrorCode::not_found, "none is needed"); }
 };
 
 /// Session 1 drives 60 m along a line, session 2 its first 20 m.

@@ -212,7 +212,7 @@ TEST_F(Worker, WantedCloudsAreAskedForOnceAndAwaited) {
     seen.push_back(clouds.state({2, 3}));
     if (seen.back() == CloudState::obtainable) report.wanted = {{2, 3}};
     if (seen.back() == CloudState::stored) {
-      EXPECT_EQ(point_count(clouds.load({2, 3}).value()), 400U);
+      EXPECT_EQ(point_count(clouds.load({2, 3}).value()().value()), 400U);
     }
     return report;
   };

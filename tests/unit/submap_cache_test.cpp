@@ -15,7 +15,9 @@ struct Shelf : CloudSource {
   CloudState state(const KeyframeRef& k) const override {
     return clouds.contains(k) ? CloudState::stored : CloudState::obtainable;
   }
-  Result<KeyframeCloud> load(const KeyframeRef& k) override { return clouds.at(k); }
+  Result<CloudDecoder> load(const KeyframeRef& k) override {
+    return [&cloud = clouds.at(k)]() -> Result<KeyframeCloud> { return cloud; };
+  }
 };
 
 /// A drive of keyframes 2 m apart, its clouds on the shelf.

@@ -222,8 +222,10 @@ CloudState LiveRun::state(const KeyframeRef& keyframe) const {
   return session.connected && !schedule_->in_vain(keyframe) ? CloudState::obtainable : CloudState::unobtainable;
 }
 
-Result<KeyframeCloud> LiveRun::load(const KeyframeRef& keyframe) {
-  return sessions_.at(keyframe.session).driven->clouds.at(keyframe.sequence - 1);
+Result<CloudDecoder> LiveRun::load(const KeyframeRef& keyframe) {
+  return [&cloud = sessions_.at(keyframe.session).driven->clouds.at(keyframe.sequence - 1)]() -> Result<KeyframeCloud> {
+    return cloud;
+  };
 }
 
 }  // namespace headframe::bench

@@ -60,7 +60,7 @@ class LiveRun : private CloudSource {
 
  private:
   CloudState state(const KeyframeRef& keyframe) const override;
-  Result<KeyframeCloud> load(const KeyframeRef& keyframe) override;
+  Result<CloudDecoder> load(const KeyframeRef& keyframe) override;
 
   SessionId add(const DrivenSession& driven);
   void plan_drive(SessionId id, double start_s, bool loses_link);
