@@ -193,9 +193,7 @@ const Found* MergePipeline::State::propose(const OrderedPair& pair, AttemptRepor
   const Stopwatch watch(report.times.hypotheses_ms);
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
   const SessionView of_a = PairSearch::view(pair.a, a), of_b = PairSearch::view(pair.b, b);
-  const Found* found =
-      known ? finder.take(of_a, of_b, std::move(known->hypotheses))
-            : finder.find(of_a, of_b, [&] { return match_descriptors(a.keyframes, b.keyframes, config.threads); });
+  const Found* found = known ? finder.take(of_a, of_b, std::move(known->hypotheses)) : finder.find(of_a, of_b);
   report.unfinished |= !found;  // the searches of one attempt are used up
   return found;
 }

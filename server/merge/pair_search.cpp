@@ -95,9 +95,7 @@ PairFindings PairSearch::find(SessionId a, SessionId b, CloudSource& clouds) {
     return out;
   }
   const OrderedPair pair{a, b};
-  const Session &of_a = sessions_.at(a), &of_b = sessions_.at(b);
-  out.hypotheses = finder_.search_apart(
-      view(a, of_a), view(b, of_b), [&] { return match_descriptors(of_a.keyframes, of_b.keyframes, config_.threads); });
+  out.hypotheses = finder_.search_apart(view(a, sessions_.at(a)), view(b, sessions_.at(b)));
   std::vector<Case> cases;
   cases.reserve(out.hypotheses.size());
   for (const Hypothesis& h : out.hypotheses) cases.push_back(requests_.make_case(a, b, h, clouds));

@@ -1,6 +1,7 @@
 #include "server/place/hypotheses.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include "server/place/leads.hpp"
 
 #include "server/session/same_placement.hpp"
+#include "server/support/parallel.hpp"
 
 namespace headframe {
 namespace {
@@ -51,20 +53,34 @@ Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
 
 /// They are drawn anew whenever the keyframes changed, also where only an outlier lost its walls: what is found must
 /// not depend on when the session was searched before.
-std::shared_ptr<const SessionWalls> HypothesisFinder::walls(const SessionView& session) {
-  const auto with_walls = static_cast<std::size_t>(std::count_if(session.keyframes.begin(), session.keyframes.end(),
-                                                                 [](const Keyframe& k) { return has_walls(k.walls); }));
-  if (const Drawn* known = walls_.find(session.id)) {
-    if (known->walls->path_m == path_m(session.keyframes) && known->keyframes == session.keyframes.size() &&
-        known->with_walls == with_walls)
-      return known->walls;
-    walls_bytes_ -= walls_.drop(session.id).walls->bytes();
+std::vector<HypothesisFinder::WallsPtr> HypothesisFinder::walls(std::span<const SessionView> sessions) {
+  std::vector<Drawn> drawn;
+  std::vector<std::size_t> missing;
+  for (const SessionView& session : sessions) {
+    const auto with_walls = std::count_if(session.keyframes.begin(), session.keyframes.end(),
+                                          [](const Keyframe& k) { return has_walls(k.walls); });
+    drawn.push_back({nullptr, session.keyframes.size(), static_cast<std::size_t>(with_walls)});
+    Drawn& now = drawn.back();
+    if (const Drawn* known = walls_.find(session.id)) {
+      if (known->walls->path_m == path_m(session.keyframes) && known->keyframes == now.keyframes &&
+          known->with_walls == now.with_walls)
+        now.walls = known->walls;
+      else
+        walls_bytes_ -= walls_.drop(session.id).walls->bytes();
+    }
+    if (!now.walls) missing.push_back(drawn.size() - 1);
   }
-  auto drawn = std::make_shared<const SessionWalls>(session.keyframes);
-  walls_.put(session.id, {drawn, session.keyframes.size(), with_walls});
-  walls_bytes_ += drawn->bytes();
+  for_blocks(missing.size(), 1, config_.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    drawn[missing[i]].walls = std::make_shared<const SessionWalls>(sessions[missing[i]].keyframes);
+  });
+  for (const std::size_t i : missing) {
+    walls_.put(sessions[i].id, drawn[i]);
+    walls_bytes_ += drawn[i].walls->bytes();
+  }
   while (walls_bytes_ > config_.walls_bytes && walls_.size() > 1) walls_bytes_ -= walls_.drop_oldest().walls->bytes();
-  return drawn;
+  std::vector<WallsPtr> out;
+  for (const Drawn& d : drawn) out.push_back(d.walls);
+  return out;
 }
 
 void HypothesisFinder::forget(SessionId session) {
@@ -73,14 +89,14 @@ void HypothesisFinder::forget(SessionId session) {
 }
 
 std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
+                                                 const SessionWalls& walls_a, const SessionWalls& walls_b,
                                                  const std::vector<MatchedPair>& matches,
-                                                 const DescriptorAgreement& agreement, const LeadSeats& seats) {
-  const auto walls_a = walls(a), walls_b = walls(b);
+                                                 const DescriptorAgreement& agreement, const LeadSeats& seats) const {
   const int threads = config_.threads;
-  std::vector<Lead> leads = wall_leads(*walls_a, *walls_b, agreement, seats, threads);
+  std::vector<Lead> leads = wall_leads(walls_a, walls_b, agreement, seats, threads);
   const std::vector<PlacedPair> placed = placed_pairs(a.keyframes, b.keyframes, matches, threads);
   for (const auto& source : {vote_leads, place_leads})
-    for (const Lead& lead : source(*walls_a, *walls_b, b.keyframes, placed, agreement, seats, threads))
+    for (const Lead& lead : source(walls_a, walls_b, b.keyframes, placed, agreement, seats, threads))
       leads.push_back(lead);
   std::vector<Hypothesis> out;
   for (const Lead& lead : leads) {
@@ -108,9 +124,10 @@ const Found* HypothesisFinder::find_within(const SessionView& session) {
   of_walls_alone.second_part = false;  // what the verdict demands of a mine that repeats itself was set without
   Found& known = found_[{session.id, session.id}];
   known = {};
-  if (!session.keyframes.empty())
-    known.hypotheses =
-        search(session, session, {}, DescriptorAgreement(session.keyframes, session.keyframes), of_walls_alone);
+  if (session.keyframes.empty()) return &known;
+  const WallsPtr drawn = walls({&session, 1}).front();
+  known.hypotheses = search(session, session, *drawn, *drawn, {},
+                            DescriptorAgreement(session.keyframes, session.keyframes), of_walls_alone);
   return &known;
 }
 
@@ -127,28 +144,40 @@ bool HypothesisFinder::has_news(const SessionView& session, double path_then_m) 
 }
 
 std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const SessionView& b,
-                                                 const std::function<std::vector<MatchedPair>()>& matches,
-                                                 const LeadSeats& seats) {
+                                                 const SessionWalls& walls_a, const SessionWalls& walls_b,
+                                                 const LeadSeats& seats) const {
   const bool comparable = a.family == b.family;
   const DescriptorAgreement agreement(comparable ? a.keyframes : std::span<const Keyframe>(), b.keyframes);
-  const auto matched = comparable ? matches() : std::vector<MatchedPair>();
-  return search(a, b, matched, agreement, seats);
+  const auto matched =
+      comparable ? match_descriptors(a.keyframes, b.keyframes, config_.threads) : std::vector<MatchedPair>();
+  return search(a, b, walls_a, walls_b, matched, agreement, seats);
 }
 
-std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, const SessionView& b,
-                                                       const std::function<std::vector<MatchedPair>()>& matches) {
-  return search(a, b, matches, config_.seats);
+std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, const SessionView& b) {
+  const auto drawn = walls(std::array{a, b});
+  return search(a, b, *drawn[0], *drawn[1], config_.seats);
 }
 
-double HypothesisFinder::promise(const SessionView& a, const SessionView& b,
-                                 const std::function<std::vector<MatchedPair>()>& matches) {
+std::vector<double> HypothesisFinder::promises(std::span<const std::pair<SessionView, SessionView>> pairs) {
   // More rotations and placements find hardly any other partners (tests/bench/README.md, large databases).
   LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = config_.seats.steps};
   few.coarse_matches = std::min<std::size_t>(120, config_.seats.coarse_matches);
   few.steps.quarter_turns = std::min<std::size_t>(15, few.steps.quarter_turns);
   few.steps.peaks = std::min<std::size_t>(50, few.steps.peaks);
-  const auto found = search(a, b, matches, few);
-  return found.empty() ? 0 : found.front().promise;
+  std::map<SessionId, SessionView> sessions;
+  for (const auto& [a, b] : pairs)
+    for (const SessionView& session : {a, b}) sessions.emplace(session.id, session);
+  std::vector<SessionView> views;
+  for (const auto& [id, session] : sessions) views.push_back(session);
+  std::map<SessionId, WallsPtr> of;
+  for (const WallsPtr& drawn : walls(views)) of.emplace(views[of.size()].id, drawn);
+  std::vector<double> out(pairs.size(), 0);
+  for_blocks(pairs.size(), 1, config_.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    const auto& [a, b] = pairs[i];
+    const auto found = search(a, b, *of.at(a.id), *of.at(b.id), few);
+    if (!found.empty()) out[i] = found.front().promise;
+  });
+  return out;
 }
 
 const Found* HypothesisFinder::take(const SessionView& a, const SessionView& b, std::vector<Hypothesis> hypotheses) {
@@ -159,11 +188,10 @@ const Found* HypothesisFinder::take(const SessionView& a, const SessionView& b, 
   return &known;
 }
 
-const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b,
-                                    const std::function<std::vector<MatchedPair>()>& matches) {
+const Found* HypothesisFinder::find(const SessionView& a, const SessionView& b) {
   if (!needs_search(a, b)) return &found_[{a.id, b.id}];
   if (allowed_ == 0) return nullptr;
-  return take(a, b, search_apart(a, b, matches));
+  return take(a, b, search_apart(a, b));
 }
 
 }  // namespace headframe

@@ -2,11 +2,11 @@
 // Where could two sessions overlap? One list of hypotheses from several sources, for registration to judge. Best first,
 // by the walls' score times the similarity of the descriptors.
 
-#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/session/keyframe.hpp"
@@ -65,18 +65,16 @@ class HypothesisFinder {
   bool needs_search(const SessionView& a, const SessionView& b) const;
   /// The hypotheses of a new search, which depend on nothing but the two sessions. Does not count against allow(), and
   /// find() does not learn of them.
-  std::vector<Hypothesis> search_apart(const SessionView& a, const SessionView& b,
-                                       const std::function<std::vector<MatchedPair>()>& matches);
+  std::vector<Hypothesis> search_apart(const SessionView& a, const SessionView& b);
   /// As find(), for a pair that needs a search whose hypotheses are known: search_apart() of the same sessions.
   const Found* take(const SessionView& a, const SessionView& b, std::vector<Hypothesis> hypotheses);
 
   /// Returns null if a new search would be needed and none is allowed any more. The pointer is valid until the next
-  /// call. `matches` is called only for a new search.
-  const Found* find(const SessionView& a, const SessionView& b,
-                    const std::function<std::vector<MatchedPair>()>& matches);
-  /// Hypothesis::promise of about the best hypothesis; 0 without any. A search with few seats and a third of the
-  /// rotations. Does not count against allow(), and find() does not learn of it.
-  double promise(const SessionView& a, const SessionView& b, const std::function<std::vector<MatchedPair>()>& matches);
+  /// call.
+  const Found* find(const SessionView& a, const SessionView& b);
+  /// For each pair, Hypothesis::promise of about the best hypothesis; 0 without any. A search with few seats and a
+  /// third of the rotations, of several pairs at once. Does not count against allow(), and find() does not learn of it.
+  std::vector<double> promises(std::span<const std::pair<SessionView, SessionView>> pairs);
   /// Whether the session has grown enough for a new search since its path was so long.
   bool has_news(const SessionView& session, double path_then_m) const;
 
@@ -92,11 +90,13 @@ class HypothesisFinder {
     std::shared_ptr<const SessionWalls> walls;
     std::size_t keyframes = 0, with_walls = 0;
   };
-  std::shared_ptr<const SessionWalls> walls(const SessionView& session);
-  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const std::vector<MatchedPair>& matches,
-                                 const DescriptorAgreement& agreement, const LeadSeats& seats);
-  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b,
-                                 const std::function<std::vector<MatchedPair>()>& matches, const LeadSeats& seats);
+  using WallsPtr = std::shared_ptr<const SessionWalls>;
+  std::vector<WallsPtr> walls(std::span<const SessionView> sessions);
+  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const SessionWalls& walls_a,
+                                 const SessionWalls& walls_b, const std::vector<MatchedPair>& matches,
+                                 const DescriptorAgreement& agreement, const LeadSeats& seats) const;
+  std::vector<Hypothesis> search(const SessionView& a, const SessionView& b, const SessionWalls& walls_a,
+                                 const SessionWalls& walls_b, const LeadSeats& seats) const;
 
   Config config_;
   std::size_t allowed_ = std::numeric_limits<std::size_t>::max();

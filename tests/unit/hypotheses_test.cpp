@@ -31,9 +31,7 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
   const auto a = drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1), b = drive(mine, {{75, 0}, {30, 0}, {30, 20}}, 2.0, 2);
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   HypothesisFinder finder({});
-  const auto find = [&] {
-    return finder.find({1, a.keyframes}, {2, b.keyframes}, [] { return std::vector<MatchedPair>(); });
-  };
+  const auto find = [&] { return finder.find({1, a.keyframes}, {2, b.keyframes, false, {"other", 1}}); };
   const std::vector<Hypothesis> found = find()->hypotheses;
   ASSERT_FALSE(found.empty());
   const Eigen::Vector3d at = found[0].place_b;
@@ -71,8 +69,7 @@ TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
   const auto a = drive(mine, {{0, 0}, {60, 0}}, 0, 1), b = drive(mine, {{75, 0}, {0, 0}}, 2.0, 2);
   HypothesisFinder finder({});
   const auto version = [&](std::size_t keyframes) {
-    const Found* found = finder.find({1, std::span(a.keyframes).first(keyframes)}, {2, b.keyframes},
-                                     [] { return std::vector<MatchedPair>(); });
+    const Found* found = finder.find({1, std::span(a.keyframes).first(keyframes)}, {2, b.keyframes});
     return found ? static_cast<int>(found->version) : -1;
   };
   EXPECT_EQ(version(10), 1);
@@ -107,8 +104,7 @@ TEST(Hypotheses, WhereCrossCutsRepeatTheDescriptorsAlongThePathSayWhich) {
   const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
   const auto error_of_first = [&] {
     HypothesisFinder finder({});
-    const auto* found =
-        finder.find({1, a.keyframes}, {2, b.keyframes}, [&] { return match_descriptors(a.keyframes, b.keyframes, 1); });
+    const auto* found = finder.find({1, a.keyframes}, {2, b.keyframes});
     const Hypothesis& first = found->hypotheses.at(0);
     return (first.T_a_b * first.place_b - truth * first.place_b).norm();
   };

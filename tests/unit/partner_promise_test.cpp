@@ -50,8 +50,7 @@ struct Sessions {
   double promise(SessionId one, SessionId other) {
     const OrderedPair p = sessions.ordered(one, other);
     const auto of = [&](SessionId id) { return PairSearch::view(id, sessions.at(id)); };
-    return finder.promise(of(p.a), of(p.b),
-                          [&] { return match_descriptors(sessions.at(p.a).keyframes, sessions.at(p.b).keyframes, 1); });
+    return finder.promises(std::vector{std::pair{of(p.a), of(p.b)}}).front();
   }
 };
 

@@ -25,7 +25,7 @@ std::size_t rank_of_right_hypothesis(const DrivenSession& a, const DrivenSession
   const std::vector<Keyframe> of_a = kept(a), of_b = kept(b);
   HypothesisFinder finder(
       {.seats = {.coherent = static_cast<std::size_t>(config.hypotheses)}, .threads = config.threads});
-  const Found* found = finder.find({1, of_a}, {2, of_b}, [&] { return match_descriptors(of_a, of_b, config.threads); });
+  const Found* found = finder.find({1, of_a}, {2, of_b});
   for (std::size_t i = 0; i < found->hypotheses.size(); ++i) {
     const auto error = test::overlap_error(a.path, b.path, found->hypotheses[i].T_a_b);
     if (error.pairs > 0 && error.translation_m < near_m && error.rotation_deg < near_deg) return i + 1;
