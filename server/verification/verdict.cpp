@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "server/verification/gates.hpp"
+#include "server/verification/told_weights.hpp"
 #include "server/verification/verdict_weights.hpp"
 
 namespace headframe {
@@ -235,7 +236,7 @@ double probability(RegistrationStatus status, const Evidence& e) {
 double calibrated(const Evidence& e, const VerdictThresholds& thresholds) {
   const double p = e.probability;
   if (p >= thresholds.accept_probability) return p;
-  const double right_all_the_same = 0.002 + 0.5 * std::pow(e.probability_if_unique, 10);  // odds
+  const double right_all_the_same = told_base + told_height * std::pow(e.probability_if_unique, told_power);  // odds
   const double odds = p / (1 - p) + right_all_the_same * (1 - p);
   return std::min(odds / (1 + odds), 0.999 * thresholds.accept_probability);
 }
