@@ -78,8 +78,8 @@ std::vector<HypothesisFinder::WallsPtr> HypothesisFinder::walls(std::span<const 
     walls_bytes_ += drawn[i].walls->bytes();
   }
   while (walls_bytes_ > config_.walls_bytes && walls_.size() > 1) walls_bytes_ -= walls_.drop_oldest().walls->bytes();
-  std::vector<WallsPtr> out;
-  for (const Drawn& d : drawn) out.push_back(d.walls);
+  std::vector<WallsPtr> out(drawn.size());
+  std::transform(drawn.begin(), drawn.end(), out.begin(), [](const Drawn& d) { return d.walls; });
   return out;
 }
 
@@ -167,10 +167,11 @@ std::vector<double> HypothesisFinder::promises(std::span<const std::pair<Session
   std::map<SessionId, SessionView> sessions;
   for (const auto& [a, b] : pairs)
     for (const SessionView& session : {a, b}) sessions.emplace(session.id, session);
-  std::vector<SessionView> views;
-  for (const auto& [id, session] : sessions) views.push_back(session);
-  std::map<SessionId, WallsPtr> of;
-  for (const WallsPtr& drawn : walls(views)) of.emplace(views[of.size()].id, drawn);
+  std::vector<SessionView> views(sessions.size());
+  std::transform(sessions.begin(), sessions.end(), views.begin(), [](const auto& session) { return session.second; });
+  const std::vector<WallsPtr> drawn = walls(views);
+  std::map<SessionId, const SessionWalls*> of;
+  for (std::size_t i = 0; i < views.size(); ++i) of[views[i].id] = drawn[i].get();
   std::vector<double> out(pairs.size(), 0);
   for_blocks(pairs.size(), 1, config_.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const auto& [a, b] = pairs[i];

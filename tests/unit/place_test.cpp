@@ -3,11 +3,13 @@
 #include <complex>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "common/descriptor/wall_profile.hpp"
 #include "server/place/descriptor_index.hpp"
 #include "server/place/fft2.hpp"
 #include "server/place/hypotheses.hpp"
+#include "server/place/spectrum.hpp"
 #include "tests/support/box_mine.hpp"
 
 namespace headframe {
@@ -176,6 +178,37 @@ TEST(Fft2, IsTheSlowTransform) {
   EXPECT_EQ(Fft2::size_for(128), 128U);
   EXPECT_EQ(Fft2::size_for(129), 192U);
   EXPECT_EQ(Fft2::size_for(193), 256U);
+}
+
+TEST(Spectrum, CorrelatesWithFourRotationsAsTheGridsDo) {
+  constexpr std::size_t n = 48;
+  std::mt19937 rng(1);
+  ComplexGrid a(n * n), b(n * n);  // walls, and free ground
+  for (auto* values : {&a.re, &a.im, &b.re, &b.im})
+    for (float& v : *values) v = static_cast<float>(rng() % 100) / 50 - 1;
+  Fft2 fft(n);
+  const auto spectrum = [&](ComplexGrid grid) {
+    fft.forward(grid);
+    return taken_apart(grid, n);
+  };
+  const Spectrum of_a = spectrum(a), of_b = spectrum(b);
+  ComplexGrid product(n * n);
+  for (int quarters = 0; quarters < 4; ++quarters) {
+    correlate(of_a, of_b, turned(of_b, n), quarters >= 2, product);
+    fft.inverse(product);
+    for (std::size_t shift = 0; shift < n * n; shift += 97) {
+      double sum = 0;
+      for (std::size_t i = 0; i < n * n; ++i) {
+        std::size_t x = i % n, y = i / n;
+        for (int turn = 0; turn < quarters; ++turn) std::tie(x, y) = std::pair((n - y) % n, x);
+        const std::size_t at = (y + shift / n) % n * n + (x + shift % n) % n;
+        sum += static_cast<double>(a.re[at]) * static_cast<double>(b.re[i]) +
+               static_cast<double>(a.im[at]) * static_cast<double>(b.im[i]);
+      }
+      const float found = quarters % 2 == 0 ? product.re[shift] : product.im[shift];
+      EXPECT_NEAR(found / static_cast<float>(n * n), sum, 1e-2) << quarters << ' ' << shift;
+    }
+  }
 }
 
 TEST(WallSearch, FindsAMapLaidOnItselfAtAnyTurn) {
