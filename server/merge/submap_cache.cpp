@@ -9,7 +9,6 @@ namespace headframe {
 namespace {
 
 constexpr double step_m = 3;
-constexpr double farthest_m = 40;  // clouds of keyframes beyond this add nothing to a submap
 
 std::size_t node_of(const SubmapRequest& r) {
   std::size_t node = r.keyframe;
@@ -18,15 +17,19 @@ std::size_t node_of(const SubmapRequest& r) {
   return node;
 }
 
+/// Clouds of keyframes beyond this hold no sweep that looks at the submap's rock, and hardly any of its points. (At 25
+/// m two more of 180 pairs merged, but a recorded pair outdoors no longer did.)
+double farthest_m(const SubmapConfig& config) { return config.view_reach_m + 5; }
+
 /// The keyframes of a submap's window whose clouds are stored.
-std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node, double window_m,
+std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node, const SubmapConfig& config,
                                        const CloudSource& source) {
   std::vector<const Keyframe*> out;
   const Eigen::Vector3d p = r.keyframes[node].T_local_sensor.translation();
-  const auto first = std::lower_bound(r.path_to_m.begin(), r.path_to_m.end(), r.path_to_m[node] - window_m);
-  for (auto at = first; at != r.path_to_m.end() && *at <= r.path_to_m[node] + window_m; ++at) {
+  const auto first = std::lower_bound(r.path_to_m.begin(), r.path_to_m.end(), r.path_to_m[node] - config.window_m);
+  for (auto at = first; at != r.path_to_m.end() && *at <= r.path_to_m[node] + config.window_m; ++at) {
     const Keyframe& k = r.keyframes[static_cast<std::size_t>(at - r.path_to_m.begin())];
-    if (k.point_count == 0 || (k.T_local_sensor.translation() - p).norm() > farthest_m) continue;
+    if (k.point_count == 0 || (k.T_local_sensor.translation() - p).norm() > farthest_m(config)) continue;
     if (source.state({r.session, k.sequence}) == CloudState::stored) out.push_back(&k);
   }
   return out;
@@ -50,7 +53,7 @@ std::vector<SubmapPtr> SubmapCache::get(std::span<const SubmapRequest> requests,
     const Key key{r.session, node_of(r)};
     keys.push_back(key);
     if (answers.contains(key) || missing.contains(key)) continue;
-    const auto window = window_of(r, key.keyframe, config_.window_m, source);
+    const auto window = window_of(r, key.keyframe, config_, source);
     if (const Entry* known = kept_.find(key); known && known->clouds == hash_of(window)) {
       answers[key] = known->submap;
       continue;

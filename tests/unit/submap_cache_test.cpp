@@ -16,8 +16,13 @@ struct Shelf : CloudSource {
     return clouds.contains(k) ? CloudState::stored : CloudState::obtainable;
   }
   Result<CloudDecoder> load(const KeyframeRef& k) override {
-    return [&cloud = clouds.at(k)]() -> Result<KeyframeCloud> { return cloud; };
+    loaded.insert(k);
+    return [this, k]() -> Result<KeyframeCloud> {
+      if (damaged.contains(k)) return failure(ErrorCode::bad_input, "damaged");
+      return clouds.at(k);
+    };
   }
+  std::set<KeyframeRef> loaded, damaged;
 };
 
 /// A drive of keyframes 2 m apart, its clouds on the shelf.
@@ -119,6 +124,27 @@ TEST_F(SubmapCacheTest, PreparedCloudsGoWhenTheyDoNotFit) {
     const auto first = clouds.get(one, shelf);
     clouds.get(two, shelf);
     EXPECT_EQ(clouds.get(one, shelf) == first, fits);
+  }
+}
+
+TEST_F(SubmapCacheTest, CloudsFromFarOffAreNotRead) {
+  SubmapCache b = book();
+  one(b, 0);
+  const SubmapConfig config;
+  for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
+    const auto p = [&](std::size_t k) { return drive.keyframes[k].T_local_sensor.translation(); };
+    const bool near = path_to_m[i] <= config.window_m && (p(i) - p(0)).norm() <= config.view_reach_m + 5;
+    EXPECT_EQ(shelf.loaded.contains({1, drive.keyframes[i].sequence}), near) << path_to_m[i] << " m along the path";
+  }
+  EXPECT_LT(shelf.loaded.size(), drive.keyframes.size());
+}
+
+TEST_F(SubmapCacheTest, ADamagedCloudIsLeftOut) {
+  shelf.damaged.insert({1, 2});
+  const std::vector<KeyframeRef> asked{{1, 1}, {1, 2}, {1, 3}};
+  for (int again = 0; again < 2; ++again) {
+    const auto clouds = prepared.get(asked, shelf);
+    EXPECT_TRUE(clouds[0] && !clouds[1] && clouds[2]);
   }
 }
 
