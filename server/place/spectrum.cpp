@@ -31,21 +31,15 @@ Floats turned(const Floats& grid, std::size_t n) {
   return out;
 }
 
-struct Sums {
-  const float *wall_re, *wall_im, *free_re, *free_im;
-  explicit Sums(const Spectrum& of)
-      : wall_re(of.wall.re.data()),
-        wall_im(of.wall.im.data()),
-        free_re(of.free.re.data()),
-        free_im(of.free.im.data()) {}
-};
-
 /// With sign -1 b is its complex conjugate.
-HEADFRAME_WIDE void multiply(const Sums& a, const Sums& b, const Sums& t, float sign, std::size_t count, float* re,
-                             float* im) {
-  const float *awr = a.wall_re, *awi = a.wall_im, *afr = a.free_re, *afi = a.free_im;
-  const float *bwr = b.wall_re, *bwi = b.wall_im, *bfr = b.free_re, *bfi = b.free_im;
-  const float *twr = t.wall_re, *twi = t.wall_im, *tfr = t.free_re, *tfi = t.free_im;
+HEADFRAME_WIDE void multiply(const Spectrum& a, const Spectrum& b, const Spectrum& turned, float sign,
+                             ComplexGrid& product) {
+  const float *awr = a.wall.re.data(), *awi = a.wall.im.data(), *afr = a.free.re.data(), *afi = a.free.im.data();
+  const float *bwr = b.wall.re.data(), *bwi = b.wall.im.data(), *bfr = b.free.re.data(), *bfi = b.free.im.data();
+  const float *twr = turned.wall.re.data(), *twi = turned.wall.im.data();
+  const float *tfr = turned.free.re.data(), *tfi = turned.free.im.data();
+  float *re = product.re.data(), *im = product.im.data();
+  const std::size_t count = product.re.size();
   HEADFRAME_INDEPENDENT for (std::size_t i = 0; i < count; ++i) {
     const float wi = sign * bwi[i], fi = sign * bfi[i], ti = sign * twi[i], ui = sign * tfi[i];
     const float re_b = awr[i] * bwr[i] + awi[i] * wi + afr[i] * bfr[i] + afi[i] * fi;
@@ -77,8 +71,7 @@ Spectrum turned(const Spectrum& grids, std::size_t n) {
 
 /// Half a turn is the complex conjugate, because the grids are real.
 void correlate(const Spectrum& a, const Spectrum& b, const Spectrum& b_turned, bool half_a_turn, ComplexGrid& product) {
-  multiply(Sums(a), Sums(b), Sums(b_turned), half_a_turn ? -1.0F : 1.0F, product.re.size(), product.re.data(),
-           product.im.data());
+  multiply(a, b, b_turned, half_a_turn ? -1.0F : 1.0F, product);
 }
 
 }  // namespace headframe
