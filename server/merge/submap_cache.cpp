@@ -17,10 +17,6 @@ std::size_t node_of(const SubmapRequest& r) {
   return node;
 }
 
-/// Clouds of keyframes beyond this hold no sweep that looks at the submap's rock, and hardly any of its points. (At 25
-/// m two more of 180 pairs merged, but a recorded pair outdoors no longer did.)
-double farthest_m(const SubmapConfig& config) { return config.view_reach_m + 5; }
-
 /// The keyframes of a submap's window whose clouds are stored.
 std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node, const SubmapConfig& config,
                                        const CloudSource& source) {
@@ -29,7 +25,7 @@ std::vector<const Keyframe*> window_of(const SubmapRequest& r, std::size_t node,
   const auto first = std::lower_bound(r.path_to_m.begin(), r.path_to_m.end(), r.path_to_m[node] - config.window_m);
   for (auto at = first; at != r.path_to_m.end() && *at <= r.path_to_m[node] + config.window_m; ++at) {
     const Keyframe& k = r.keyframes[static_cast<std::size_t>(at - r.path_to_m.begin())];
-    if (k.point_count == 0 || (k.T_local_sensor.translation() - p).norm() > farthest_m(config)) continue;
+    if (k.point_count == 0 || (k.T_local_sensor.translation() - p).norm() > config.farthest_m) continue;
     if (source.state({r.session, k.sequence}) == CloudState::stored) out.push_back(&k);
   }
   return out;

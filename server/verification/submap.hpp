@@ -14,7 +14,8 @@
 namespace headframe {
 
 struct SubmapConfig {
-  double window_m = 45;              // uses clouds within this much path, both ways; later visits have drifted
+  double window_m = 45;              // uses clouds within this much path, both ways; later visits have drifted ...
+  double farthest_m = 40;            // ... of keyframes within this distance, because others add nothing
   double radius_m = 18;              // of the source of a registration ...
   double slack_m = 6;                // ... and by how much the target's is larger
   float leaf_m = 0.2F;               // one surfel per cube of this edge
