@@ -6,21 +6,13 @@
 #include <set>
 
 #include "server/verification/free_space.hpp"
-#include "server/verification/verification.hpp"
-#include "tests/support/box_mine.hpp"
+#include "tests/support/placed_clouds.hpp"
 
 namespace headframe {
 namespace {
 
 using test::BoxMine;
-
-std::vector<PlacedCloud> placed(const test::Drive& drive) {
-  std::vector<PlacedCloud> out;
-  for (std::size_t i = 0; i < drive.keyframes.size(); ++i)
-    out.push_back(
-        {i + 1, drive.keyframes[i].T_local_sensor, std::make_shared<PreparedCloud>(prepare(drive.clouds[i]))});
-  return out;
-}
+using test::placed;
 
 TEST(SurfelCloud, StrayReturnsAreLeftOut) {
   const BoxMine drift({BoxMine::drift(-20, 0, 20, 0)});
@@ -225,99 +217,6 @@ TEST(Visibility, ARayThatGrazesASurfaceSaysNothing) {
   EXPECT_EQ(violated({1, 0, 0}), 16);
   EXPECT_EQ(violated({0.36F, 0, 0.93F}), 16);
   EXPECT_EQ(violated({0.2F, 0, 0.98F}), 0);
-}
-
-Scene scene(const std::vector<PlacedCloud>& clouds) {
-  std::vector<KeyframePosition> stands;
-  for (std::size_t i = 0; i < clouds.size(); ++i) stands.push_back({i, clouds[i].T_local_sensor.translation()});
-  return {stands, [&clouds](std::span<const std::size_t> keyframes) {
-            std::vector<SubmapPtr> places;
-            for (const std::size_t k : keyframes)
-              places.push_back(std::make_shared<const Submap>(
-                  make_submap(clouds, clouds[k].T_local_sensor.translation(), SubmapConfig{})));
-            return places;
-          }};
-}
-
-/// The whole way from a guess to a judgement.
-Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<PlacedCloud>& clouds_b, const Pose& T_0,
-                 const Eigen::Vector3d& p_b, const JudgeConfig& config = {}) {
-  const Scene a = scene(clouds_a), b = scene(clouds_b);
-  const auto meeting = first_meeting(a.positions, b.positions, T_0, p_b, config);
-  if (!meeting) return {};
-  const ScreeningResult first = screen_submaps(a.places({&meeting->keyframe_a, 1}).front(),
-                                               b.places({&meeting->keyframe_b, 1}).front(), T_0, config);
-  Judgement out = judge(a, b, first, config);
-  EXPECT_LE(out.evidence.probability, best_probability(first));
-  return out;
-}
-
-TEST(Judge, APlaceThatNothingSpeaksAgainstMayStillBeRight) {
-  EXPECT_GT(best_probability({}), 0.99) << "or rivals of a copy would be spared, and it would be accepted";
-  ScreeningResult contradicted;
-  contradicted.place.a_by_b = {1000, 100, 0, 0};
-  EXPECT_LT(best_probability(contradicted), 0.1);
-}
-
-TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
-  const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30), BoxMine::drift(10, -20, 10, 0, 6)});
-  const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);
-  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
-  const auto clouds_a = placed(a), clouds_b = placed(b);
-  const Eigen::Vector3d crossing = b.T_mine_local.inverse() * Eigen::Vector3d(30, 0, 1);
-  const Pose guess = truth * pose_from_yaw(0.1, {0.7, -0.6, 0});
-  const Judgement right = judged(clouds_a, clouds_b, guess, crossing);
-  EXPECT_GT(right.evidence.probability, 0.9);
-  EXPECT_LT((right.T_a_b * crossing - truth * crossing).norm(), 0.05);
-  EXPECT_NEAR(right.T_a_b.linear().determinant(), 1, 1e-9);
-  EXPECT_GT(right.evidence.places, 1);
-  JudgeConfig with_threads;
-  with_threads.threads = 3;
-  EXPECT_EQ(right.T_a_b.matrix(), judged(clouds_a, clouds_b, guess, crossing, with_threads).T_a_b.matrix());
-  const Judgement wrong = judged(clouds_a, clouds_b, Eigen::Translation3d(-20, 0, 0) * truth, crossing);
-  EXPECT_LT(wrong.evidence.probability, 0.5);
-  EXPECT_EQ(judged({}, clouds_b, truth, crossing).status, RegistrationStatus::too_little_overlap);
-  EXPECT_EQ(judged(clouds_a, clouds_b, Eigen::Translation3d(500, 0, 0) * truth, crossing).status,
-            RegistrationStatus::too_little_overlap);
-}
-
-TEST(Judge, APlaceWhereRockLiesBetweenTheRobotsSaysNothing) {
-  // Both drive the same drift; much later b passes 9 m from where a was: near enough to be asked, but there is no way
-  // through.
-  const BoxMine mine({BoxMine::drift(-40, -40, 0, -40), BoxMine::drift(-20, -40, -20, -28, 6),
-                      BoxMine::drift(0, -40, 0, 0), BoxMine::drift(0, 0, 40, 0), BoxMine::drift(-36, -40, -36, 9),
-                      BoxMine::drift(-36, 9, 30, 9)});
-  const auto a = drive(mine, {{-38, -40}, {0, -40}, {0, 0}, {38, 0}}, 0, 1);
-  const auto b = drive(mine, {{-8, -40}, {-36, -40}, {-36, 9}, {28, 9}}, 1, 2);
-  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
-  const Eigen::Vector3d branch = b.T_mine_local.inverse() * Eigen::Vector3d(-20, -40, 1);
-  const Judgement right = judged(placed(a), placed(b), truth, branch);
-  EXPECT_LT(right.evidence.places, JudgeConfig{}.places) << "some were left out";
-  EXPECT_EQ(right.evidence.places_agreeing, right.evidence.places);
-  EXPECT_GT(right.evidence.probability, 0.9);
-}
-
-TEST(Judge, AWrongPlacementThatItsFarthestPlaceRefutesIsNotJudgedAtTheOthers) {
-  // Two mines that are alike but for a hall where the other goes on as a drift.
-  std::vector<test::Box> alike{BoxMine::drift(0, 0, 60, 0), BoxMine::drift(8, -20, 8, 20)}, with_hall = alike;
-  with_hall.push_back(BoxMine::drift(36, 0, 60, 0, 12));
-  const auto a = drive(BoxMine(with_hall), {{3, 0}, {56, 0}}, 0, 1), b = drive(BoxMine(alike), {{3, 0}, {52, 0}}, 1, 2);
-  const auto clouds_a = placed(a), clouds_b = placed(b);
-  const Pose T_0 = a.T_mine_local.inverse() * b.T_mine_local;
-  const Eigen::Vector3d begin = b.T_mine_local.inverse() * Eigen::Vector3d(8, 0, 1);
-  const auto places = [&](double doubted_violation, double refuting_violation) {
-    JudgeConfig config;
-    config.doubted_violation = doubted_violation;
-    config.refuting_violation = refuting_violation;
-    const Judgement out = judged(clouds_a, clouds_b, T_0, begin, config);
-    EXPECT_LT(out.evidence.probability, 0.1);
-    EXPECT_GT(out.evidence.worst_place_violation, JudgeConfig{}.refuting_violation);
-    return out.evidence.places;
-  };
-  const JudgeConfig config;
-  EXPECT_EQ(places(0, config.refuting_violation), 2);
-  EXPECT_EQ(places(0, 1), config.places) << "the farthest place does not contradict enough";
-  EXPECT_EQ(places(config.doubted_violation, config.refuting_violation), config.places) << "the first one fits";
 }
 
 }  // namespace
