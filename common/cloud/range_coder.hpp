@@ -28,7 +28,7 @@ class AdaptiveBit {
     return static_cast<std::uint16_t>(bit ? p - (p >> shift) : p + ((65535 - p) >> shift));
   }
   std::uint16_t quick_ = 32768, slow_ = 32768;
-  std::uint8_t seen_ = 0;
+  std::uint16_t seen_ = 0;
 };
 
 class RangeEncoder {
@@ -110,9 +110,9 @@ class RangeDecoder {
     std::uint64_t bits = 0;
     while (count-- > 0) {
       range_ >>= 1;
-      const bool bit = code_ >= range_;
-      if (bit) code_ -= range_;
-      bits = bits << 1 | (bit ? 1U : 0U);
+      const std::uint32_t bit = code_ >= range_ ? 1 : 0;
+      code_ -= range_ & (0U - bit);  // no branch, which would be foreseen half the time
+      bits = bits << 1 | bit;
       normalise();
     }
     return bits;

@@ -35,6 +35,7 @@ void vote(const DescriptorIndex& index, const std::vector<Vector>& asked, int th
 }  // namespace
 
 void PartnerRanking::add(SessionId id, const Keyframe& keyframe, const SessionMap& sessions) {
+  ++changes_;
   const Session& session = sessions.at(id);
   const auto& q = keyframe.descriptor.q;
   std::uint64_t& last = places_of_[{session.site, id}];
@@ -61,6 +62,7 @@ void PartnerRanking::add_all(DescriptorIndex& index, const Kind& kind, const Ses
 
 /// Entries in the earlier site's indices are ignored there, and count again if the session returns.
 void PartnerRanking::take_to_site(SessionId id, const SessionMap& sessions) {
+  ++changes_;
   for (const Keyframe& keyframe : sessions.at(id).keyframes) add(id, keyframe, sessions);
 }
 
@@ -105,6 +107,12 @@ void PartnerRanking::take_in_walls(const std::string& site, const SessionMap& se
 }
 
 std::vector<SessionId> PartnerRanking::rank(SessionId id, const SessionMap& sessions) {
+  if (last_.id != id || last_.sessions != sessions.all().size() || last_.changes != changes_)
+    last_ = {id, sessions.all().size(), changes_, ranked(id, sessions)};
+  return last_.order;
+}
+
+std::vector<SessionId> PartnerRanking::ranked(SessionId id, const SessionMap& sessions) {
   const auto partners = static_cast<std::size_t>(config_.partners);
   const Session& self = sessions.at(id);
   std::vector<SessionId> kin, strangers;

@@ -24,7 +24,7 @@ class PartnerRanking {
 
   /// The sessions whose places look most like those of this one, best first: at most four times MergeConfig::partners
   /// of its own family, then at most twice that number of other families. All of them if the site has no more than
-  /// `partners` others.
+  /// `partners` others. Remembers the last answer until a session comes, grows, moves or goes.
   std::vector<SessionId> rank(SessionId id, const SessionMap& sessions);
 
  private:
@@ -38,8 +38,17 @@ class PartnerRanking {
   };
   Votes votes_by_places(SessionId id, const SessionMap& sessions) const;
   Votes votes_by_walls(SessionId id, const SessionMap& sessions);
+  std::vector<SessionId> ranked(SessionId id, const SessionMap& sessions);
   void take_in_walls(const std::string& site, const SessionMap& sessions);
   void add_all(DescriptorIndex& index, const Kind& kind, const SessionMap& sessions) const;
+
+  /// An answer, and what there was when it was given.
+  struct Answer {
+    SessionId id = 0;
+    std::size_t sessions = 0;
+    std::uint64_t changes = 0;
+    std::vector<SessionId> order;
+  };
 
   const MergeConfig config_;
   const std::size_t exact_up_to_;
@@ -47,6 +56,8 @@ class PartnerRanking {
   std::map<OfSite, std::uint64_t> places_of_;                      // the last keyframe of each session that was added
   std::map<std::string, std::unique_ptr<DescriptorIndex>> walls_;  // by site; created when first needed
   std::map<OfSite, std::size_t> walls_of_;                         // how many keyframes of each session were taken in
+  std::uint64_t changes_ = 0;                                      // keyframes added, and sessions moved
+  Answer last_;
 };
 
 }  // namespace headframe

@@ -176,7 +176,7 @@ std::vector<double> HypothesisFinder::promises(std::span<const std::pair<Session
   for_blocks(pairs.size(), 1, config_.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const auto& [a, b] = pairs[i];
     const auto found = search(a, b, *of.at(a.id), *of.at(b.id), few);
-    if (!found.empty()) out[i] = found.front().promise;
+    for (const Hypothesis& h : found) out[i] = std::max(out[i], h.promise * std::pow(2 * h.descriptors.cautious(), 2));
   });
   return out;
 }

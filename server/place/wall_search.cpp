@@ -79,25 +79,54 @@ void keep_least(std::vector<T>& all, std::size_t most) {
   all.erase(end, all.end());
 }
 
-/// Keeps the best of those that are different placements (same_wall_peak).
+/// Placements as coordinates, so that many are compared at once.
+struct Placements {
+  std::vector<float> x, y, yaw_rad;  // where the middle of b lies, and how b is turned
+
+  void add(const Eigen::Vector2f& at, float yaw) {
+    x.push_back(at.x());
+    y.push_back(at.y());
+    yaw_rad.push_back(yaw);
+  }
+};
+
+/// Whether one of the placements from `begin` to `end` is the same as this one (same_wall_peak).
+HEADFRAME_WIDE bool any_same(const Placements& all, std::size_t begin, std::size_t end, const Eigen::Vector2f& at,
+                             float yaw_rad) {
+  constexpr auto reach_m = static_cast<float>(same_wall_peak.metres),
+                 reach = static_cast<float>(same_wall_peak.radians);
+  constexpr float turn = 2 * std::numbers::pi_v<float>;
+  const float *x = all.x.data(), *y = all.y.data(), *yaw = all.yaw_rad.data();
+  const float at_x = at.x(), at_y = at.y();
+  int same = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const float dx = x[i] - at_x, dy = y[i] - at_y, turned = std::abs(yaw[i] - yaw_rad);
+    same += static_cast<int>(dx * dx + dy * dy < reach_m * reach_m) &
+            static_cast<int>(std::min(turned, turn - turned) < reach);
+  }
+  return same > 0;
+}
+
+/// Keeps the best of those that are different placements.
 void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
+  constexpr std::size_t at_once = 64;
   std::vector<std::pair<double, std::size_t>> order(matches.size());  // the best first, then as found
   for (std::size_t i = 0; i < matches.size(); ++i) order[i] = {-matches[i].score, i};
   keep_least(order, 4 * most);
   std::sort(order.begin(), order.end());
   std::vector<WallMatch> kept;
-  std::vector<Eigen::Vector2d> middles;  // of those that are kept
+  Placements known;
   for (const auto& [score, i] : order) {
     if (kept.size() == most) break;
     const WallMatch& m = matches[i];
-    const Eigen::Vector2d at = middle_at(m, middle);
-    bool known = false;
-    for (std::size_t k = 0; k < kept.size() && !known; ++k)
-      known = (middles[k] - at).squaredNorm() < same_wall_peak.metres * same_wall_peak.metres &&
-              std::abs(wrap_rad(kept[k].yaw_rad - m.yaw_rad)) < same_wall_peak.radians;
-    if (known) continue;
+    const Eigen::Vector2f at = middle_at(m, middle).cast<float>();
+    const auto yaw = static_cast<float>(m.yaw_rad);
+    bool is_known = false;
+    for (std::size_t k = 0; k < kept.size() && !is_known; k += at_once)
+      is_known = any_same(known, k, std::min(k + at_once, kept.size()), at, yaw);
+    if (is_known) continue;
     kept.push_back(m);
-    middles.push_back(at);
+    known.add(at, yaw);
   }
   matches = std::move(kept);
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "server/support/wide.hpp"
+
 namespace headframe {
 namespace {
 
@@ -11,6 +13,13 @@ constexpr int loose = 8;                                                  // a f
 
 Eigen::Vector3f point_of(const KdTree::Leaf& leaf, std::size_t i) {
   return {leaf.x[i / 4][i % 4], leaf.y[i / 4][i % 4], leaf.z[i / 4][i % 4]};
+}
+
+/// How many of the numbers are not above `most`.
+HEADFRAME_WIDE int count_up_to(std::span<const float> numbers, float most) {
+  int found = 0;
+  for (const float number : numbers) found += static_cast<int>(number <= most);
+  return found;
 }
 
 }  // namespace
@@ -58,16 +67,20 @@ float NeighbourhoodFinder::first_bound(std::size_t leaf, const Eigen::Vector3f& 
 bool NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound) {
   if (group_count_ + KdTree::leaf_groups > most_groups) {
     bound = kth_squared(bound);
-    const auto out = [&](const Group& g) { return !any(g.squared_m <= bound); };
-    group_count_ = static_cast<std::size_t>(
-        std::remove_if(groups_.begin(), groups_.begin() + static_cast<std::ptrdiff_t>(group_count_), out) -
-        groups_.begin());
+    std::size_t kept = 0;
+    for (std::size_t g = 0; g < group_count_; ++g) {
+      groups_[kept] = groups_[g];
+      squared_m_[kept] = squared_m_[g];
+      kept += any(squared_m_[g] <= bound) ? 1 : 0;
+    }
+    group_count_ = kept;
     if (group_count_ + KdTree::leaf_groups > most_groups) return false;
   }
   for (std::size_t g = 0; g < KdTree::leaf_groups; ++g) {
     const Float4 dx = leaf.x[g] - query.x(), dy = leaf.y[g] - query.y(), dz = leaf.z[g] - query.z();
     const Float4 squared_m = dx * dx + dy * dy + dz * dz;
-    groups_[group_count_] = {dx, dy, dz, squared_m};
+    groups_[group_count_] = {dx, dy, dz};
+    squared_m_[group_count_] = squared_m;
     group_count_ += any(squared_m <= bound) ? 1 : 0;
   }
   return true;
@@ -77,20 +90,16 @@ bool NeighbourhoodFinder::gather(const KdTree::Leaf& leaf, const Eigen::Vector3f
 /// k-th; `bound` if no more than k + slack points are within it. Found by interpolation between counts, with bisection
 /// steps if that is slow.
 float NeighbourhoodFinder::kth_squared(float bound, int slack) const {
-  const std::span groups(groups_.data(), group_count_);
-  const auto count = [&](float squared_m) {
-    Mask4 ones{};
-    for (const Group& g : groups) ones -= g.squared_m <= squared_m;
-    return count_of_lanes(ones);
-  };
+  const std::span distances(reinterpret_cast<const float*>(squared_m_.data()), 4 * group_count_);
+  const auto count = [&](float squared_m) { return count_up_to(distances, squared_m); };
   float low = 0, high = bound;
   const int aim = k_ + slack / 2;
   int below = 0, above = count(high);
   if (above <= k_ + slack) return bound;
   if (high == unbounded) {
     Float4 farthest{};
-    for (const Group& g : groups) {
-      const Float4 known = masked(g.squared_m <= unbounded, g.squared_m);
+    for (const Float4& d : std::span(squared_m_.data(), group_count_)) {
+      const Float4 known = masked(d <= unbounded, d);
       farthest = larger(farthest, known);
     }
     high = std::max(std::max(farthest[0], farthest[1]), std::max(farthest[2], farthest[3]));
@@ -109,8 +118,9 @@ float NeighbourhoodFinder::kth_squared(float bound, int slack) const {
 
 Neighbourhood NeighbourhoodFinder::moments(float bound) const {
   Float4 n{}, x{}, y{}, z{}, xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
-  for (const Group& g : std::span(groups_.data(), group_count_)) {
-    const Mask4 in = g.squared_m <= bound;
+  for (std::size_t i = 0; i < group_count_; ++i) {
+    const Group& g = groups_[i];
+    const Mask4 in = squared_m_[i] <= bound;
     const Float4 dx = masked(in, g.dx), dy = masked(in, g.dy), dz = masked(in, g.dz);
     n += masked(in, all_lanes(1));
     x += dx, y += dy, z += dz;

@@ -26,7 +26,7 @@ class NeighbourhoodFinder {
 
  private:
   struct Group {
-    Float4 dx, dy, dz, squared_m;  // from the query
+    Float4 dx, dy, dz;  // from the query
   };
   float first_bound(std::size_t leaf, const Eigen::Vector3f& query);
   bool gather(const KdTree::Leaf& leaf, const Eigen::Vector3f& query, float& bound);
@@ -37,6 +37,7 @@ class NeighbourhoodFinder {
   int k_;
   static constexpr std::size_t most_groups = 256;  // exceeded only if very many points are exactly as far as the k-th
   std::array<Group, most_groups> groups_;
+  std::array<Float4, most_groups> squared_m_;  // their distances from the query
   std::size_t group_count_ = 0;
   std::vector<std::uint32_t> near_;
 };

@@ -73,6 +73,7 @@ TEST(PartnerRanking, OnlyThoseOfItsSiteAreWorthASearch) {
   database.take_to("south", {1});
   EXPECT_TRUE(database.rank(2).empty());
   EXPECT_EQ(database.rank(4), (std::vector<SessionId>{3, 1})) << "the nearest first, by what it brought along";
+  EXPECT_TRUE(database.rank(2).empty());
   database.take_to("", {3});
   EXPECT_EQ(database.rank(2), std::vector<SessionId>{3}) << "back, with what came meanwhile";
 }
@@ -81,8 +82,9 @@ TEST(PartnerRanking, OtherFamiliesComeLast) {
   Database database;
   database.add(1, 5, 0);
   database.add(2, 5, 0);
-  database.sessions.add(3, {"other", 1});
   database.add(4, 5, 0);
+  EXPECT_EQ(database.rank(1), (std::vector<SessionId>{2, 4}));
+  database.sessions.add(3, {"other", 1});
   EXPECT_EQ(database.rank(1), (std::vector<SessionId>{2, 4, 3}));
 }
 
