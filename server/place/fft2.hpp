@@ -13,7 +13,7 @@ using Floats = std::vector<float, boost::alignment::aligned_allocator<float, 64>
 /// Complex numbers of a row-major grid, with real and imaginary parts separate so that rows can be vectorised.
 struct ComplexGrid {
   explicit ComplexGrid(std::size_t size = 0) : re(size), im(size) {}
-  ComplexGrid(Floats real, Floats imaginary) : re(std::move(real)), im(std::move(imaginary)) {}
+
   Floats re, im;
 };
 

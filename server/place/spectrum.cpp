@@ -6,8 +6,8 @@ namespace headframe {
 namespace {
 
 /// One row, from the rows of the packed spectrum with this and with the opposite frequency.
-HEADFRAME_WIDE void take_apart(const float* re, const float* im, const float* opposite_re, const float* opposite_im,
-                               std::size_t n, float* wall_re, float* wall_im, float* free_re, float* free_im) {
+HEADFRAME_WIDE void take_row_apart(const float* re, const float* im, const float* opposite_re, const float* opposite_im,
+                                   std::size_t n, float* wall_re, float* wall_im, float* free_re, float* free_im) {
   const auto at = [&](std::size_t x, std::size_t opposite) {
     wall_re[x] = (re[x] + opposite_re[opposite]) / 2;
     wall_im[x] = (im[x] - opposite_im[opposite]) / 2;
@@ -19,16 +19,14 @@ HEADFRAME_WIDE void take_apart(const float* re, const float* im, const float* op
 }
 
 /// In tiles, because rows at a distance of a power of two would evict each other from the cache.
-Floats turned(const Floats& grid, std::size_t n) {
+void turn(const Floats& grid, std::size_t n, Floats& out) {
   constexpr std::size_t tile = 16;  // divides the sizes of Fft2
-  Floats out(n * n);
   for (std::size_t first_y = 0; first_y < n; first_y += tile)
     for (std::size_t first_x = 0; first_x < n; first_x += tile)
       for (std::size_t x = first_x; x < first_x + tile; ++x) {
         const float* from = &grid[(n - x) % n * n];
         for (std::size_t y = first_y; y < first_y + tile; ++y) out[y * n + x] = from[y];
       }
-  return out;
 }
 
 /// With sign -1 b is its complex conjugate.
@@ -53,20 +51,20 @@ HEADFRAME_WIDE void multiply(const Spectrum& a, const Spectrum& b, const Spectru
 
 }  // namespace
 
-Spectrum taken_apart(const ComplexGrid& packed, std::size_t n) {
-  Spectrum out{ComplexGrid(n * n), ComplexGrid(n * n)};
+void take_apart(const ComplexGrid& packed, std::size_t n, Spectrum& out) {
   for (std::size_t y = 0; y < n; ++y) {
     const std::size_t row = y * n, opposite = (n - y) % n * n;
-    take_apart(&packed.re[row], &packed.im[row], &packed.re[opposite], &packed.im[opposite], n, &out.wall.re[row],
-               &out.wall.im[row], &out.free.re[row], &out.free.im[row]);
+    take_row_apart(&packed.re[row], &packed.im[row], &packed.re[opposite], &packed.im[opposite], n, &out.wall.re[row],
+                   &out.wall.im[row], &out.free.re[row], &out.free.im[row]);
   }
-  return out;
 }
 
 /// A grid turned by a right angle has at (kx, ky) what the grid itself has at (ky, -kx).
-Spectrum turned(const Spectrum& grids, std::size_t n) {
-  const auto both = [n](const ComplexGrid& grid) { return ComplexGrid{turned(grid.re, n), turned(grid.im, n)}; };
-  return {both(grids.wall), both(grids.free)};
+void turn(const Spectrum& grids, std::size_t n, Spectrum& out) {
+  turn(grids.wall.re, n, out.wall.re);
+  turn(grids.wall.im, n, out.wall.im);
+  turn(grids.free.re, n, out.free.re);
+  turn(grids.free.im, n, out.free.im);
 }
 
 /// Half a turn is the complex conjugate, because the grids are real.

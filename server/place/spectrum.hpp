@@ -7,14 +7,15 @@ namespace headframe {
 
 /// The spectra of two real n x n grids, walls and free ground.
 struct Spectrum {
+  explicit Spectrum(std::size_t n) : wall(n * n), free(n * n) {}
   ComplexGrid wall, free;
 };
 
 /// From the transform of a grid with the walls as real and the free ground as imaginary part.
-Spectrum taken_apart(const ComplexGrid& packed, std::size_t n);
+void take_apart(const ComplexGrid& packed, std::size_t n, Spectrum& out);
 
 /// Of the grids turned by a right angle.
-Spectrum turned(const Spectrum& grids, std::size_t n);
+void turn(const Spectrum& grids, std::size_t n, Spectrum& out);
 
 /// a times the conjugate of b, summed over walls and free ground, for b and for b turned by a right angle: the inverse
 /// transform has the correlation with the first as real, that with the second as imaginary part. With `half_a_turn`
