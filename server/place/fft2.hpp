@@ -2,7 +2,6 @@
 
 #include <boost/align/aligned_allocator.hpp>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace headframe {
@@ -13,7 +12,6 @@ using Floats = std::vector<float, boost::alignment::aligned_allocator<float, 64>
 /// Complex numbers of a row-major grid, with real and imaginary parts separate so that rows can be vectorised.
 struct ComplexGrid {
   explicit ComplexGrid(std::size_t size = 0) : re(size), im(size) {}
-
   Floats re, im;
 };
 

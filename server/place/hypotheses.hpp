@@ -72,10 +72,10 @@ class HypothesisFinder {
   /// Returns null if a new search would be needed and none is allowed any more. The pointer is valid until the next
   /// call.
   const Found* find(const SessionView& a, const SessionView& b);
-  /// For each pair, the most that its best hypotheses promise: Hypothesis::promise times (2 s)^2, where s is how similar
-  /// the descriptors are (0.5 if none were compared), because between pairs they say more than between placements of
-  /// one pair. 0 without any hypothesis. A search with few seats and a third of the rotations, of several pairs at once.
-  /// Does not count against allow(), and find() does not learn of it.
+  /// For each pair, the most that its best hypotheses promise: Hypothesis::promise times (2 s)^2, where s is how
+  /// similar the descriptors are (0.5 if none were compared), because between pairs they say more than between
+  /// placements of one pair. 0 without any hypothesis. A search with few seats and a third of the rotations, of several
+  /// pairs at once. Does not count against allow(), and find() does not learn of it.
   std::vector<double> promises(std::span<const std::pair<SessionView, SessionView>> pairs);
   /// Whether the session has grown enough for a new search since its path was so long.
   bool has_news(const SessionView& session, double path_then_m) const;

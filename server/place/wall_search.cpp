@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <tuple>
 
 #include "common/geometry/se3.hpp"
 #include "server/place/spectrum.hpp"
@@ -107,18 +109,22 @@ HEADFRAME_WIDE bool any_same(const Placements& all, std::size_t begin, std::size
   return same > 0;
 }
 
-/// Keeps the best of those that are different placements.
-void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eigen::Vector2d& middle) {
+/// The best of those that are different placements.
+std::vector<WallMatch> best_distinct(const std::vector<std::vector<WallMatch>>& found, std::size_t most,
+                                     const Eigen::Vector2d& middle) {
   constexpr std::size_t at_once = 64;
-  std::vector<std::pair<double, std::size_t>> order(matches.size());  // the best first, then as found
-  for (std::size_t i = 0; i < matches.size(); ++i) order[i] = {-matches[i].score, i};
+  std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> order;  // the best first, then as found
+  order.reserve(std::accumulate(found.begin(), found.end(), std::size_t{0},
+                                [](std::size_t sum, const auto& list) { return sum + list.size(); }));
+  for (std::uint32_t turn = 0; turn < found.size(); ++turn)
+    for (std::uint32_t i = 0; i < found[turn].size(); ++i) order.emplace_back(-found[turn][i].score, turn, i);
   keep_least(order, 4 * most);
   std::sort(order.begin(), order.end());
   std::vector<WallMatch> kept;
   Placements known;
-  for (const auto& [score, i] : order) {
+  for (const auto& [score, turn, i] : order) {
     if (kept.size() == most) break;
-    const WallMatch& m = matches[i];
+    const WallMatch& m = found[turn][i];
     const Eigen::Vector2f at = middle_at(m, middle).cast<float>();
     const auto yaw = static_cast<float>(m.yaw_rad);
     bool is_known = false;
@@ -128,7 +134,7 @@ void keep_distinct(std::vector<WallMatch>& matches, std::size_t most, const Eige
     kept.push_back(m);
     known.add(at, yaw);
   }
-  matches = std::move(kept);
+  return kept;
 }
 
 /// Correlates a rotated b with a for all shifts at once. Grids are cyclic and b's middle lies in cell (0, 0), so that a
@@ -145,7 +151,8 @@ class Correlator {
         middle_b_(WallBox(b).middle()),
         radius_a_(radius_m(a, middle_a_)),
         radius_b_(radius_m(b, middle_b_)),
-        n_(size_for(radius_a_, radius_b_, steps.cell_m)) {
+        n_(size_for(radius_a_, radius_b_, steps.cell_m)),
+        a_(n_) {
     ComplexGrid grid(n_ * n_);
     draw(a, middle_a_, 0, grid);
     ComplexGrid worth(n_ * n_);  // real: score of a wall of b that falls there; imaginary: of a free cell of b
@@ -156,7 +163,7 @@ class Correlator {
         worth.im[i] = -wall_penalty * grid.re[i];
       }
     Fft2(n_).forward(worth);
-    a_ = taken_apart(worth, n_);
+    take_apart(worth, n_, a_);
   }
 
   Eigen::Vector2d middle() const { return middle_b_.cast<double>(); }
@@ -179,15 +186,23 @@ class Correlator {
     return best;
   }
 
+  /// Memory for one rotation after the other: to get it anew each time takes longer than to compute some of it.
+  struct Scratch {
+    explicit Scratch(const Correlator& of)
+        : fft(of.n_), spectrum(of.n_ * of.n_), product(of.n_ * of.n_), b(of.n_), b_turned(of.n_) {}
+    Fft2 fft;
+    ComplexGrid spectrum, product;
+    Spectrum b, b_turned;
+  };
+
   /// Appends the best peaks for a rotation in the first quarter and for the three rotations at right angles to it.
-  void search(std::size_t turn, std::vector<WallMatch>& found) const {
-    Fft2 fft(n_);
-    ComplexGrid spectrum(n_ * n_), product(n_ * n_);
+  void search(std::size_t turn, Scratch& scratch, std::vector<WallMatch>& found) const {
+    auto& [fft, spectrum, product, b, b_turned] = scratch;
     const double yaw = static_cast<double>(turn) * std::numbers::pi / 2 / static_cast<double>(steps_.quarter_turns);
     draw(b_, middle_b_, yaw, spectrum);
     fft.forward(spectrum);
-    const Spectrum b = taken_apart(spectrum, n_);
-    const Spectrum b_turned = turned(b, n_);
+    take_apart(spectrum, n_, b);
+    headframe::turn(b, n_, b_turned);
     for (int quarters : {0, 2}) {
       correlate(a_, b, b_turned, quarters == 2, product);
       fft.inverse(product);
@@ -274,11 +289,11 @@ std::vector<WallMatch> search_walls(const WallMap& a, const WallField& field, co
   const WallMap clear_a = clear_of_walls(a), clear_b = clear_of_walls(b);
   const Correlator correlator(clear_a, clear_b, steps);
   std::vector<std::vector<WallMatch>> found(steps.quarter_turns);
-  for_blocks(steps.quarter_turns, 1, threads,
-             [&](std::size_t turn, std::size_t, std::size_t) { correlator.search(turn, found[turn]); });
-  std::vector<WallMatch> matches;
-  for (const auto& list : found) matches.insert(matches.end(), list.begin(), list.end());
-  keep_distinct(matches, most, correlator.middle());
+  for_blocks(steps.quarter_turns, 3, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    Correlator::Scratch scratch(correlator);
+    for (std::size_t turn = begin; turn < end; ++turn) correlator.search(turn, scratch, found[turn]);
+  });
+  std::vector<WallMatch> matches = best_distinct(found, most, correlator.middle());
   for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) matches[i] = correlator.unfolded(matches[i], field);
   });

@@ -189,12 +189,16 @@ TEST(Spectrum, CorrelatesWithFourRotationsAsTheGridsDo) {
   Fft2 fft(n);
   const auto spectrum = [&](ComplexGrid grid) {
     fft.forward(grid);
-    return taken_apart(grid, n);
+    Spectrum out(n);
+    take_apart(grid, n, out);
+    return out;
   };
   const Spectrum of_a = spectrum(a), of_b = spectrum(b);
+  Spectrum b_turned(n);
+  turn(of_b, n, b_turned);
   ComplexGrid product(n * n);
   for (int quarters = 0; quarters < 4; ++quarters) {
-    correlate(of_a, of_b, turned(of_b, n), quarters >= 2, product);
+    correlate(of_a, of_b, b_turned, quarters >= 2, product);
     fft.inverse(product);
     for (std::size_t shift = 0; shift < n * n; shift += 97) {
       double sum = 0;
