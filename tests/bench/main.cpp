@@ -49,6 +49,8 @@ nlohmann::json walls() {
   return {{"wall_search_ms", ms}};
 }
 
+constexpr std::size_t sessions_in_scale = 1000, alignments_in_scale = 3000;
+
 struct Options {
   std::string what = "all";
   std::filesystem::path recordings = "../shared/data", out = "build/bench";
@@ -61,6 +63,7 @@ struct Options {
   std::optional<std::uint64_t> first_seed;
   LiveBench live = {};
   YearsBench years = {};
+  bool years_graph = false;
   LocalizeBench localize = {};
 
   LiveBench live_bench() const {
@@ -87,6 +90,12 @@ nlohmann::json merges(const Options& options) {
   figures["merges"] = drawn_mines(options, Clouds::at_once, "merges");
   figures["merge"] = merge_times();
   return figures;
+}
+
+nlohmann::json pose_graph_of(const Options& options) {
+  const PoseGraphBench usual;
+  return pose_graph({options.sets, options.mines.value_or(usual.mines), options.first_seed.value_or(usual.first_seed),
+                     options.out / "pose-graph"});
 }
 
 nlohmann::json descriptor_families(const Options& options) {
@@ -135,16 +144,17 @@ int run(const Options& options) {
   part("years", false, [&] {
     YearsBench bench = options.years;
     bench.out = options.out;
-    return years(bench);
+    nlohmann::json figures = years(bench);
+    if (options.years_graph) {
+      figures.update(pose_graph_of(options));
+      figures["optimise_s"] = pose_graph_scale(sessions_in_scale, alignments_in_scale).at("optimise_s");
+    }
+    return figures;
   });
   part("partners", false, [&] { return partners(options.sets); });
   part("one-map", false, [&] { return one_map(options.sets); });
-  part("pose-graph", false, [&] {
-    const PoseGraphBench usual;
-    return pose_graph({options.sets, options.mines.value_or(usual.mines), options.first_seed.value_or(usual.first_seed),
-                       options.out / "pose-graph"});
-  });
-  part("pose-graph-scale", false, [] { return pose_graph_scale(1000, 3000); });
+  part("pose-graph", false, [&] { return pose_graph_of(options); });
+  part("pose-graph-scale", false, [] { return pose_graph_scale(sessions_in_scale, alignments_in_scale); });
   part("basin", false, [&] { return basin(options.out); });
   part("descriptors", false, [&] { return descriptor_families(options); });
   if (known) return missing ? 1 : 0;
@@ -204,7 +214,9 @@ int main(int argc, char** argv) {
   live->add_option("--conditions", options.live.conditions, "drives whose conditions contain this, as \"link lost\"");
   live->add_option("--seed", options.live.first_seed, "of the first drawn mine");
   auto* years = app.add_subcommand("years", "what one more session costs a base station that has kept many");
-  years->add_option("--stored", options.years.stored, "sessions, comma separated")->delimiter(',');
+  auto* stored = years->add_option("--stored", options.years.stored,
+                                   "sessions, comma separated; none: 10, 100, 1000, and then the pose graph");
+  stored->delimiter(',');
   years->add_option("--keyframes", options.years.keyframes, "of each")->check(CLI::Range(30, 10000));
   years->add_option("--visits", options.years.visits, "sessions that then come")->check(CLI::Range(1, 100));
   auto* partners = app.add_subcommand("partners", "is the right session among those that one is tried with");
@@ -213,7 +225,10 @@ int main(int argc, char** argv) {
   auto* one_map = app.add_subcommand("one-map", "do all drives through a mine become one map");
   one_map->add_option("DIR", options.sets, "data sets (as of stages), or folders of them")->required();
   one_map->callback([&options] { options.what = "one-map"; });
-  years->callback([&options] { options.what = "years"; });
+  years->callback([&options, stored] {
+    options.what = "years";
+    options.years_graph = stored->empty();
+  });
   live->callback([&options] { options.what = "live"; });
   try {
     app.parse(argc, argv);

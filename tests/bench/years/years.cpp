@@ -255,6 +255,9 @@ nlohmann::json years(const YearsBench& bench) {
   }
   if (const std::size_t n = settle_cpu_s.size(); n > 1)
     out["settle_cpu_ratio_last_two"] = settle_cpu_s[n - 1] / settle_cpu_s[n - 2];
+  const nlohmann::json& by = out["by_sessions"];
+  if (by.contains("100") && by.contains("1000"))
+    out["settle_ratio_1000_100"] = by["1000"]["settle_p50_s"].get<double>() / by["100"]["settle_p50_s"].get<double>();
   return out;
 }
 
