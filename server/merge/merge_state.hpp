@@ -38,8 +38,7 @@ struct MergePipeline::State {
   std::set<std::pair<SessionId, SessionId>> to_settle;  // recently published
   std::set<SessionId> to_prepare;  // sessions with news, for which something can be computed ahead of attempts
 
-  /// Whether a look at the likeliest placements decides if the others of a pair are looked at.
-  /// How many of its likeliest placements decide whether the others are looked at, too.
+  /// How many of a pair's likeliest placements decide whether its others are looked at, too.
   enum class Look : std::uint8_t { at_all = 0, at_three_first = 3, at_two_first = 2 };
   void merge_pair(const OrderedPair& pair, const Attempt& attempt, Look look = Look::at_all);
   std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, const Alignment* known,
