@@ -28,7 +28,7 @@ class AdaptiveBit {
     return static_cast<std::uint16_t>(bit ? p - (p >> shift) : p + ((65535 - p) >> shift));
   }
   std::uint16_t quick_ = 32768, slow_ = 32768;
-  std::uint16_t seen_ = 0;
+  std::uint16_t seen_ = 0;  // not a byte: a store to one may change anything, as far as the compiler knows
 };
 
 class RangeEncoder {

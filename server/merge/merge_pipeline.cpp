@@ -85,9 +85,9 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 std::vector<Verdict> MergePipeline::State::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases,
                                                        const Alignment* known, const PairFindings* found_elsewhere,
                                                        const Attempt& attempt, Look look) {
-  const auto likeliest = static_cast<std::size_t>(look);
+  constexpr std::size_t likeliest = 3;
   const bool ruled = known && known->ruling != Ruling::none;
-  if (look != Look::at_all && !book.live(pair.a, pair.b) && cases.size() > likeliest) {
+  if (look == Look::at_the_likeliest_first && !book.live(pair.a, pair.b) && cases.size() > likeliest) {
     const std::vector<Case> first(cases.begin(), cases.begin() + likeliest);
     std::vector<Verdict> verdicts = verifier.judge_cases(pair, first, ruled, attempt, found_elsewhere);
     if (std::none_of(verdicts.begin(), verdicts.end(), [this](const Verdict& v) {
@@ -113,8 +113,7 @@ void MergePipeline::State::merge_with_partners(SessionId id, const Attempt& atte
     left.erase(other);
     const OrderedPair pair = sessions.ordered(id, other);
     if (shared.helpers_came()) announce(id, ranked, in_vain, attempt.clouds);
-    const bool promises_less = came_to_nothing >= in_vain / 3;
-    merge_pair(pair, attempt, !many ? Look::at_all : promises_less ? Look::at_two_first : Look::at_three_first);
+    merge_pair(pair, attempt, many ? Look::at_the_likeliest_first : Look::at_all);
     came_to_nothing += sessions.worth_a_look(pair) && !attempt.report.unfinished && !book.live(id, other);
   }
   for (const SessionId other : left)

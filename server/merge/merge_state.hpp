@@ -1,7 +1,6 @@
 #pragma once
 // The parts of the merge pipeline, each of which owns its state; merge_pipeline.cpp connects them.
 
-#include <cstdint>
 #include <set>
 
 #include "server/merge/consistency_check.hpp"
@@ -38,8 +37,8 @@ struct MergePipeline::State {
   std::set<std::pair<SessionId, SessionId>> to_settle;  // recently published
   std::set<SessionId> to_prepare;  // sessions with news, for which something can be computed ahead of attempts
 
-  /// How many of a pair's likeliest placements decide whether its others are looked at, too.
-  enum class Look : std::uint8_t { at_all = 0, at_three_first = 3, at_two_first = 2 };
+  /// Whether a look at the likeliest placements decides if the others of a pair are looked at.
+  enum class Look { at_all, at_the_likeliest_first };
   void merge_pair(const OrderedPair& pair, const Attempt& attempt, Look look = Look::at_all);
   std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, const Alignment* known,
                                    const PairFindings* found_elsewhere, const Attempt& attempt, Look look);
