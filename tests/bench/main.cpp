@@ -105,7 +105,11 @@ nlohmann::json descriptor_families(const Options& options) {
 }
 
 int run(const Options& options) {
-  std::filesystem::create_directories(options.out);
+  std::error_code failed;
+  std::filesystem::create_directories(options.out, failed);
+  if (failed)
+    return fail(options.out.string() + " cannot be made: " + failed.message() + "; run it in a folder you may write to",
+                1);
   bool known = false, missing = false;
   const auto part = [&](const char* name, bool in_all, auto&& measure) {
     if (options.what != name && !(in_all && options.what == "all")) return;

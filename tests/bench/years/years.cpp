@@ -226,6 +226,10 @@ class Years {
 }  // namespace
 
 nlohmann::json years(const YearsBench& bench) {
+  for (const std::size_t count : bench.stored)
+    if (count < bench.visits)  // two visitors of one mine would be merged, too
+      throw std::runtime_error(std::to_string(count) + " stored sessions are too few for " +
+                               std::to_string(bench.visits) + " visits, each to another one: raise --stored");
   nlohmann::json out;
   std::vector<double> settle_cpu_s;
   spdlog::set_level(spdlog::level::warn);
