@@ -169,11 +169,11 @@ Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c,
                                          CloudSource& clouds) {
   ScreeningResult first = screened;
   if (!first.a) {  // it was screened elsewhere
-    const FirstPlace at = first_place(pair, c, submaps_, clouds, judge_);
+    const SubmapPair at = first_place(pair, c, submaps_, clouds, judge_);
     first.a = at.a;
     first.b = at.b;
   }
-  return judge(submaps_.scene(pair.a, c.a.stored, clouds), submaps_.scene(pair.b, c.b.stored, clouds), first, judge_);
+  return judge(submaps_.scene(pair, c.a.stored, c.b.stored, clouds), first, judge_);
 }
 
 std::vector<JudgedCase> CandidateVerifier::judge_ahead(const OrderedPair& pair, const std::vector<Case>& cases,
@@ -210,8 +210,8 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
 
 Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at, CloudSource& clouds) {
   if (at.a.stored.empty() || at.b.stored.empty()) return {};
-  Judgement out = headframe::judge_again(submaps_.scene(pair.a, at.a.stored, clouds),
-                                         submaps_.scene(pair.b, at.b.stored, clouds), at.hypothesis.T_a_b, judge_);
+  Judgement out =
+      headframe::judge_again(submaps_.scene(pair, at.a.stored, at.b.stored, clouds), at.hypothesis.T_a_b, judge_);
   compare_descriptors(sessions_.descriptor_agreement(pair), out);
   weigh(out);
   return out;

@@ -34,7 +34,7 @@ struct MergeConfig : VerdictThresholds {
   /// An attempt ends when this many of the `others` gave nothing: if they are more than `partners`, those that are
   /// tried first are the most promising ones.
   int most_in_vain(std::size_t others) const {
-    return others <= static_cast<std::size_t>(partners) ? partners : partners * 5 / 8;
+    return others <= static_cast<std::size_t>(partners) ? partners : partners * 9 / 16;
   }
 };
 

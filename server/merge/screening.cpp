@@ -1,7 +1,6 @@
 #include "server/merge/screening.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "server/session/same_placement.hpp"
 #include "server/support/parallel.hpp"
@@ -18,7 +17,7 @@ JudgeConfig judge_config(const MergeConfig& config) {
 std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<Case>& cases, SessionSubmaps& submaps,
                                     CloudSource& clouds, const JudgeConfig& judge) {
   std::vector<std::size_t> meet;  // cases
-  std::vector<SubmapRequest> asked;
+  std::vector<Meeting> where;
   std::vector<std::optional<Meeting>> meetings(cases.size());
   for_blocks(cases.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Case& c = cases[i];
@@ -27,33 +26,30 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
   for (std::size_t i = 0; i < cases.size(); ++i) {
     if (!meetings[i]) continue;
     meet.push_back(i);
-    asked.push_back(submaps.at(pair.a, meetings[i]->keyframe_a));
-    asked.push_back(submaps.at(pair.b, meetings[i]->keyframe_b));
+    where.push_back(*meetings[i]);
   }
-  const std::vector<SubmapPtr> at = submaps.near(asked, clouds);
+  const std::vector<SubmapPair> at = submaps.near(pair, where, clouds);
   std::vector<Pose> T(meet.size());
   std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, then as proposed
   for_blocks(meet.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     T[i] = cases[meet[i]].hypothesis.T_a_b;
-    order[i] = {-coarse_fit(*at[2 * i], *at[2 * i + 1], T[i]), i};
+    order[i] = {-coarse_fit(*at[i].a, *at[i].b, T[i]), i};
   });
   std::sort(order.begin(), order.end());
   if (order.size() > judge.screened_fully) order.resize(judge.screened_fully);
   std::vector<ScreeningResult> screened(cases.size());
   for_blocks(order.size(), 1, judge.threads, [&](std::size_t k, std::size_t, std::size_t) {
     const std::size_t i = order[k].second;
-    screened[meet[i]] = screen_submaps(at[2 * i], at[2 * i + 1], T[i], judge);
+    screened[meet[i]] = screen_submaps(at[i].a, at[i].b, T[i], judge);
   });
   return screened;
 }
 
-FirstPlace first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
+SubmapPair first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
                        const JudgeConfig& judge) {
   const auto meeting = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
   if (!meeting) return {};
-  const std::array asked{submaps.at(pair.a, meeting->keyframe_a), submaps.at(pair.b, meeting->keyframe_b)};
-  const auto at = submaps.near(asked, clouds);
-  return {at[0], at[1]};
+  return submaps.near(pair, {&*meeting, 1}, clouds).front();
 }
 
 double look_alikes(std::vector<ScreeningResult> screened, const Pose& T) {

@@ -15,10 +15,7 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
                                     CloudSource& clouds, const JudgeConfig& judge);
 
 /// The submaps of the first place of a case, which screen() registered; null where the two sessions do not meet.
-struct FirstPlace {
-  SubmapPtr a, b;
-};
-FirstPlace first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
+SubmapPair first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
                        const JudgeConfig& judge);
 
 /// Sum of likeness() over the placements, counting each distinct one once and leaving out those near `T`; see

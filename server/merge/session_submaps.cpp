@@ -30,13 +30,25 @@ SubmapRequest SessionSubmaps::at(SessionId id, std::size_t keyframe) const {
   return {id, session.keyframes, session.path_to_m, keyframe};
 }
 
-Scene SessionSubmaps::scene(SessionId id, std::vector<KeyframePosition> positions, CloudSource& clouds) {
-  return {std::move(positions), [this, id, &clouds](std::span<const std::size_t> keyframes) {
-            std::vector<SubmapRequest> asked;
-            asked.reserve(keyframes.size());
-            for (const std::size_t k : keyframes) asked.push_back(at(id, k));
-            return near(asked, clouds);
-          }};
+std::vector<SubmapPair> SessionSubmaps::near(const OrderedPair& pair, std::span<const Meeting> meetings,
+                                             CloudSource& clouds) {
+  std::vector<SubmapRequest> asked;
+  asked.reserve(2 * meetings.size());
+  for (const Meeting& m : meetings) {
+    asked.push_back(at(pair.a, m.keyframe_a));
+    asked.push_back(at(pair.b, m.keyframe_b));
+  }
+  const std::vector<SubmapPtr> made = near(asked, clouds);
+  std::vector<SubmapPair> out;
+  out.reserve(meetings.size());
+  for (std::size_t i = 0; i < meetings.size(); ++i) out.push_back({made[2 * i], made[2 * i + 1]});
+  return out;
+}
+
+Scene SessionSubmaps::scene(const OrderedPair& pair, std::vector<KeyframePosition> a, std::vector<KeyframePosition> b,
+                            CloudSource& clouds) {
+  return {std::move(a), std::move(b),
+          [this, pair, &clouds](std::span<const Meeting> meetings) { return near(pair, meetings, clouds); }};
 }
 
 bool SessionSubmaps::prepare_next(SessionId id, CloudSource& clouds) {

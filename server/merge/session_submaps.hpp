@@ -22,8 +22,12 @@ class SessionSubmaps {
     return far_.get(requests, clouds);
   }
 
-  /// The session as the judge sees it, restricted to these keyframes. `this` and `clouds` must outlive the scene.
-  Scene scene(SessionId id, std::vector<KeyframePosition> positions, CloudSource& clouds);
+  /// The submaps around keyframes of both sessions where they meet.
+  std::vector<SubmapPair> near(const OrderedPair& pair, std::span<const Meeting> meetings, CloudSource& clouds);
+
+  /// The two sessions as the judge sees them, restricted to these keyframes. `this` and `clouds` must outlive it.
+  Scene scene(const OrderedPair& pair, std::vector<KeyframePosition> a, std::vector<KeyframePosition> b,
+              CloudSource& clouds);
 
   /// Prepares the cloud for registration ahead of the attempt that needs it.
   void prepare_cloud(const KeyframeRef& keyframe, CloudSource& clouds) { clouds_.get(keyframe, clouds); }

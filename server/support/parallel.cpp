@@ -1,6 +1,7 @@
 #include "server/support/parallel.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -12,13 +13,16 @@
 namespace headframe {
 namespace {
 
+constexpr std::chrono::microseconds spin_time{50};  // about what it takes to wake a thread that sleeps
+
 struct Job {
   std::size_t blocks = 0;
   void* work = nullptr;
   void (*call)(void*, std::size_t) = nullptr;
   std::atomic<std::size_t> next{0};
-  // The members below are protected by the pool's mutex.
-  int helpers_wanted = 0, helpers_inside = 0;
+  // The members below are changed only under the pool's mutex.
+  std::atomic<int> helpers_inside{0};
+  int helpers_wanted = 0;
   std::exception_ptr failure;
 };
 
@@ -31,15 +35,24 @@ class Pool {
   }
 
   void run(Job& job, int helpers) {
+    int asleep = helpers;
     {
       const std::lock_guard lock(mutex_);
       job.helpers_wanted = helpers;
       open_.push_back(&job);
+      jobs_ = open_.size();
+      asleep -= looking_;
     }
-    for (int i = 0; i < helpers; ++i) came_.notify_one();
+    for (int i = 0; i < asleep; ++i) came_.notify_one();
     drain(job);
     std::unique_lock lock(mutex_);
     std::erase(open_, &job);
+    jobs_ = open_.size();
+    if (job.helpers_inside > 0) {
+      lock.unlock();
+      look_for([&] { return job.helpers_inside == 0; });
+      lock.lock();
+    }
     left_.wait(lock, [&] { return job.helpers_inside == 0; });
     if (job.failure) std::rethrow_exception(job.failure);
   }
@@ -60,18 +73,34 @@ class Pool {
     while (came_.wait(lock, stop, [&] { return !open_.empty(); })) {
       Job& job = *open_.front();
       if (--job.helpers_wanted == 0) open_.pop_front();
+      jobs_ = open_.size();
       ++job.helpers_inside;
       lock.unlock();
       drain(job);
       lock.lock();
       if (--job.helpers_inside == 0) left_.notify_all();
+      if (!open_.empty()) continue;
+      ++looking_;
+      lock.unlock();
+      look_for([this] { return jobs_ > 0; });
+      lock.lock();
+      --looking_;
     }
+  }
+
+  /// Returns once the condition holds, or after spin_time.
+  template <class Condition>
+  static void look_for(Condition condition) {
+    const auto until = std::chrono::steady_clock::now() + spin_time;
+    while (!condition() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
   }
 
   std::mutex mutex_;
   std::condition_variable_any came_;
   std::condition_variable left_;
   std::deque<Job*> open_;
+  std::atomic<std::size_t> jobs_{0};   // in open_
+  int looking_ = 0;                    // helpers that will see a new job without being woken
   std::vector<std::jthread> threads_;  // last, so that they are joined before what they use is destroyed
 };
 

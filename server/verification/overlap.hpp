@@ -9,11 +9,6 @@
 
 namespace headframe {
 
-/// The submaps of both sessions at one place of the overlap.
-struct SubmapPair {
-  SubmapPtr a, b;
-};
-
 /// Whether the registration succeeded well enough to be used.
 bool usable(const Registration& registration);
 

@@ -37,6 +37,11 @@ struct Submap {
 };
 using SubmapPtr = std::shared_ptr<const Submap>;
 
+/// The submaps of both sessions at one place of the overlap.
+struct SubmapPair {
+  SubmapPtr a, b;
+};
+
 /// Without the images of its views, which belong to its clouds and are shared with other submaps.
 std::size_t bytes_of(const Submap& submap);
 

@@ -104,16 +104,13 @@ void register_each(Places& places, std::size_t first, const Pose& T_a_b, const J
 }
 
 /// Adds the places of b where T_a_b puts them on a, and registers them.
-void add_places(const Scene& a, const Scene& b, std::span<const KeyframePosition> of_b, const Pose& T_a_b,
+void add_places(const Scene& scene, std::span<const KeyframePosition> of_b, const Pose& T_a_b,
                 const JudgeConfig& config, Places& places) {
-  std::vector<std::size_t> keyframes_a, keyframes_b;
-  for (const KeyframePosition& s : of_b) {
-    keyframes_a.push_back(nearest_to(a.positions, T_a_b * s.p).position->keyframe);
-    keyframes_b.push_back(s.keyframe);
-  }
-  const auto at_a = a.places(keyframes_a), at_b = b.places(keyframes_b);
+  std::vector<Meeting> meetings;
+  for (const KeyframePosition& s : of_b)
+    meetings.push_back({nearest_to(scene.a, T_a_b * s.p).position->keyframe, s.keyframe});
   const std::size_t before = places.pairs.size();
-  for (std::size_t i = 0; i < of_b.size(); ++i) places.pairs.push_back({at_a[i], at_b[i]});
+  for (SubmapPair& pair : scene.places(meetings)) places.pairs.push_back(std::move(pair));
   places.checks.resize(places.pairs.size());
   register_each(places, before, T_a_b, config);
 }
@@ -195,45 +192,45 @@ void check_places(Places& places, const std::vector<bool>& agrees, const Pose& T
 
 }  // namespace
 
-Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, const JudgeConfig& config) {
+Judgement judge(const Scene& scene, const ScreeningResult& first, const JudgeConfig& config) {
   Judgement out;
   out.evidence.freespace_violation = first.place.between().violation();
   out.evidence.inlier_fraction = first.place.registration.inlier_fraction;
   if (!first.hopeful) return out;
   const Pose& T_0 = first.place.registration.T_target_source;
-  const auto others = other_places(a.positions, b.positions, T_0, first.place.p_b, config);
+  const auto others = other_places(scene.a, scene.b, T_0, first.place.p_b, config);
   const bool doubted = first.place.unexplained() >= config.doubted_violation && !others.empty();
   const auto farthest = std::span(others).first(doubted ? 1 : 0);
   Places places{{{first.a, first.b}}, {first.place}};
   std::vector<bool> agrees;
-  add_places(a, b, farthest, T_0, config, places);
+  add_places(scene, farthest, T_0, config, places);
   if (doubted && last_refutes(places, T_0, config)) {
     out.T_a_b = T_0;
     out.status = first.place.registration.status;
     agrees = agreeing(places.checks, T_0, config);
     out.evidence.weakest_hold = overlap_of(places.pairs, places.checks, agrees).weakest_hold;
   } else {
-    add_places(a, b, std::span(others).subspan(farthest.size()), T_0, config, places);
+    add_places(scene, std::span(others).subspan(farthest.size()), T_0, config, places);
     agrees = place_by_all(places, config, out);
     if (out.status == RegistrationStatus::too_little_overlap) return out;
     check_places(places, agrees, out.T_a_b, config);
   }
   gather(out.evidence, places.checks, agrees, out.T_a_b);
   out.changes = gather_changes(out.evidence, places.checks);
-  measure_overlap(out.evidence, a.positions, b.positions, out.T_a_b, config);
+  measure_overlap(out.evidence, scene.a, scene.b, out.T_a_b, config);
   weigh(out);
   return out;
 }
 
-Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_0, const JudgeConfig& config) {
+Judgement judge_again(const Scene& scene, const Pose& T_0, const JudgeConfig& config) {
   std::vector<KeyframePosition> near;
   for (const double reach_m : {config.meet_m, config.far_m, config.apart_m})
-    if (near.empty()) near = near_other(a.positions, b.positions, T_0, reach_m);
+    if (near.empty()) near = near_other(scene.a, scene.b, T_0, reach_m);
   if (near.empty()) return {};
-  const auto meeting = first_meeting(a.positions, b.positions, T_0, near[near.size() / 2].p, config);
+  const auto meeting = first_meeting(scene.a, scene.b, T_0, near[near.size() / 2].p, config);
   if (!meeting) return {};
-  const std::size_t at_a = meeting->keyframe_a, at_b = meeting->keyframe_b;
-  return judge(a, b, screen_submaps(a.places({&at_a, 1}).front(), b.places({&at_b, 1}).front(), T_0, config), config);
+  const SubmapPair at = scene.places({&*meeting, 1}).front();
+  return judge(scene, screen_submaps(at.a, at.b, T_0, config), config);
 }
 
 void weigh(Judgement& judgement) {

@@ -19,18 +19,17 @@ struct Judgement {
   std::vector<Change> changes = {};  // of the mine, which explain contradictions; in a's frame
 };
 
-/// One session as input of the verification.
+/// Two sessions as input of the verification.
 struct Scene {
-  std::vector<KeyframePosition> positions;  // within look_m of the other session's path, in the order of the session
-  std::function<std::vector<SubmapPtr>(std::span<const std::size_t> keyframes)>
-      places;  // around each that is asked for
+  std::vector<KeyframePosition> a, b;  // within look_m of the other session's path, in the order of the session
+  std::function<std::vector<SubmapPair>(std::span<const Meeting>)> places;  // the submaps around these keyframes
 };
 
-/// Continues from a promising screening result. Pure, apart from what the scenes do; independent of the thread count.
-Judgement judge(const Scene& a, const Scene& b, const ScreeningResult& first, const JudgeConfig& config);
+/// Continues from a promising screening result. Pure, apart from what the scene does; independent of the thread count.
+Judgement judge(const Scene& scene, const ScreeningResult& first, const JudgeConfig& config);
 
 /// Screens and judges a placement that is known to within a metre or two: a published alignment with more keyframes.
-Judgement judge_again(const Scene& a, const Scene& b, const Pose& T_a_b_0, const JudgeConfig& config);
+Judgement judge_again(const Scene& scene, const Pose& T_a_b_0, const JudgeConfig& config);
 
 /// Sets the probabilities of a judgement from its other evidence.
 void weigh(Judgement& judgement);

@@ -9,27 +9,31 @@ namespace {
 using test::BoxMine;
 using test::placed;
 
-Scene scene(const std::vector<PlacedCloud>& clouds) {
-  std::vector<KeyframePosition> stands;
-  for (std::size_t i = 0; i < clouds.size(); ++i) stands.push_back({i, clouds[i].T_local_sensor.translation()});
-  return {stands, [&clouds](std::span<const std::size_t> keyframes) {
-            std::vector<SubmapPtr> places;
-            for (const std::size_t k : keyframes)
-              places.push_back(std::make_shared<const Submap>(
-                  make_submap(clouds, clouds[k].T_local_sensor.translation(), SubmapConfig{})));
-            return places;
-          }};
+std::vector<KeyframePosition> stands(const std::vector<PlacedCloud>& clouds) {
+  std::vector<KeyframePosition> out;
+  for (std::size_t i = 0; i < clouds.size(); ++i) out.push_back({i, clouds[i].T_local_sensor.translation()});
+  return out;
+}
+
+SubmapPtr submap_at(const std::vector<PlacedCloud>& clouds, std::size_t keyframe) {
+  return std::make_shared<const Submap>(
+      make_submap(clouds, clouds[keyframe].T_local_sensor.translation(), SubmapConfig{}));
 }
 
 /// The whole way from a guess to a judgement.
 Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<PlacedCloud>& clouds_b, const Pose& T_0,
                  const Eigen::Vector3d& p_b, const JudgeConfig& config = {}) {
-  const Scene a = scene(clouds_a), b = scene(clouds_b);
-  const auto meeting = first_meeting(a.positions, b.positions, T_0, p_b, config);
+  const Scene scene{stands(clouds_a), stands(clouds_b), [&](std::span<const Meeting> meetings) {
+                      std::vector<SubmapPair> out;
+                      for (const Meeting& m : meetings)
+                        out.push_back({submap_at(clouds_a, m.keyframe_a), submap_at(clouds_b, m.keyframe_b)});
+                      return out;
+                    }};
+  const auto meeting = first_meeting(scene.a, scene.b, T_0, p_b, config);
   if (!meeting) return {};
-  const ScreeningResult first = screen_submaps(a.places({&meeting->keyframe_a, 1}).front(),
-                                               b.places({&meeting->keyframe_b, 1}).front(), T_0, config);
-  Judgement out = judge(a, b, first, config);
+  const SubmapPair at = scene.places({&*meeting, 1}).front();
+  const ScreeningResult first = screen_submaps(at.a, at.b, T_0, config);
+  Judgement out = judge(scene, first, config);
   EXPECT_LE(out.evidence.probability, best_probability(first));
   return out;
 }
