@@ -1,5 +1,6 @@
 #include "server/support/parallel.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -38,10 +39,10 @@ class Pool {
     int asleep = helpers;
     {
       const std::lock_guard lock(mutex_);
+      asleep -= std::max(0, looking_ - static_cast<int>(open_.size()));  // the jobs before this one come first
       job.helpers_wanted = helpers;
       open_.push_back(&job);
       jobs_ = open_.size();
-      asleep -= looking_;
     }
     for (int i = 0; i < asleep; ++i) came_.notify_one();
     drain(job);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <numeric>
 #include <stdexcept>
 #include <thread>
@@ -36,6 +37,20 @@ TEST(Parallel, CallsMayBeNestedAndComeFromManyThreads) {
   };
   { const std::jthread a(outer), b(outer), c(outer); }
   EXPECT_EQ(count, 3 * 2500);
+}
+
+TEST(Parallel, AHelperComesToEveryCallHoweverSoonAfterTheLast) {
+  for (int i = 0; i < 5000; ++i) {
+    if (i % 10 == 0)  // longer than helpers look for work before they sleep
+      for (const auto until = std::chrono::steady_clock::now() + std::chrono::microseconds(i / 10);
+           std::chrono::steady_clock::now() < until;) {
+      }
+    std::atomic<int> inside = 0;
+    for_blocks(2, 1, 2, [&](std::size_t, std::size_t, std::size_t) {
+      ++inside;
+      while (inside < 2) std::this_thread::yield();  // for the other block, which only a helper can begin
+    });
+  }
 }
 
 TEST(Parallel, CancelledWorkEndsBeforeItsNextBlock) {
