@@ -10,7 +10,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t block_size = 48;  // queries
+constexpr std::size_t block_size = 12;  // queries
 
 Float4 load(const float* p) {
   Float4 v;
