@@ -145,15 +145,22 @@ double short_in_mine_of_copies(const Evidence& e) {
 /// If no descriptors were compared, only the length of the overlap and how well the walls hold it tell a copy from the
 /// place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or the mine looks like itself,
 /// each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to .06, not from .07 on),
-/// there also if only a place disagrees. Set by hand on crossed drives through five worlds, of robots with descriptors
-/// of two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one of them nothing looked
-/// alike, but a place disagreed.
+/// there also if only a place disagrees. Below 15 m, whatever looks alike, each metre costs as much if places lie apart
+/// (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (fully up to .08, not from .11 on): drift
+/// explains no such distance there. Set by hand on crossed drives through five worlds, of robots with descriptors of
+/// two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one of them nothing looked
+/// alike, but a place disagreed. An eighth, of 6 m and held by .071, had a tenth of a look-alike and places 0.24 m
+/// apart. Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1 m apart: in
+/// a cave, 11 m, held by .104.
 double short_without_descriptors(const Evidence& e) {
   const double absent = 1 - std::min(1.0, e.descriptors_compared);
   const double loosely = std::clamp((held_firmly - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double doubt = std::max(
       {looks_like_itself(e), std::clamp((e.look_alikes - 0.4) / 0.6, 0.0, 1.0), loosely * held_place_disagrees(e)});
-  return -0.3 * absent * doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m);
+  const double apart =
+      std::clamp((e.spread_m - 0.1) / 0.1, 0.0, 1.0) * std::clamp((0.11 - e.weakest_hold) / 0.03, 0.0, 1.0);
+  return -0.3 * absent *
+         std::max(doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
 }
 
 /// If another placement fits, or places look alike, the descriptors of a short overlap have to decide. Of 11 such right

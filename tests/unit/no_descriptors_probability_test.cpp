@@ -63,6 +63,28 @@ TEST(ProbabilityWithoutDescriptors, APlaceThatDisagreesIsADoubtWhereTheWallsHold
   EXPECT_GT(p(0, 60, 0.055, 1), not_compared + 0.5);
 }
 
+TEST(ProbabilityWithoutDescriptors, PlacesThatLieApartOverAFewMetresAreADoubtUnlessTheWallsHoldFirmly) {
+  const auto p = [](double spread_m, double hold, double overlap_m = 5.9, double compared = 0) {
+    Evidence e = test::convincing();
+    e.places = e.places_agreeing = 3;
+    e.overlap_m = overlap_m;
+    e.spread_m = spread_m;
+    e.weakest_hold = hold;
+    e.descriptors_compared = compared;
+    e.descriptors_alike = 0.95;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.24, 0.071), accepted - 0.1) << "the copy of a tunnel's piece";
+  EXPECT_EQ(p(0.24, 0.071), p(0.2, 0.08));
+  EXPECT_EQ(p(0.1, 0.071), p(0, 0.071));
+  EXPECT_GT(p(0.1, 0.071), accepted);
+  EXPECT_EQ(p(0.2, 0.11), p(0.1, 0.11)) << "as between paths that only cross";
+  EXPECT_EQ(p(0.24, 0.071, 15), p(0.1, 0.071, 15)) << "a longer overlap tells by itself";
+  EXPECT_GT(p(0.24, 0.071, 5.9, 1), accepted) << "the descriptors decide";
+  for (double spread_m = 0.1; spread_m < 0.2; spread_m += 0.001)
+    EXPECT_NEAR(p(spread_m, 0.071), p(spread_m + 0.001, 0.071), 0.05) << "no cliff";
+}
+
 TEST(ProbabilityWithoutDescriptors, ComparedDescriptorsLiftTheDemand) {
   EXPECT_LT(p(1, 40, 0.055), accepted);
   EXPECT_GT(p(1, 40, 0.055, 0, 8), accepted);
