@@ -10,7 +10,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::size_t block_size = 12;  // queries
+constexpr std::size_t block_size = 12;  // queries; a ranking asks about 50, which all threads share
 
 Float4 load(const float* p) {
   Float4 v;
