@@ -52,6 +52,14 @@ std::string violation(const Evidence& e) {
   return excused > 0 ? out + formatted(", besides %.2f %% where the mine has changed", 100 * excused) : out;
 }
 
+/// Without descriptors, places that lie apart are a doubt, too.
+std::string told_apart(const Evidence& e) {
+  const std::string alike =
+      formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes);
+  if (e.descriptors_compared > 0) return descriptors(e) + alike;
+  return descriptors(e) + ", and " + shared(e) + alike + formatted(" or lie apart (by %.2f m)", e.spread_m);
+}
+
 /// What a contribution means, in the order of LogOdds::contributions.
 std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) {
   return {
@@ -65,9 +73,7 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
        formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
        formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), places(e),
        formatted("of the surfaces that both could see %.0f %% match", 100 * e.matched_share),
-       shared(e) + ": hardly any",
-       descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
-           formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes)}};
+       shared(e) + ": hardly any", told_apart(e)}};
 }
 
 /// The evidence that determines a contribution, and how to word it.

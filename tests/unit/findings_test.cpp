@@ -28,6 +28,19 @@ TEST(Findings, WithoutDescriptorsMorePathWouldTellPlacesThatLookAlikeApart) {
   EXPECT_NE(f.would_suffice.find("m of path in common would suffice"), std::string::npos) << f.would_suffice;
 }
 
+TEST(Findings, WithoutDescriptorsPlacesThatLieApartAreSaid) {
+  Evidence e = test::convincing();
+  e.places = e.places_agreeing = 3;
+  e.overlap_m = 5.9;
+  e.weakest_hold = 0.071;
+  e.spread_m = 0.24;
+  e.probability = probability(RegistrationStatus::converged, e);
+  ASSERT_LT(e.probability, VerdictThresholds{}.accept_probability);
+  const Finding f = findings_of(e).front();
+  EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
+  EXPECT_NE(f.text.find("or lie apart (by 0.24 m)"), std::string::npos) << f.text;
+}
+
 TEST(Findings, WithDescriptorsOnesThatAgreeWould) {
   const Finding f = first_finding(8);
   EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
