@@ -52,12 +52,11 @@ std::string violation(const Evidence& e) {
   return excused > 0 ? out + formatted(", besides %.2f %% where the mine has changed", 100 * excused) : out;
 }
 
-/// Without descriptors, places that lie apart are a doubt, too.
+/// Without descriptors, the length of the overlap has to tell.
 std::string told_apart(const Evidence& e) {
-  const std::string alike =
-      formatted(", where places look alike (%.2f in 100 m of all that is known)", e.mine_look_alikes);
-  if (e.descriptors_compared > 0) return descriptors(e) + alike;
-  return descriptors(e) + ", and " + shared(e) + alike + formatted(" or lie apart (by %.2f m)", e.spread_m);
+  return descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
+         formatted(", where places look alike (%.2f in 100 m of all that is known) or lie apart (by %.2f m)",
+                   e.mine_look_alikes, e.spread_m);
 }
 
 /// What a contribution means, in the order of LogOdds::contributions.

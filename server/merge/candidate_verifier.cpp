@@ -47,15 +47,6 @@ bool hopeless_rival(double most_probable, const Verdict& judged) {
   return runner_up_share(e) < doubt;
 }
 
-/// How much another placement makes this one doubtful, 0 to 1: it is probable unless the mine repeats itself, and it
-/// fits as well as this one. (Copies of a tile match up to 4 % worse than the right placement, because the rock around
-/// them differs; in a mine of pillars, rivals that matched 7 and 14 % less made a right placement wait.)
-double alias_of(const Evidence& e, const Evidence& other) {
-  const double as_probable = std::clamp((other.probability_if_unique - 0.3) / 0.4, 0.0, 1.0),
-               fits_worse = std::clamp((e.matched_share - other.matched_share - 0.04) / 0.04, 0.0, 1.0);
-  return as_probable * (1 - fits_worse);
-}
-
 /// Sorts screening results: fewer contradictions, more inliers, and descriptors that agree along the path are better. A
 /// single place of a mine that repeats itself fits at many others.
 double promise(const ScreeningResult& screened, const DescriptorAgreement& agreement) {

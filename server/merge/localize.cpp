@@ -19,8 +19,6 @@ const Component* component_of(const Atlas& atlas, SessionId session) {
   return found == atlas.components.end() ? nullptr : &*found;
 }
 
-double odds(double probability) { return probability / std::max(1 - probability, 1e-9); }
-
 Eigen::Matrix<double, 6, 6> covariance_of(const Evidence& e) {
   const MergeDeviation deviation = deviation_of(e);
   Eigen::Matrix<double, 6, 1> variances;

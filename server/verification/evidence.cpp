@@ -100,9 +100,16 @@ double asked_overlap_m(const Evidence& e) {
   return std::clamp(of_pair_m, of_all_m, told_m);
 }
 
+double odds(double probability) { return probability / std::max(1 - probability, 1e-9); }
+
+double alias_of(const Evidence& e, const Evidence& other) {
+  const double share = odds(other.probability_if_unique) / std::max(odds(e.probability_if_unique), 1e-9);
+  const double as_probable = std::clamp((std::log(std::max(share, 1e-9)) + 4.5) / 1.5, 0.0, 1.0),
+               fits_worse = std::clamp((e.matched_share - other.matched_share - 0.04) / 0.04, 0.0, 1.0);
+  return as_probable * (1 - fits_worse);
+}
+
 double runner_up_share(const Evidence& e) {
-  constexpr double certain = 1 - 1e-9;
-  const auto odds = [certain](double p) { return std::min(p, certain) / (1 - std::min(p, certain)); };
   // In drawn mines right placements with violations had no rival above 0.01; look-alikes that lack a crossing had.
   const double doubt = worst_place_contradiction(e) > 1e-3 ? 100 : 1;
   return e.probability > 0 ? doubt * odds(e.runner_up) / odds(e.probability) : 1;

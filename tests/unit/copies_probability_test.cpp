@@ -112,6 +112,50 @@ TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) 
   EXPECT_LT(p(0.258 / 0.25, 0.691, 5, 27.6), 0.6) << "a copy in equal tunnels";
 }
 
+TEST(Probability, WherePlacesLieApartThoughHeldTheDescriptorsOfAShortOverlapHaveToTell) {
+  const auto p = [](double spread_m, double hold, double alike, double overlap_m = 27.6) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.spread_m = spread_m;
+    e.weakest_hold = hold;
+    e.end_on_match = 0.5;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = 5;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.77, 0.054, 0.691), 0.75) << "a copy in equal tunnels at which nothing looked alike";
+  EXPECT_GT(p(0.6, 0.054, 0.691), 0.9) << "as far as drift moves them";
+  EXPECT_GT(p(0.77, 0.017, 0.691), 0.9) << "they slid along the tunnel";
+  EXPECT_GT(p(0.77, 0.054, 0.83), 0.9) << "the descriptors tell";
+  EXPECT_GT(p(0.77, 0.054, 0.691, 36), 0.9) << "the overlap tells";
+  for (double m = 0.5; m < 0.9; m += 0.002) EXPECT_NEAR(p(m, 0.054, 0.691), p(m + 0.002, 0.054, 0.691), 0.05);
+}
+
+TEST(Probability, APlacementIsAnAliasIfItIsNearlyAsProbableAndFitsAsWell) {
+  Evidence e, other;
+  e.probability_if_unique = 0.994;
+  e.matched_share = 0.9;
+  const auto alias = [&](double probability, double matched_share) {
+    other.probability_if_unique = probability;
+    other.matched_share = matched_share;
+    return alias_of(e, other);
+  };
+  EXPECT_EQ(alias(0.994, 0.9), 1);
+  EXPECT_NEAR(alias(0.9, 0.86), 1, 1e-9) << "a copy matches a little less";
+  EXPECT_NEAR(alias(0.9, 0.84), 0.5, 1e-9);
+  EXPECT_EQ(alias(0.9, 0.81), 0) << "it fits worse";
+  const auto with_odds = [](double odds) { return odds / (1 + odds); };
+  const double own = odds(0.994);
+  EXPECT_EQ(alias(with_odds(own * std::exp(-2.9)), 0.9), 1);
+  EXPECT_NEAR(alias(with_odds(own * std::exp(-3.75)), 0.9), 0.5, 1e-6);
+  EXPECT_EQ(alias(with_odds(own * std::exp(-4.6)), 0.9), 0) << "far less probable";
+  EXPECT_EQ(alias(0, 0.9), 0);
+  e.probability_if_unique = 0;
+  EXPECT_EQ(alias(0, 0.9), 0);
+  EXPECT_EQ(alias(0.5, 0.9), 1);
+  EXPECT_NEAR(odds(1), 1e9, 1) << "finite";
+}
+
 TEST(Probability, CopiesCountMoreWhereTheDescriptorsDifferAndNeverLess) {
   Evidence e;
   e.aliases = 3;
