@@ -62,17 +62,27 @@ std::string told_apart(const Evidence& e) {
 /// What a contribution means, in the order of LogOdds::contributions.
 std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) {
   return {
-      {violation(e), formatted("%.2f %% do so at the place that contradicts most", 100 * worst_place_contradiction(e)),
+      {violation(e),
+       formatted("%.2f %% do so at the place that contradicts most", 100 * worst_place_contradiction(e)),
        formatted("the surfaces lie %.0f mm apart", 1000 * e.residual_m),
-       formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m), places(e), hold(e),
-       descriptors(e), descriptors(e), copies(e), shared(e), places(e),
+       formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m),
+       places(e),
+       hold(e),
+       descriptors(e),
+       descriptors(e),
+       copies(e),
+       shared(e),
+       places(e),
        formatted("%.2f %% of the points do so up to 25 m away at one place: a copy would end there",
                  100 * farther_contradiction(e)),
        formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
        formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
-       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), places(e),
+       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg),
+       places(e),
        formatted("of the surfaces that both could see %.0f %% match", 100 * e.matched_share),
-       shared(e) + ": hardly any", told_apart(e)}};
+       shared(e) + ": hardly any",
+       told_apart(e),
+       formatted("the walls of both sessions, also far from the paths, match with a score of %.0f", e.support)}};
 }
 
 /// The evidence that determines a contribution, and how to word it.
@@ -109,7 +119,8 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {&Evidence::spread_m, 0, "%.2f m at most would suffice"},
            {&Evidence::matched_share, 1, "%.0f %% would suffice", 100},
            path,
-           e.descriptors_compared > 0 ? alike : path}};
+           e.descriptors_compared > 0 ? alike : path,
+           {}}};
 }
 
 /// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even

@@ -17,13 +17,13 @@ struct VerdictTerm {
   double value = 0;
 };
 inline constexpr std::size_t verdict_term_count = 8;
-inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 11;
+inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 12;
 std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& evidence);
 
 /// What each term adds to the log-odds. First the fitted ones, named by verdict_terms(); then those set by hand:
 /// missing overlap where the mine repeats itself, shared path, a long overlap whose places all agree, free space
 /// farther off, few matching points, places that look alike, tilt, places that lie apart, surfaces that do not match,
-/// hardly any shared path, and descriptors that hardly distinguish it from another place.
+/// hardly any shared path, descriptors that hardly distinguish it from another place, and walls farther off that match.
 struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_contribution_count> contributions;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "server/verification/verdict.hpp"
 #include "tests/support/convincing_evidence.hpp"
 
@@ -39,6 +41,18 @@ TEST(Findings, WithoutDescriptorsPlacesThatLieApartAreSaid) {
   const Finding f = findings_of(e).front();
   EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
   EXPECT_NE(f.text.find("or lie apart (by 0.24 m)"), std::string::npos) << f.text;
+}
+
+TEST(Findings, WallsThatMatchFartherOffAreSaid) {
+  Evidence e = test::convincing();
+  e.overlap_m = 7;
+  e.support = 140;
+  const auto found = findings_of(e);
+  const auto walls = std::find_if(found.begin(), found.end(),
+                                  [](const Finding& f) { return f.evidence == "walls farther off match"; });
+  ASSERT_NE(walls, found.end());
+  EXPECT_GT(walls->log_odds, 0);
+  EXPECT_NE(walls->text.find("match with a score of 140"), std::string::npos) << walls->text;
 }
 
 TEST(Findings, WithDescriptorsOnesThatAgreeWould) {

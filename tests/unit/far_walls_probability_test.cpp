@@ -1,0 +1,59 @@
+// What walls far from the paths tell where hardly any path is shared.
+
+#include <gtest/gtest.h>
+
+#include "server/verification/verdict.hpp"
+#include "tests/support/convincing_evidence.hpp"
+
+namespace headframe {
+namespace {
+
+/// Two robots that look into one hall, at three places, and whose surfaces match as far as corners let both see them.
+Evidence one_hall() {
+  Evidence e = test::convincing();
+  e.overlap_m = 7.6;
+  e.places = e.places_agreeing = 3;
+  e.matched_share = 0.64;
+  e.inlier_fraction = 0.54;
+  return e;
+}
+
+double p(const Evidence& e) { return probability(RegistrationStatus::converged, e); }
+
+double with_score(Evidence e, double score) {
+  e.support = score;
+  return p(e);
+}
+
+TEST(ProbabilityOfFarWalls, WallsThatMatchMakeUpForAShortOverlap) {
+  EXPECT_LT(p(one_hall()), 0.9);
+  EXPECT_EQ(with_score(one_hall(), 100), p(one_hall()));
+  EXPECT_GT(with_score(one_hall(), 139), 0.95);
+  EXPECT_EQ(with_score(one_hall(), 150), with_score(one_hall(), 1000));
+  for (double score = 90; score < 160; ++score)
+    EXPECT_NEAR(with_score(one_hall(), score), with_score(one_hall(), score + 1), 0.05) << "no cliff";
+}
+
+TEST(ProbabilityOfFarWalls, TheyAddNothingToALongOverlapAndExcuseNoContradiction) {
+  const Evidence overlap = test::convincing();
+  EXPECT_EQ(with_score(overlap, 1000), p(overlap));
+  Evidence contradicted = one_hall();
+  contradicted.freespace_violation = contradicted.worst_place_violation = 0.01;
+  EXPECT_LT(with_score(contradicted, 1000), 0.5);
+}
+
+TEST(ProbabilityOfFarWalls, TheyTellNothingWherePlacesLookAlike) {
+  const auto alike = [](double Evidence::*member, double value) {
+    Evidence e = one_hall();
+    e.*member = value;
+    return with_score(e, 150) - p(e);
+  };
+  EXPECT_GT(alike(&Evidence::look_alikes, 0.25), 0.1);
+  EXPECT_EQ(alike(&Evidence::look_alikes, 0.75), 0);
+  EXPECT_GT(alike(&Evidence::mine_look_alikes, 0.1), 0.1);
+  EXPECT_EQ(alike(&Evidence::mine_look_alikes, 0.3), 0);
+  EXPECT_EQ(alike(&Evidence::aliases, 1), 0);
+}
+
+}  // namespace
+}  // namespace headframe
