@@ -120,13 +120,15 @@ double held_places_lie_apart(const Evidence& e) {
 ///   walls hardly hold it along the tunnel);
 /// - from three look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
-///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond eleven;
+///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
-///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel.
+///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel;
+/// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at the 100 accepted
+///   right ones of 19 to 130 m, by .112 m at most.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
-/// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 53, 58, 66, 83 and 84 m were
+/// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were
 /// accepted; and one of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
@@ -135,11 +137,13 @@ double short_in_mine_of_copies(const Evidence& e) {
       std::clamp((e.mine_look_alikes - 0.35) / 0.08, 0.0, 1.0) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
       std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
-  const double many_m = 2 * std::clamp(e.look_alikes - 11, 0.0, 10.0);
+  const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
+  const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double told_m = std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m),
                                   60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
-  return -0.3 * compared * looks_like_itself(e) * std::max(0.0, told_m - e.overlap_m);
+  return -0.3 * compared * looks_like_itself(e) *
+         std::max(std::max(0.0, told_m - e.overlap_m), scattered * std::max(0.0, 60 - e.overlap_m));
 }
 
 /// If no descriptors were compared, only the length of the overlap and how well the walls hold it tell a copy from the

@@ -324,5 +324,34 @@ TEST(Probability, AmongLookAlikesPlacesThatTheWallsHoldLieTogether) {
   EXPECT_GT(of_pieces(0.9, 0.1, 26.8, 0, 0), 0.9) << "nothing looks alike";
 }
 
+/// Figures of two copies of 50 m in a mine of equal tunnels, both of which were accepted once.
+double of_fifty_metres(double look_alikes, double alike, double rmse_m, double overlap_m = 50) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.weakest_hold = 0.066;
+  e.look_alikes = look_alikes;
+  e.mine_look_alikes = 1.5;
+  e.descriptors_compared = 10;
+  e.descriptors_alike = alike;
+  e.rmse_m = rmse_m;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, AmongLookAlikesPointsThatScatterAreADoubt) {
+  EXPECT_LT(of_fifty_metres(13.1, 0.959, 0.132), 0.6);
+  EXPECT_GT(of_fifty_metres(13.1, 0.959, 0.112), 0.9);
+  EXPECT_GT(of_fifty_metres(13.1, 0.959, 0.125, 60), of_fifty_metres(13.1, 0.959, 0.125)) << "a longer overlap tells";
+  EXPECT_EQ(of_fifty_metres(13.1, 0.959, 0.112, 60), of_fifty_metres(13.1, 0.959, 0.12, 60));
+  for (double m = 0.11; m < 0.13; m += 0.0002)
+    EXPECT_NEAR(of_fifty_metres(13.1, 0.959, m), of_fifty_metres(13.1, 0.959, m + 0.0002), 0.05) << "no cliff";
+}
+
+TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {
+  EXPECT_LT(of_fifty_metres(8.8, 0.909, 0.093), 0.85);
+  EXPECT_GT(of_fifty_metres(7, 0.909, 0.093, 56), 0.9);
+  EXPECT_LT(of_fifty_metres(9, 0.909, 0.093, 56), of_fifty_metres(7, 0.909, 0.093, 56));
+  EXPECT_EQ(of_fifty_metres(17, 0.909, 0.093, 76), of_fifty_metres(12, 0.909, 0.093, 76)) << "20 m more at most";
+}
+
 }  // namespace
 }  // namespace headframe
