@@ -41,7 +41,7 @@ double likeness(const ScreeningResult& result) {
     return std::clamp((value - none) / (all - none), 0.0, 1.0);
   };
   return ramp(result.place.matched.cautious(), 0.65, 0.9) * ramp(result.place.residual_m, 0.065, 0.04) *
-         ramp(result.place.between().violation(), 0.004, 0.0005) *
+         ramp(result.place.between().violation(), 0.012, 0.0005) *
          ramp(result.place.registration.direction_hold[0], 0, 0.05);
 }
 

@@ -23,12 +23,13 @@ double coarse_fit(const Submap& a, const Submap& b, Pose& T_a_b_0);
 ScreeningResult screen_submaps(const SubmapPtr& a, const SubmapPtr& b, const Pose& T_a_b_0, const JudgeConfig& config);
 
 /// How well the first place, taken alone, fits as a copy of the rock would, 0 to 1: most points match, surfaces
-/// coincide, next to nothing contradicts (.05 % of the points, not .4 %), and the placement cannot slide. At places
-/// where a session of the two worlds of equal tunnels resembles itself, nothing contradicts three of four; in a cave, a
-/// surveyed mine and rough tunnels .3 % and more do, so that these are no copies.
+/// coincide, almost nothing contradicts (fully up to .05 % of the points, not from 1.2 % on), and the placement cannot
+/// slide.
 double likeness(const ScreeningResult& result);
 
 /// Whether the first place, taken alone, looks right. If it does for several placements, the mine repeats itself there.
+/// Less than .2 % of its points may be contradicted: at three of four places where a session of the two worlds of equal
+/// tunnels resembles itself .04 % are at most; in a cave, a surveyed mine and rough tunnels .33 % and more.
 bool fits_alone(const ScreeningResult& result);
 
 /// An upper bound of the probability that judge() can give to a placement with this screening result and with the

@@ -172,8 +172,8 @@ double short_without_descriptors(const Evidence& e) {
 /// four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was merged wrongly
 /// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a quarter of a look-
 /// alike on: with half of that cost a copy of 28 m in equal tunnels, 0.26 look-alikes, 0.69 from five, reached 0.91.
-/// (Its look-alikes are no copies, and no longer count, but its places lie 0.77 m apart.) Set by hand on these two; not
-/// part of the fit.
+/// Its places lie 0.77 m apart, which tells as much: without any look-alike it would have .71 instead of .99. Set by
+/// hand on these two; not part of the fit.
 double hardly_told_apart(const Evidence& e) {
   const double likeness = std::min(1.0, std::max({e.aliases / 0.2, e.look_alikes / 0.25, held_places_lie_apart(e)})),
                compared = std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0),
@@ -185,16 +185,18 @@ double hardly_told_apart(const Evidence& e) {
 
 /// Where the robots shared little path, walls farther off tell, too: the wall maps of the whole sessions, drawn from
 /// profiles that reach farther than the submaps. Their score (fully from 150 cells of half a metre on, not up to 100)
-/// takes back up to 4 of what a short overlap costs, unless places or the mine look alike. Of placements below 30 m
-/// with a probability of .05 to .9, 20 of 25 right ones scored 115 and more, and 4 of 15 wrong ones. Of 7194 judged
-/// placements in five worlds and generated mines, six more right ones reach .9, and the likeliest wrong one that gains
-/// by it has .46. Set by hand on these; not part of the fit.
+/// takes back up to 4 of what a short overlap costs, unless places or the mine look alike, or the walls near the paths
+/// hold it loosely (fully from .08 on, not up to .05), since walls along a tunnel match anywhere. Of placements below
+/// 30 m with a probability of .05 to .9, 20 of 25 right ones scored 115 and more, and 4 of 15 wrong ones. Of 8705
+/// judged placements in five worlds and generated mines, six more right ones reach .9, and the likeliest wrong one that
+/// gains by it has .46. Set by hand on most of these; not part of the fit.
 double walls_match(const Evidence& e) {
   const double costs =
       std::min(0.0, shared_path(e)) + few_points_meet(e) + surfaces_do_not_match(e) + hardly_any_path(e);
   const double distinct = std::clamp((0.75 - e.look_alikes) / 0.5, 0.0, 1.0) *
                           std::clamp((0.3 - e.mine_look_alikes) / 0.2, 0.0, 1.0) * std::clamp(1 - e.aliases, 0.0, 1.0);
-  return std::min(-costs, 4 * distinct * std::clamp((e.support - 100) / 50, 0.0, 1.0));
+  const double held = std::clamp((e.weakest_hold - 0.05) / 0.03, 0.0, 1.0);
+  return std::min(-costs, 4 * held * distinct * std::clamp((e.support - 100) / 50, 0.0, 1.0));
 }
 
 }  // namespace

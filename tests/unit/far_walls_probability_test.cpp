@@ -42,6 +42,16 @@ TEST(ProbabilityOfFarWalls, TheyAddNothingToALongOverlapAndExcuseNoContradiction
   EXPECT_LT(with_score(contradicted, 1000), 0.5);
 }
 
+TEST(ProbabilityOfFarWalls, AlongATunnelThatHoldsLooselyTheyTellNothing) {
+  const auto more = [](double hold) {
+    Evidence e = one_hall();
+    e.weakest_hold = hold;
+    return with_score(e, 150) - p(e);
+  };
+  EXPECT_EQ(more(0.05), 0);
+  EXPECT_GT(more(0.08), 0.1);
+}
+
 TEST(ProbabilityOfFarWalls, TheyTellNothingWherePlacesLookAlike) {
   const auto alike = [](double Evidence::*member, double value) {
     Evidence e = one_hall();

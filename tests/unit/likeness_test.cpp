@@ -27,10 +27,10 @@ ScreeningResult contradicted(double points) {
 TEST(Likeness, OnlyWhatNextToNothingContradictsIsACopy) {
   EXPECT_EQ(likeness(exact_copy()), 1);
   EXPECT_EQ(likeness(contradicted(5)), 1);
-  EXPECT_NEAR(likeness(contradicted(22.5)), 0.5, 1e-9);
-  EXPECT_EQ(likeness(contradicted(40)), 0) << "another piece of a surveyed mine";
+  EXPECT_NEAR(likeness(contradicted(62.5)), 0.5, 1e-9);
+  EXPECT_EQ(likeness(contradicted(120)), 0);
   EXPECT_TRUE(fits_alone(contradicted(19)));
-  EXPECT_FALSE(fits_alone(contradicted(20)));
+  EXPECT_FALSE(fits_alone(contradicted(20))) << "another piece of a surveyed mine";
 }
 
 TEST(Likeness, ACopyMatchesWithSurfacesThatCoincideAndCannotSlide) {

@@ -1,0 +1,86 @@
+// Copies in mines of equal tunnels, and what gives them away.
+
+#include <gtest/gtest.h>
+
+#include "server/verification/verdict.hpp"
+#include "tests/support/convincing_evidence.hpp"
+
+namespace headframe {
+namespace {
+
+using test::convincing;
+
+/// Figures of a copy in a mine of equal tunnels, and how far its places lie apart.
+double of_pieces(double spread_m, double hold, double overlap_m = 26.8, double look_alikes = 7.5,
+                 double of_mine = 1.2) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.weakest_hold = hold;
+  e.end_on_match = 0.38;
+  e.look_alikes = look_alikes;
+  e.mine_look_alikes = of_mine;
+  e.descriptors_compared = 6;
+  e.descriptors_alike = 0.975;
+  e.spread_m = spread_m;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, AmongLookAlikesPlacesThatTheWallsHoldLieTogether) {
+  EXPECT_LT(of_pieces(0.9, 0.028), 0.1) << "each piece of a copy fits at its own place";
+  EXPECT_LT(of_pieces(0.8, 0.02), 0.1);
+  EXPECT_GT(of_pieces(0.6, 0.028), 0.9);
+  EXPECT_GT(of_pieces(0.94, 0.0166), 0.9) << "they slide along the tunnel";
+  EXPECT_GT(of_pieces(0.9, 0.028, 60), 0.9) << "a long overlap tells by itself";
+  EXPECT_GT(of_pieces(0.9, 0.1, 26.8, 0, 0), 0.9) << "nothing looks alike";
+}
+
+/// Figures of two copies of 50 m in a mine of equal tunnels, both of which were accepted once.
+double of_fifty_metres(double look_alikes, double alike, double rmse_m, double overlap_m = 50) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.weakest_hold = 0.066;
+  e.look_alikes = look_alikes;
+  e.mine_look_alikes = 1.5;
+  e.descriptors_compared = 10;
+  e.descriptors_alike = alike;
+  e.rmse_m = rmse_m;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, AmongLookAlikesPointsThatScatterAreADoubt) {
+  EXPECT_LT(of_fifty_metres(13.1, 0.959, 0.132), 0.6);
+  EXPECT_GT(of_fifty_metres(13.1, 0.959, 0.112), 0.9);
+  EXPECT_GT(of_fifty_metres(13.1, 0.959, 0.125, 60), of_fifty_metres(13.1, 0.959, 0.125)) << "a longer overlap tells";
+  EXPECT_EQ(of_fifty_metres(13.1, 0.959, 0.112, 60), of_fifty_metres(13.1, 0.959, 0.12, 60));
+  for (double m = 0.11; m < 0.13; m += 0.0002)
+    EXPECT_NEAR(of_fifty_metres(13.1, 0.959, m), of_fifty_metres(13.1, 0.959, m + 0.0002), 0.05) << "no cliff";
+}
+
+TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {
+  EXPECT_LT(of_fifty_metres(8.8, 0.909, 0.093), 0.85);
+  EXPECT_GT(of_fifty_metres(7, 0.909, 0.093, 56), 0.9);
+  EXPECT_LT(of_fifty_metres(9, 0.909, 0.093, 56), of_fifty_metres(7, 0.909, 0.093, 56));
+  EXPECT_EQ(of_fifty_metres(17, 0.909, 0.093, 76), of_fifty_metres(12, 0.909, 0.093, 76)) << "20 m more at most";
+}
+
+TEST(Probability, WherePlacesLieApartThoughHeldTheDescriptorsOfAShortOverlapHaveToTell) {
+  const auto p = [](double spread_m, double hold, double alike, double overlap_m = 27.6) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.spread_m = spread_m;
+    e.weakest_hold = hold;
+    e.end_on_match = 0.5;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = 5;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.77, 0.054, 0.691), 0.75) << "a copy in equal tunnels at which nothing looked alike";
+  EXPECT_GT(p(0.6, 0.054, 0.691), 0.9) << "as far as drift moves them";
+  EXPECT_GT(p(0.77, 0.017, 0.691), 0.9) << "they slid along the tunnel";
+  EXPECT_GT(p(0.77, 0.054, 0.83), 0.9) << "the descriptors tell";
+  EXPECT_GT(p(0.77, 0.054, 0.691, 36), 0.9) << "the overlap tells";
+  for (double m = 0.5; m < 0.9; m += 0.002) EXPECT_NEAR(p(m, 0.054, 0.691), p(m + 0.002, 0.054, 0.691), 0.05);
+}
+
+}  // namespace
+}  // namespace headframe
