@@ -148,10 +148,9 @@ std::string explanation_view(const Json& explanation) {
   if (!explanation.at("decision").get<std::string>().empty()) out += line(explanation.at("decision"));
   if (!explanation.at("findings").empty()) out += "evidence, with what it adds to the log-odds\n";
   for (const Json& finding : explanation.at("findings")) {
-    const auto speaks = finding.at("speaks").get<std::string>();
     const auto suffices = finding.value("would_suffice", std::string());
     const double odds = finding.at("value").is_number() ? finding.at("value").get<double>() : 0;
-    out += (speaks == "for" ? "  + " : "  - ") + fixed(std::abs(odds), 1) + "  " +
+    out += (odds <= -0.05 ? "  - " : "  + ") + fixed(std::abs(odds), 1) + "  " +
            printable(finding.at("text").get<std::string>()) + (suffices.empty() ? "" : " (" + suffices + ")") + "\n";
   }
   if (!explanation.at("gates").empty()) out += "gates\n";
