@@ -125,8 +125,8 @@ double held_places_lie_apart(const Evidence& e) {
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
 ///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel;
-/// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at the 100 accepted
-///   right ones of 19 to 130 m, by .112 m at most.
+/// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at 86 accepted right
+///   ones of 19 to 125 m among more than two look-alikes, by .112 m at most.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were
 /// accepted; and one of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
@@ -142,8 +142,7 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double told_m = std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m),
                                   60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
-  return -0.3 * compared * looks_like_itself(e) *
-         std::max(std::max(0.0, told_m - e.overlap_m), scattered * std::max(0.0, 60 - e.overlap_m));
+  return -0.3 * compared * looks_like_itself(e) * std::max({0.0, told_m - e.overlap_m, scattered * (60 - e.overlap_m)});
 }
 
 /// If no descriptors were compared, only the length of the overlap and how well the walls hold it tell a copy from the
@@ -183,13 +182,13 @@ double hardly_told_apart(const Evidence& e) {
       {-6 * likeness * compared * is_short * differ, short_in_mine_of_copies(e), short_without_descriptors(e)});
 }
 
-/// Where the robots shared little path, walls farther off tell, too: the wall maps of the whole sessions, drawn from
-/// profiles that reach farther than the submaps. Their score (fully from 150 cells of half a metre on, not up to 100)
-/// takes back up to 4 of what a short overlap costs, unless places or the mine look alike, or the walls near the paths
-/// hold it loosely (fully from .08 on, not up to .05), since walls along a tunnel match anywhere. Of placements below
-/// 30 m with a probability of .05 to .9, 20 of 25 right ones scored 115 and more, and 4 of 15 wrong ones. Of 8705
-/// judged placements in five worlds and generated mines, six more right ones reach .9, and the likeliest wrong one that
-/// gains by it has .46. Set by hand on most of these; not part of the fit.
+/// Where the robots shared little path, walls farther off tell, too. The score of a piece of one session's wall map on
+/// the other's (Evidence::support; fully from 150 cells of half a metre on, not up to 100) covers more than the
+/// submaps. It takes back up to 4 of what a short overlap costs, unless places or the mine look alike, or the walls
+/// near the paths hold it loosely (fully from .08 on, not up to .05), since walls along a tunnel match anywhere. Of
+/// placements below 30 m with a probability of .05 to .9, 20 of 25 right ones scored 115 and more, and 4 of 15 wrong
+/// ones. Of 8705 judged placements in five worlds and generated mines, six more right ones reach .9, and the likeliest
+/// wrong one that gains by it has .46. Set by hand on most of these; not part of the fit.
 double walls_match(const Evidence& e) {
   const double costs =
       std::min(0.0, shared_path(e)) + few_points_meet(e) + surfaces_do_not_match(e) + hardly_any_path(e);
