@@ -125,7 +125,8 @@ double held_places_lie_apart(const Evidence& e) {
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
 ///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel;
-/// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at 86 accepted right
+/// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at 86 accepted
+/// right
 ///   ones of 19 to 125 m among more than two look-alikes, by .112 m at most.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were
