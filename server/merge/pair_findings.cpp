@@ -125,6 +125,7 @@ void all(Stream& stream, OfFindings& f) {
     stream.number(h.descriptors.sum);
     stream.number(h.descriptors.count);
     stream.number(h.promise);
+    stream.number(h.contradiction);
     stream.number(h.source);
   });
   stream.list(f.hopeful, [&](auto& one) {

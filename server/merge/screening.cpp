@@ -33,7 +33,7 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
   std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, then as proposed
   for_blocks(meet.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     T[i] = cases[meet[i]].hypothesis.T_a_b;
-    order[i] = {-coarse_fit(*at[i].a, *at[i].b, T[i]), i};
+    order[i] = {-coarse_fit(*at[i].a, *at[i].b, T[i]) / (1 + 7 * cases[meet[i]].hypothesis.contradiction), i};
   });
   std::sort(order.begin(), order.end());
   if (order.size() > judge.screened_fully) order.resize(judge.screened_fully);

@@ -16,6 +16,11 @@
 namespace headframe {
 namespace {
 
+/// For searches that have to be fast, and for a session on itself: how alike its places are was measured with it.
+WallSearchSteps rough(const WallSearchSteps& steps) {
+  return {std::max(1.5F, steps.cell_m), steps.quarter_turns, 2 * steps.peaks, 3};
+}
+
 /// Height of b's frame in a's, from the two keyframes that the placement brings nearest to each other.
 double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const Pose& T_a_b) {
   double nearest = std::numeric_limits<double>::max(), height = 0;
@@ -112,6 +117,7 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
       continue;
     h.descriptors = agreement.at(h.T_a_b);
     h.promise = lead.promise;
+    h.contradiction = lead.fit.contradiction();
     out.push_back(h);
   }
   std::stable_sort(out.begin(), out.end(),
@@ -120,7 +126,8 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
 }
 
 const Found* HypothesisFinder::find_within(const SessionView& session) {
-  LeadSeats of_walls_alone{8, 0, 0, 0, std::min<std::size_t>(60, config_.seats.coarse_matches), config_.seats.steps};
+  LeadSeats of_walls_alone{
+      8, 0, 0, 0, std::min<std::size_t>(60, config_.seats.coarse_matches), rough(config_.seats.steps)};
   of_walls_alone.second_part = false;  // what the verdict demands of a mine that repeats itself was set without
   Found& known = found_[{session.id, session.id}];
   known = {};
@@ -160,7 +167,7 @@ std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, con
 
 std::vector<double> HypothesisFinder::promises(std::span<const std::pair<SessionView, SessionView>> pairs) {
   // More rotations and placements find hardly any other partners (tests/bench/README.md, large databases).
-  LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = config_.seats.steps};
+  LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = rough(config_.seats.steps)};
   few.coarse_matches = std::min<std::size_t>(120, config_.seats.coarse_matches);
   few.steps.quarter_turns = std::min<std::size_t>(15, few.steps.quarter_turns);
   few.steps.peaks = std::min<std::size_t>(50, few.steps.peaks);

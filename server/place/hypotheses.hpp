@@ -25,6 +25,7 @@ struct Hypothesis {
   Eigen::Vector3d place_b = Eigen::Vector3d::Zero();  // the middle of b's walls that match a's, in b's frame
   Agreement descriptors = {};                         // along both paths
   double promise = 0;                                 // score, weighted by the descriptors' similarity
+  double contradiction = 0;                           // of the walls (WallFit::contradiction)
   ProposalSource source = ProposalSource::walls;
 };
 

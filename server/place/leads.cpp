@@ -21,7 +21,9 @@ constexpr double place_radius_m = 25;
 
 /// The agreement is squared because it separates placements with fitting walls better than the walls do.
 double by_promise(const Lead& lead) { return lead.promise; }
-double by_coherence(const Lead& lead) { return lead.fit.strict(); }
+double by_coherence(const Lead& lead) { return lead.fit.coherence(); }
+double by_place(const Lead& lead) { return lead.fit.strict(); }
+double by_score(const Lead& lead) { return lead.fit.score(); }
 
 WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0}; }
 
@@ -162,7 +164,8 @@ std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const
                              const LeadSeats& seats, int threads) {
   Leads found = search(a, b, seats, threads);
   refine(found, WallField::Step::coarse, agreement, threads);
-  Leads coherent = best_of(found, seats.spare * seats.coherent, by_coherence),
+  // Half a cell off, a right placement contradicts in many cells: until it is refined, the score tells more.
+  Leads coherent = best_of(found, seats.spare / 2 * seats.coherent, by_score),
         likely = best_of(found, seats.spare * seats.walls, by_promise);
   refine(coherent, WallField::Step::fine, agreement, threads);
   refine(likely, WallField::Step::fine, agreement, threads);
@@ -184,9 +187,9 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
     found.push_back({level, part, flat(pair.T_a_b), {}, ProposalSource::places, 0, here});
   }
   refine(found, WallField::Step::coarse, agreement, threads);
-  Leads best = best_of(found, seats.spare * seats.places, by_coherence);
+  Leads best = best_of(found, seats.spare * seats.places, by_place);
   refine(best, WallField::Step::fine, agreement, threads);
-  return best_of(best, seats.places, by_coherence);
+  return best_of(best, seats.places, by_place);
 }
 
 std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,

@@ -39,7 +39,7 @@ struct LeadSeats {
   /// rock was found only at rank 720.
   std::size_t coarse_matches = 1000;
   WallSearchSteps steps = {};
-  std::size_t spare = 4;    // refined to half a cell: this many times the quota
+  std::size_t spare = 4;    // refined to half a cell: this many times the quota, half as many of `coherent`
   bool second_part = true;  // for each placement also the part whose walls meet most, though they contradict more
 };
 

@@ -17,7 +17,7 @@
 namespace headframe {
 namespace {
 
-constexpr float clear_m = 1;        // free ground nearer to a wall says nothing in cells of 1.5 m
+constexpr float clear_m = 1;        // free ground nearer to a wall says nothing in coarse cells
 constexpr float side_share = 0.6F;  // size of the grid as a share of both maps side by side
 
 float radius_m(const WallMap& map, const Eigen::Vector2f& middle) {
@@ -159,8 +159,8 @@ class Correlator {
     for (std::size_t y = 0; y < n_; ++y)
       for (std::size_t x = 0; x < n_; ++x) {
         const std::size_t i = y * n_ + x;
-        worth.re[i] = smeared(grid.re, x, y) - wall_penalty * grid.im[i];
-        worth.im[i] = -wall_penalty * grid.re[i];
+        worth.re[i] = smeared(grid.re, x, y) - steps.penalty * grid.im[i];
+        worth.im[i] = -steps.penalty * grid.re[i];
       }
     Fft2(n_).forward(worth);
     take_apart(worth, n_, a_);

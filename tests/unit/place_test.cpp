@@ -239,7 +239,7 @@ TEST(WallSearch, FindsWithinAStepHoweverCoarseItsStepsAre) {
   const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40)});
   const WallMap map = draw_wall_map(drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1).keyframes, 0.5F);
   const WallField field(map);
-  for (const WallSearchSteps& steps : {WallSearchSteps{3, 15, 50}, WallSearchSteps{6, 3, 4}}) {
+  for (const WallSearchSteps& steps : {WallSearchSteps{3, 15, 50, 3}, WallSearchSteps{6, 3, 4, 3}}) {
     const auto found = search_walls(map, field, map, 1000, steps, 1);
     ASSERT_FALSE(found.empty());
     EXPECT_LE(found.size(), 4 * steps.quarter_turns * steps.peaks);
