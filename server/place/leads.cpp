@@ -21,8 +21,7 @@ constexpr double place_radius_m = 25;
 
 /// The agreement is squared because it separates placements with fitting walls better than the walls do.
 double by_promise(const Lead& lead) { return lead.promise; }
-double by_coherence(const Lead& lead) { return lead.fit.coherence(); }
-double by_place(const Lead& lead) { return lead.fit.strict(); }
+double by_coherence(const Lead& lead) { return lead.fit.strict(); }
 double by_score(const Lead& lead) { return lead.fit.score(); }
 
 WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0}; }
@@ -187,9 +186,9 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
     found.push_back({level, part, flat(pair.T_a_b), {}, ProposalSource::places, 0, here});
   }
   refine(found, WallField::Step::coarse, agreement, threads);
-  Leads best = best_of(found, seats.spare * seats.places, by_place);
+  Leads best = best_of(found, seats.spare * seats.places, by_coherence);
   refine(best, WallField::Step::fine, agreement, threads);
-  return best_of(best, seats.places, by_place);
+  return best_of(best, seats.places, by_coherence);
 }
 
 std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,

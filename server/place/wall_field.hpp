@@ -29,10 +29,8 @@ struct WallFit {
   /// For placements that are not refined yet: half a coarse cell off, a right one has many contradictions.
   int lenient() const { return met - contradicted; }
   /// Ranks a short overlap without contradictions above a long one with some; right placements have few at any length.
-  double coherence() const { return met - 6.0 * contradicted; }
-  /// The same for the surroundings of one place.
   double strict() const { return met - 10.0 * contradicted; }
-  /// 0 to 1. Right placements contradict less than wrong ones, whatever their length; a few cells tell nothing.
+  /// 0 to 1. Right placements contradict less than wrong ones, whatever their length; a few cells tell little.
   double contradiction() const { return contradicted / (met + contradicted + 20.0); }
 };
 

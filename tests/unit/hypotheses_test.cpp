@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "server/place/wall_search.hpp"
 #include "tests/support/box_mine.hpp"
@@ -62,6 +63,51 @@ TEST(Hypotheses, APieceThatHardlyMeetsTheMapDoesNotHideTheOneThatFits) {
   };
   EXPECT_FALSE(found(false)) << "the piece with the best score is one that does not meet a's walls";
   EXPECT_TRUE(found(true));
+}
+
+/// Parallel galleries, joined by cross-cuts: most of one lies well on most of another.
+BoxMine galleries(std::mt19937& rng, std::vector<double>& y, std::vector<double>& x) {
+  std::uniform_real_distribution<double> spacing_m(14, 24), along_m(20, 130);
+  std::vector<test::Box> boxes;
+  for (double at = 0; y.size() < 7; at += spacing_m(rng)) {
+    y.push_back(at);
+    x.push_back(along_m(rng));
+    boxes.push_back(BoxMine::drift(0, at, 150, at));
+  }
+  for (std::size_t i = 0; i + 1 < y.size(); ++i) boxes.push_back(BoxMine::drift(x[i], y[i], x[i], y[i + 1]));
+  return BoxMine(boxes);
+}
+
+TEST(Hypotheses, TwoDrivesThatMeetAtOneCrossCutAreProposedAmongParallelGalleries) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 rng(seed);
+    std::vector<double> y, x;
+    const BoxMine mine = galleries(rng, y, x);
+    const double beyond_m = x[3] > x[2] ? 15 : -15;  // they share this much of a gallery, and half of a cross-cut
+    const auto a = drive(mine,
+                         {{5, y[0]},
+                          {x[0], y[0]},
+                          {x[0], y[1]},
+                          {x[1], y[1]},
+                          {x[1], y[2]},
+                          {x[2], y[2]},
+                          {x[2], y[3]},
+                          {x[2] + beyond_m, y[3]}},
+                         0, 1);
+    const auto b =
+        drive(mine, {{5, y[5]}, {x[4], y[5]}, {x[4], y[4]}, {x[3], y[4]}, {x[3], y[3]}, {x[2], y[3]}, {x[2], y[3] - 8}},
+              2, 2);
+    const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+    HypothesisFinder finder({});
+    const auto found = finder.find({1, a.keyframes}, {2, b.keyframes, false, {"other", 1}})->hypotheses;
+    const Eigen::Vector3d shared = position(b.keyframes[b.keyframes.size() - 4]);
+    EXPECT_TRUE(std::any_of(found.begin(), found.end(),
+                            [&](const Hypothesis& h) {
+                              return (h.T_a_b * shared - truth * shared).norm() < 2 &&
+                                     rotation_angle_rad(h.T_a_b.inverse() * truth) < 5 * rad_per_deg;
+                            }))
+        << "mine " << seed;
+  }
 }
 
 TEST(Hypotheses, APairIsSearchedAgainWhenOneHasGrown) {
