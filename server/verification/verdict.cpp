@@ -118,7 +118,7 @@ double held_places_lie_apart(const Evidence& e) {
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
 ///   walls hardly hold it along the tunnel);
-/// - from three look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
+/// - from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
@@ -126,17 +126,16 @@ double held_places_lie_apart(const Evidence& e) {
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
 ///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel;
 /// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at 86 accepted
-/// right
-///   ones of 19 to 125 m among more than two look-alikes, by .112 m at most.
+///   right ones of 19 to 125 m among more than two look-alikes, by .112 m at most.
 /// Set by hand on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44
 /// were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were
 /// accepted; and one of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double copies = std::max(
-      std::clamp((e.mine_look_alikes - 0.35) / 0.08, 0.0, 1.0) * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
-      std::clamp((e.look_alikes - 2.5) / 0.8, 0.0, 1.0));
+  const double of_mine = std::clamp((e.mine_look_alikes - 0.35) / 0.08, 0.0, 1.0);
+  const double copies = std::max(of_mine * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
+                                 std::clamp((e.look_alikes - 3.5 + of_mine) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);

@@ -172,7 +172,7 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(p(8, 33, 0.88, 6), 0.9) << "a copy of a tunnel piece, driven a little aside";
   EXPECT_GT(p(8, 33, 0.96, 6), 0.9);
   EXPECT_LT(p(8, 33, 0.91, 6), p(8, 33, 0.96, 6));
-  EXPECT_LT(p(3.4, 44, 0.928, 11), 0.9) << "a copy, one of so many that its descriptors agree";
+  EXPECT_LT(p(4.4, 44, 0.928, 11), 0.9) << "one of so many copies that its descriptors agree";
   EXPECT_LT(p(14, 41, 0.938, 9), 0.9) << "another";
   EXPECT_GT(p(3.4, 56, 0.935, 11), 0.9);
   EXPECT_GT(p(2, 35, 0.94, 6), 0.9) << "of few copies none has such descriptors";
@@ -190,9 +190,17 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_LT(in_mine_of_copies(1.4, 24, 0.932, 4), 0.5) << "a copy";
   EXPECT_LT(in_mine_of_copies(2.6, 44, 0.930, 9), 0.9) << "another";
   EXPECT_GT(in_mine_of_copies(0.95, 38, 0.932, 6), 0.9) << "where hardly anything looks alike";
+  of_mine = 0.67;
+  EXPECT_LT(in_mine_of_copies(3.4, 44, 0.928, 11), 0.9) << "a third";
   of_mine = 0.35;
   EXPECT_GT(in_mine_of_copies(1.8, 21, 0.93, 4), 0.9) << "tunnel-four";
-  for (double n = 0.9; n < 4; n += 0.004)
+  EXPECT_GT(in_mine_of_copies(3.5, 47, 0.914, 9), 0.9) << "tunnel-four and tunnel-apart";
+  for (of_mine = 0.3; of_mine < 0.5; of_mine += 0.001) {
+    const double before = in_mine_of_copies(3.2, 44, 0.93, 9);
+    of_mine += 0.001;
+    EXPECT_NEAR(in_mine_of_copies(3.2, 44, 0.93, 9), before, 0.05) << "no cliff";
+  }
+  for (double n = 0.9; n < 5; n += 0.004)
     EXPECT_NEAR(p(n, 41, 0.938, 9), p(n + 0.004, 41, 0.938, 9), 0.05) << "no cliff";
   EXPECT_GT(p(8, 33, 0, 0), 0.9) << "of two families";
   EXPECT_GT(p(8, 33, 0.88, 1), p(8, 33, 0.88, 4)) << "one keyframe says little";
