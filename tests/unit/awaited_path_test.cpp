@@ -99,8 +99,8 @@ TEST_F(AwaitedPath, OfOneWhoAsksWhereItIsIsLongerInAMineThatLooksLikeItself) {
 TEST_F(AwaitedPath, OfOthersCountsWherePlacesLookAlikeAlone) {
   sessions_.add(4, {"test", 1});  // stands at the portal: it has told nothing yet
   grow(3, 20);
-  EXPECT_EQ(awaited_m(1.99), 0);
-  EXPECT_NEAR(awaited_m(2), config_.shown_m + 2 * config_.shown_more_m - 20, 0.01);
+  EXPECT_EQ(awaited_m(config_.look_alikes - 0.01), 0);
+  EXPECT_NEAR(awaited_m(config_.look_alikes), config_.shown_m + config_.look_alikes * config_.shown_more_m - 20, 0.01);
   sessions_.complete(3);
   EXPECT_EQ(awaited_m(2), 1) << "it has ended, and nobody has looked what it says";
   sessions_.set_looked_at(3, true);
@@ -193,8 +193,8 @@ TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
   };
   EXPECT_EQ(state_with(0, config_.provisional_m), AlignmentState::provisional);
   EXPECT_EQ(state_with(0, config_.provisional_m + 1), AlignmentState::candidate);
-  EXPECT_EQ(state_with(1.9, 1), AlignmentState::provisional);
-  EXPECT_EQ(state_with(2, 1), AlignmentState::candidate);
+  EXPECT_EQ(state_with(config_.look_alikes - 0.1, 1), AlignmentState::provisional);
+  EXPECT_EQ(state_with(config_.look_alikes, 1), AlignmentState::candidate);
   EXPECT_EQ(state_with(0, 1, config_.provisional_probability), AlignmentState::provisional);
   EXPECT_EQ(state_with(0, 1, config_.provisional_probability - 0.001), AlignmentState::candidate);
 }
@@ -239,7 +239,8 @@ TEST_F(AwaitedPath, NothingIsToldThatContradictsWhatWaitsForClouds) {
   };
   EXPECT_EQ(state_beside(AlignmentState::candidate, 3), AlignmentState::verified) << "held back";
   EXPECT_EQ(state_beside(AlignmentState::rejected, 3), AlignmentState::published);
-  EXPECT_EQ(state_beside(AlignmentState::candidate, 1.9), AlignmentState::published) << "where little looks alike";
+  EXPECT_EQ(state_beside(AlignmentState::candidate, config_.look_alikes - 0.1), AlignmentState::published)
+      << "where little looks alike";
   met = Contact::unknown;
   EXPECT_EQ(state_beside(AlignmentState::candidate, 3), AlignmentState::verified)
       << "held back until somebody has looked";
