@@ -53,7 +53,7 @@ std::string computed_by(const MergeConfig& config) {
   std::ostringstream out;
   out << program() << ' ' << gnu_get_libc_version() << ' ' << processor() << static_cast<int>(config.registration)
       << ' ' << config.placements << ' ' << config.hypotheses << ' ' << config.wall_search.cell_m << ' '
-      << config.wall_search.quarter_turns << ' ' << config.wall_search.peaks;
+      << config.wall_search.quarter_turns << ' ' << config.wall_search.peaks << ' ' << config.wall_search.penalty;
   return out.str();
 }
 

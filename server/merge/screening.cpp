@@ -6,6 +6,13 @@
 #include "server/support/parallel.hpp"
 
 namespace headframe {
+namespace {
+
+/// Long wrong overlaps match more of one place than short right ones, but their walls contradict. With 5 to 10 the same
+/// pairs of third-party worlds merge, with 20 one fewer (tests/bench/README.md).
+constexpr double contradicted = 7;
+
+}  // namespace
 
 JudgeConfig judge_config(const MergeConfig& config) {
   JudgeConfig judge;
@@ -33,7 +40,8 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
   std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, then as proposed
   for_blocks(meet.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     T[i] = cases[meet[i]].hypothesis.T_a_b;
-    order[i] = {-coarse_fit(*at[i].a, *at[i].b, T[i]) / (1 + 7 * cases[meet[i]].hypothesis.contradiction), i};
+    const double doubt = contradicted * cases[meet[i]].hypothesis.contradiction;
+    order[i] = {-coarse_fit(*at[i].a, *at[i].b, T[i]) / (1 + doubt), i};
   });
   std::sort(order.begin(), order.end());
   if (order.size() > judge.screened_fully) order.resize(judge.screened_fully);

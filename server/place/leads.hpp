@@ -36,7 +36,8 @@ struct Lead {
 struct LeadSeats {
   std::size_t walls = 16, coherent = 40, places = 8, votes = 2;
   /// Results of the wall search that are refined. In mines made by others, a right placement that shared a fifth of the
-  /// rock was found only at rank 720.
+  /// rock was found only at rank 720 in
+  /// cells of 1.5 m.
   std::size_t coarse_matches = 1000;
   WallSearchSteps steps = {};
   std::size_t spare = 4;    // refined to half a cell: this many times the quota, half as many of `coherent`

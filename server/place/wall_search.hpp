@@ -11,8 +11,7 @@ struct WallSearchSteps {
   float cell_m = 1;                // of the maps as redrawn for the search
   std::size_t quarter_turns = 45;  // rotations per right angle; the four quarters share their drawings
   std::size_t peaks = 100;         // kept for each rotation: in a mine of parallel galleries many shifts fit
-  float penalty =
-      5;  // for a wall where the other map is free, relative to wall on wall; 3 suits cells of 1.5 m and more
+  float penalty = 5;               // for a wall on free ground, relative to wall on wall; 3 in cells of 1.5 m and more
 };
 
 /// The best `most` distinct placements (4 m or 12 deg apart) over all shifts and rotations, best first. Scores refer to

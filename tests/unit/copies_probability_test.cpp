@@ -195,7 +195,7 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   of_mine = 0.35;
   EXPECT_GT(in_mine_of_copies(1.8, 21, 0.93, 4), 0.9) << "tunnel-four";
   EXPECT_GT(in_mine_of_copies(3.5, 47, 0.914, 9), 0.9) << "tunnel-four and tunnel-apart";
-  for (of_mine = 0.3; of_mine < 0.5; of_mine += 0.001) {
+  for (of_mine = 0.3; of_mine < 0.5;) {
     const double before = in_mine_of_copies(3.2, 44, 0.93, 9);
     of_mine += 0.001;
     EXPECT_NEAR(in_mine_of_copies(3.2, 44, 0.93, 9), before, 0.05) << "no cliff";
