@@ -160,7 +160,7 @@ Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c,
                                          CloudSource& clouds) {
   ScreeningResult first = screened;
   if (!first.a) {  // it was screened elsewhere
-    const SubmapPair at = first_place(pair, c, submaps_, clouds, judge_);
+    const SubmapPair at = place_screened(pair, c, screened.place, submaps_, clouds, judge_);
     first.a = at.a;
     first.b = at.b;
   }

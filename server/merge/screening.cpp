@@ -12,6 +12,90 @@ namespace {
 /// pairs of third-party worlds merge, with 20 one fewer (tests/bench/README.md).
 constexpr double contradicted = 7;
 
+/// The first place may say nothing: under a ramp, or where one session hardly saw anything. These many cases, the first
+/// as proposed, are looked at at further places if they fail there.
+constexpr std::size_t looked_at_again = 8, further_places = 2;
+
+/// A case at one place of its overlap.
+struct Look {
+  std::size_t of = 0;  // the case
+  Meeting where = {};
+  SubmapPair at = {};
+  Pose T_a_b = Pose::Identity();  // registered coarsely
+  double worth = 0;
+};
+
+/// The looks registered coarsely, the likeliest first, then as given.
+std::vector<Look> by_coarse_fit(std::vector<Look> looks, const OrderedPair& pair, const std::vector<Case>& cases,
+                                SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge) {
+  std::vector<Meeting> where;
+  where.reserve(looks.size());
+  for (const Look& look : looks) where.push_back(look.where);
+  const std::vector<SubmapPair> at = submaps.near(pair, where, clouds);
+  for_blocks(looks.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    Look& look = looks[i];
+    const Hypothesis& h = cases[look.of].hypothesis;
+    look.at = at[i];
+    look.T_a_b = h.T_a_b;
+    look.worth = coarse_fit(*look.at.a, *look.at.b, look.T_a_b) / (1 + contradicted * h.contradiction);
+  });
+  std::stable_sort(looks.begin(), looks.end(), [](const Look& l, const Look& m) { return l.worth > m.worth; });
+  return looks;
+}
+
+std::optional<Meeting> first_of(const Case& c, const JudgeConfig& judge) {
+  return first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
+}
+
+/// Where a case is looked at again. No two of its places are within 4 m, so that each has a submap of its own.
+std::vector<Meeting> further_of(const Case& c, const Meeting& first, const JudgeConfig& judge) {
+  const auto& [h, a, b] = c;
+  const auto at = std::find_if(b.stored.begin(), b.stored.end(),
+                               [&](const KeyframePosition& s) { return s.keyframe == first.keyframe_b; });
+  std::vector<KeyframePosition> places = other_places(a.stored, b.stored, h.T_a_b, at->p, judge);
+  if (places.size() > further_places) places.resize(further_places);
+  std::vector<Meeting> out;
+  for (const KeyframePosition& place : places)
+    out.push_back({nearest_to(a.stored, h.T_a_b * place.p).position->keyframe, place.keyframe});
+  return out;
+}
+
+std::vector<Look> first_looks(const std::vector<Case>& cases, const JudgeConfig& judge) {
+  std::vector<std::optional<Meeting>> meetings(cases.size());
+  for_blocks(cases.size(), 1, judge.threads,
+             [&](std::size_t i, std::size_t, std::size_t) { meetings[i] = first_of(cases[i], judge); });
+  std::vector<Look> out;
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    if (meetings[i]) out.push_back({.of = i, .where = *meetings[i]});
+  return out;
+}
+
+/// Of the first cases, as proposed, those that failed at their first place.
+std::vector<Look> second_looks(const std::vector<Case>& cases, const std::vector<ScreeningResult>& screened,
+                               const JudgeConfig& judge) {
+  std::vector<Look> out;
+  for (std::size_t i = 0; i < std::min(looked_at_again, cases.size()); ++i) {
+    const auto first = first_of(cases[i], judge);
+    if (screened[i].hopeful || !first) continue;
+    for (const Meeting& where : further_of(cases[i], *first, judge)) out.push_back({.of = i, .where = where});
+  }
+  return out;
+}
+
+std::vector<ScreeningResult> register_fully(const std::vector<Look>& looks, const JudgeConfig& judge) {
+  std::vector<ScreeningResult> out(looks.size());
+  for_blocks(looks.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    out[i] = screen_submaps(looks[i].at.a, looks[i].at.b, looks[i].T_a_b, judge);
+  });
+  return out;
+}
+
+bool same_result(const ScreeningResult& one, const ScreeningResult& other) {
+  return one.hopeful && other.hopeful &&
+         same_placement(one.place.registration.T_target_source, other.place.registration.T_target_source,
+                        other.place.p_b, same_registration);
+}
+
 }  // namespace
 
 JudgeConfig judge_config(const MergeConfig& config) {
@@ -23,41 +107,30 @@ JudgeConfig judge_config(const MergeConfig& config) {
 
 std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<Case>& cases, SessionSubmaps& submaps,
                                     CloudSource& clouds, const JudgeConfig& judge) {
-  std::vector<std::size_t> meet;  // cases
-  std::vector<Meeting> where;
-  std::vector<std::optional<Meeting>> meetings(cases.size());
-  for_blocks(cases.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    const Case& c = cases[i];
-    meetings[i] = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
-  });
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    if (!meetings[i]) continue;
-    meet.push_back(i);
-    where.push_back(*meetings[i]);
-  }
-  const std::vector<SubmapPair> at = submaps.near(pair, where, clouds);
-  std::vector<Pose> T(meet.size());
-  std::vector<std::pair<double, std::size_t>> order(meet.size());  // the likeliest first, then as proposed
-  for_blocks(meet.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
-    T[i] = cases[meet[i]].hypothesis.T_a_b;
-    const double doubt = contradicted * cases[meet[i]].hypothesis.contradiction;
-    order[i] = {-coarse_fit(*at[i].a, *at[i].b, T[i]) / (1 + doubt), i};
-  });
-  std::sort(order.begin(), order.end());
-  if (order.size() > judge.screened_fully) order.resize(judge.screened_fully);
   std::vector<ScreeningResult> screened(cases.size());
-  for_blocks(order.size(), 1, judge.threads, [&](std::size_t k, std::size_t, std::size_t) {
-    const std::size_t i = order[k].second;
-    screened[meet[i]] = screen_submaps(at[i].a, at[i].b, T[i], judge);
-  });
+  std::vector<Look> looks = by_coarse_fit(first_looks(cases, judge), pair, cases, submaps, clouds, judge);
+  if (looks.size() > judge.screened_fully) looks.resize(judge.screened_fully);
+  std::vector<ScreeningResult> results = register_fully(looks, judge);
+  for (std::size_t i = 0; i < looks.size(); ++i) screened[looks[i].of] = std::move(results[i]);
+  if (pair.a == pair.b) return screened;  // how a mine looks like itself is told by one place each
+  looks = by_coarse_fit(second_looks(cases, screened, judge), pair, cases, submaps, clouds, judge);
+  results = register_fully(looks, judge);
+  for (std::size_t i = 0; i < looks.size(); ++i)
+    if (std::none_of(screened.begin(), screened.end(), [&](const auto& s) { return same_result(results[i], s); }) &&
+        !screened[looks[i].of].hopeful)
+      screened[looks[i].of] = std::move(results[i]);
   return screened;
 }
 
-SubmapPair first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
-                       const JudgeConfig& judge) {
-  const auto meeting = first_meeting(c.a.stored, c.b.stored, c.hypothesis.T_a_b, c.hypothesis.place_b, judge);
-  if (!meeting) return {};
-  return submaps.near(pair, {&*meeting, 1}, clouds).front();
+SubmapPair place_screened(const OrderedPair& pair, const Case& c, const SubmapCheck& place, SessionSubmaps& submaps,
+                          CloudSource& clouds, const JudgeConfig& judge) {
+  const auto first = first_of(c, judge);
+  if (!first) return {};
+  std::vector<Meeting> where = further_of(c, *first, judge);
+  where.push_back(*first);
+  for (const SubmapPair& at : submaps.near(pair, where, clouds))
+    if (at.b->p == place.p_b) return at;
+  return {};
 }
 
 double look_alikes(std::vector<ScreeningResult> screened, const Pose& T) {

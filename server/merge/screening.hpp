@@ -9,14 +9,15 @@ namespace headframe {
 /// The configuration of verification that follows from that of the pipeline.
 JudgeConfig judge_config(const MergeConfig& config);
 
-/// Registers the first place of each case: all of them coarsely, the likeliest JudgeConfig::screened_fully fully. Runs
-/// in parallel; the results, one for each case, do not depend on the number of threads.
+/// Registers the first place of each case: all of them coarsely, the likeliest JudgeConfig::screened_fully fully. Those
+/// of the first cases that fail there are registered at two further places, because one place may say nothing. Runs in
+/// parallel; the results, one for each case, do not depend on the number of threads.
 std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<Case>& cases, SessionSubmaps& submaps,
                                     CloudSource& clouds, const JudgeConfig& judge);
 
-/// The submaps of the first place of a case, which screen() registered; null where the two sessions do not meet.
-SubmapPair first_place(const OrderedPair& pair, const Case& c, SessionSubmaps& submaps, CloudSource& clouds,
-                       const JudgeConfig& judge);
+/// The submaps of the place of a case that screen() registered; null if its clouds are no longer stored.
+SubmapPair place_screened(const OrderedPair& pair, const Case& c, const SubmapCheck& place, SessionSubmaps& submaps,
+                          CloudSource& clouds, const JudgeConfig& judge);
 
 /// Sum of likeness() over the placements, counting each distinct one once and leaving out those near `T`; see
 /// Evidence::look_alikes.

@@ -11,16 +11,19 @@
 namespace headframe::bench {
 namespace {
 
+/// A proposal counts from which registration reached the truth, however far off it was.
+bool proposed_right(const PairRow& r) { return r.rank >= 0 || r.screened; }
+
 struct Counts {
   int pairs = 0, degenerate = 0, proposed = 0, screened = 0, oracle = 0, oracle_lost = 0, merged = 0, wrong = 0;
   void add(const PairRow& r) {
     ++pairs;
     degenerate += headframe::bench::degenerate(r);
-    proposed += r.rank >= 0;
+    proposed += proposed_right(r);
     screened += r.screened;
     const bool believed = r.oracle.evidence.probability >= MergeConfig{}.accept_probability;
     oracle += believed;
-    oracle_lost += believed && r.rank >= 0 && !r.screened;
+    oracle_lost += believed && proposed_right(r) && !r.screened;
     merged += r.right;
     wrong += r.merged && !r.right;
   }

@@ -1,0 +1,85 @@
+// The first registration of hypotheses: one place of an overlap may say nothing.
+#include "server/merge/screening.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/scenario/drawn_base.hpp"
+
+namespace headframe {
+namespace {
+
+using test::BoxMine;
+using test::Drive;
+
+constexpr std::size_t blocked = 13;  // keyframes of session 2 in which a wall of dust stands around the robot
+
+/// Session 1 drives along a drift with two crossings; session 2 comes back along most of it, its first 24 m in dust.
+class ScreeningBehindDust : public testing::Test {
+ protected:
+  void SetUp() override {
+    const BoxMine mine({BoxMine::drift(0, 0, 70, 0), BoxMine::drift(20, 0, 20, 30), BoxMine::drift(45, -20, 45, 0, 6)});
+    Drive a = drive(mine, {{4, 0}, {66, 0}}, 0, 1, 2), b = drive(mine, {{62, 0}, {10, 0}}, 1, 2, 2);
+    for (std::size_t i = 0; i < blocked; ++i)
+      for (Eigen::Vector3f& p : b.clouds[i].sweeps.front().points) p = 1.2F * p.normalized();
+    add(1, a);
+    add(2, b);
+    right_ = {.T_a_b = a.T_mine_local.inverse() * b.T_mine_local, .place_b = position(b.keyframes[0])};
+  }
+  void add(SessionId id, const Drive& drive) {
+    sessions_.add(id, {"test", 1});
+    for (std::size_t i = 0; i < drive.keyframes.size(); ++i) {
+      sessions_.add_keyframe(id, drive.keyframes[i]);
+      shelf_.clouds[{id, i + 1}] = drive.clouds[i];
+    }
+    sessions_.complete(id);
+  }
+  std::vector<ScreeningResult> screened(const std::vector<Hypothesis>& hypotheses, int threads = 1) {
+    std::vector<Case> cases;
+    for (const Hypothesis& h : hypotheses) cases.push_back(requests_.make_case(1, 2, h, shelf_));
+    JudgeConfig judge = judge_config(config_);
+    judge.threads = threads;
+    SessionSubmaps submaps(config_, sessions_);
+    return screen({1, 2}, cases, submaps, shelf_, judge);
+  }
+
+  MergeConfig config_;
+  SessionMap sessions_{config_};
+  CloudRequests requests_{config_, sessions_};
+  test::Shelf shelf_;
+  Hypothesis right_;
+};
+
+TEST_F(ScreeningBehindDust, ARightPlacementIsFoundAtAnotherPlace) {
+  for (const int threads : {1, 3}) {
+    const ScreeningResult found = screened({right_}, threads).front();
+    ASSERT_TRUE(found.hopeful);
+    const Pose off = right_.T_a_b.inverse() * found.place.registration.T_target_source;
+    EXPECT_LT((off * found.place.p_b - found.place.p_b).norm(), 0.1);
+    EXPECT_GT((found.place.p_b - right_.place_b).norm(), 8) << "not in the dust";
+  }
+}
+
+TEST_F(ScreeningBehindDust, OnlyTheFirstEightAreLookedAtTwice) {
+  Hypothesis nowhere = right_;
+  nowhere.T_a_b = Eigen::Translation3d(500, 0, 0) * right_.T_a_b;
+  for (const std::size_t before : {7, 8}) {
+    std::vector<Hypothesis> all(before, nowhere);
+    all.push_back(right_);
+    EXPECT_EQ(screened(all).back().hopeful, before < 8);
+  }
+}
+
+TEST_F(ScreeningBehindDust, ThePlaceThatWasScreenedIsFoundAgain) {
+  const ScreeningResult found = screened({right_}).front();
+  SessionSubmaps submaps(config_, sessions_);
+  const Case c = requests_.make_case(1, 2, right_, shelf_);
+  const SubmapPair again = place_screened({1, 2}, c, found.place, submaps, shelf_, judge_config(config_));
+  ASSERT_TRUE(again.a && again.b);
+  EXPECT_EQ(again.a->p, found.a->p);
+  EXPECT_EQ(again.b->p, found.b->p);
+  EXPECT_FALSE(place_screened({1, 2}, {}, found.place, submaps, shelf_, judge_config(config_)).a)
+      << "no clouds are left there";
+}
+
+}  // namespace
+}  // namespace headframe
