@@ -12,8 +12,9 @@ namespace {
 /// pairs of third-party worlds merge, with 20 one fewer (tests/bench/README.md).
 constexpr double contradicted = 7;
 
-/// The first place may say nothing: under a ramp, or where one session hardly saw anything. These many cases, the first
-/// as proposed, are looked at at further places if they fail there.
+/// The first place may say nothing, as at the foot of a ramp, where the nearest keyframes stand on two levels. Cases
+/// that fail there, but were proposed before the first that does not, are tried at further places, if among the first
+/// eight.
 constexpr std::size_t looked_at_again = 8, further_places = 2;
 
 /// A case at one place of its overlap.
@@ -70,15 +71,13 @@ std::vector<Look> first_looks(const std::vector<Case>& cases, const JudgeConfig&
   return out;
 }
 
-/// Of the first cases, as proposed, those that failed at their first place.
+/// Of the cases proposed before the first that is hopeful.
 std::vector<Look> second_looks(const std::vector<Case>& cases, const std::vector<ScreeningResult>& screened,
                                const JudgeConfig& judge) {
   std::vector<Look> out;
-  for (std::size_t i = 0; i < std::min(looked_at_again, cases.size()); ++i) {
-    const auto first = first_of(cases[i], judge);
-    if (screened[i].hopeful || !first) continue;
-    for (const Meeting& where : further_of(cases[i], *first, judge)) out.push_back({.of = i, .where = where});
-  }
+  for (std::size_t i = 0; i < std::min(looked_at_again, cases.size()) && !screened[i].hopeful; ++i)
+    if (const auto first = first_of(cases[i], judge))
+      for (const Meeting& where : further_of(cases[i], *first, judge)) out.push_back({.of = i, .where = where});
   return out;
 }
 

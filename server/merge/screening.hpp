@@ -9,9 +9,9 @@ namespace headframe {
 /// The configuration of verification that follows from that of the pipeline.
 JudgeConfig judge_config(const MergeConfig& config);
 
-/// Registers the first place of each case: all of them coarsely, the likeliest JudgeConfig::screened_fully fully. Those
-/// of the first cases that fail there are registered at two further places, because one place may say nothing. Runs in
-/// parallel; the results, one for each case, do not depend on the number of threads.
+/// Registers the first place of each case: all of them coarsely, the likeliest JudgeConfig::screened_fully fully. The
+/// cases before the first that is hopeful then, eight at most, are registered at two further places, because one place
+/// may say nothing. Runs in parallel; the results, one for each case, do not depend on the number of threads.
 std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<Case>& cases, SessionSubmaps& submaps,
                                     CloudSource& clouds, const JudgeConfig& judge);
 

@@ -69,6 +69,17 @@ TEST_F(ScreeningBehindDust, OnlyTheFirstEightAreLookedAtTwice) {
   }
 }
 
+TEST_F(ScreeningBehindDust, APlacementThatIsKnownIsNotCountedTwice) {
+  Hypothesis in_the_clear = right_;
+  in_the_clear.place_b = right_.T_a_b.inverse() * Eigen::Vector3d(16, 0, 0);
+  EXPECT_TRUE(screened({in_the_clear}).front().hopeful);
+  for (const bool dust_first : {true, false}) {
+    const auto both = dust_first ? screened({right_, in_the_clear}) : screened({in_the_clear, right_});
+    EXPECT_EQ(both[0].hopeful, !dust_first);
+    EXPECT_EQ(both[1].hopeful, dust_first);
+  }
+}
+
 TEST_F(ScreeningBehindDust, ThePlaceThatWasScreenedIsFoundAgain) {
   const ScreeningResult found = screened({right_}).front();
   SessionSubmaps submaps(config_, sessions_);
