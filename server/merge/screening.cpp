@@ -50,14 +50,16 @@ std::optional<Meeting> first_of(const Case& c, const JudgeConfig& judge) {
 
 /// Where a case is looked at again. No two of its places are within 4 m, so that each has a submap of its own.
 std::vector<Meeting> further_of(const Case& c, const Meeting& first, const JudgeConfig& judge) {
-  const auto& [h, a, b] = c;
-  const auto at = std::find_if(b.stored.begin(), b.stored.end(),
-                               [&](const KeyframePosition& s) { return s.keyframe == first.keyframe_b; });
-  std::vector<KeyframePosition> places = other_places(a.stored, b.stored, h.T_a_b, at->p, judge);
+  const std::vector<KeyframePosition>&a = c.a.stored, &b = c.b.stored;
+  const Pose& T = c.hypothesis.T_a_b;
+  const auto at =
+      std::find_if(b.begin(), b.end(), [&](const KeyframePosition& s) { return s.keyframe == first.keyframe_b; });
+  std::vector<KeyframePosition> places = other_places(a, b, T, at->p, judge);
   if (places.size() > further_places) places.resize(further_places);
-  std::vector<Meeting> out;
-  for (const KeyframePosition& place : places)
-    out.push_back({nearest_to(a.stored, h.T_a_b * place.p).position->keyframe, place.keyframe});
+  std::vector<Meeting> out(places.size());
+  std::transform(places.begin(), places.end(), out.begin(), [&](const KeyframePosition& place) {
+    return Meeting{nearest_to(a, T * place.p).position->keyframe, place.keyframe};
+  });
   return out;
 }
 

@@ -35,6 +35,7 @@ class ScreeningBehindDust : public testing::Test {
   }
   std::vector<ScreeningResult> screened(const std::vector<Hypothesis>& hypotheses, int threads = 1) {
     std::vector<Case> cases;
+    cases.reserve(hypotheses.size());
     for (const Hypothesis& h : hypotheses) cases.push_back(requests_.make_case(1, 2, h, shelf_));
     JudgeConfig judge = judge_config(config_);
     judge.threads = threads;
