@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t first_day_s = 1'700'000'000, month_s = 30 * 86'400;
 
 /// DIR/a, b and c meet at the crossings of one mine; DIR/short_0 to short_49 are a few metres each. DIR/before and
-/// DIR/after are a month apart, and a face was driven on between them; they share 65 m, as mines of boxes are alike
+/// DIR/after are a month apart, and a face was driven on between them; they share 66 m, as mines of boxes are alike
 /// wherever they are straight. DIR/carried is of a robot that was carried from one mine to another.
 void write_all(const std::filesystem::path& dir) {
   write_session(dir / "a", drive_a_to_c(1));
