@@ -161,6 +161,7 @@ Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c,
   ScreeningResult first = screened;
   if (!first.a) {  // it was screened elsewhere
     const SubmapPair at = place_screened(pair, c, screened.place, submaps_, clouds, judge_);
+    if (!at.a) return {};  // no place of this case is there: what the other server found is of no use
     first.a = at.a;
     first.b = at.b;
   }

@@ -14,7 +14,7 @@ constexpr double contradicted = 7;
 
 /// The first place may say nothing, as at the foot of a ramp, where the nearest keyframes stand on two levels. Cases
 /// that fail there, but were proposed before the first that does not, are tried at further places, if among the first
-/// eight.
+/// eight; when all were tried, the same pairs merged.
 constexpr std::size_t looked_at_again = 8, further_places = 2;
 
 /// A case at one place of its overlap.
@@ -91,10 +91,13 @@ std::vector<ScreeningResult> register_fully(const std::vector<Look>& looks, cons
   return out;
 }
 
-bool same_result(const ScreeningResult& one, const ScreeningResult& other) {
-  return one.hopeful && other.hopeful &&
-         same_placement(one.place.registration.T_target_source, other.place.registration.T_target_source,
-                        other.place.p_b, same_registration);
+/// Whether one of the results led to the same placement.
+bool known(const ScreeningResult& result, const std::vector<ScreeningResult>& screened) {
+  const SubmapCheck& place = result.place;
+  return std::any_of(screened.begin(), screened.end(), [&](const ScreeningResult& other) {
+    return other.hopeful && same_placement(other.place.registration.T_target_source, place.registration.T_target_source,
+                                           place.p_b, same_registration);
+  });
 }
 
 }  // namespace
@@ -116,10 +119,10 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
   if (pair.a == pair.b) return screened;  // how a mine looks like itself is told by one place each
   looks = by_coarse_fit(second_looks(cases, screened, judge), pair, cases, submaps, clouds, judge);
   results = register_fully(looks, judge);
-  for (std::size_t i = 0; i < looks.size(); ++i)
-    if (std::none_of(screened.begin(), screened.end(), [&](const auto& s) { return same_result(results[i], s); }) &&
-        !screened[looks[i].of].hopeful)
-      screened[looks[i].of] = std::move(results[i]);
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    ScreeningResult& of_case = screened[looks[i].of];
+    if (results[i].hopeful && !of_case.hopeful && !known(results[i], screened)) of_case = std::move(results[i]);
+  }
   return screened;
 }
 
@@ -127,10 +130,10 @@ SubmapPair place_screened(const OrderedPair& pair, const Case& c, const SubmapCh
                           CloudSource& clouds, const JudgeConfig& judge) {
   const auto first = first_of(c, judge);
   if (!first) return {};
-  std::vector<Meeting> where = further_of(c, *first, judge);
-  where.push_back(*first);
-  for (const SubmapPair& at : submaps.near(pair, where, clouds))
-    if (at.b->p == place.p_b) return at;
+  std::vector<Meeting> all = further_of(c, *first, judge);
+  all.insert(all.begin(), *first);
+  for (const Meeting& where : all)  // one after the other, because submaps take long to build
+    if (const SubmapPair at = submaps.near(pair, {&where, 1}, clouds).front(); at.b->p == place.p_b) return at;
   return {};
 }
 

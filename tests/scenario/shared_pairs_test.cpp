@@ -131,6 +131,18 @@ TEST_F(SharedPairs, DamagedAnswersAreNotUsed) {
   EXPECT_EQ(merged(&other), alone);
 }
 
+TEST_F(SharedPairs, PlacesThatAreNotInTheSessionsAreOfNoUse) {
+  other.asked = [&](const PairTask& task) {
+    PairFindings found = decode_findings(there.find(task.a, task.b)).value();
+    for (HopefulCase& one : found.hopeful) one.place.p_b.x() += 1000;
+    found.judged.clear();
+    return PairHelpers::Answer{PairHelpers::Turn::done, encode_findings(found)};
+  };
+  Base base(drives(), test::waits_for_no_others(), &other);
+  for (const SessionId id : {1, 2, 3}) base.pipeline.attempt(id, base.shelf);
+  EXPECT_GT(base.pipeline.atlas().components.size(), 1U);
+}
+
 TEST_F(SharedPairs, WhileOthersAreBusyTheNextIsSearchedAhead) {
   other.gives_claims = true;
   other.asked = [](const PairTask&) { return PairHelpers::Answer{PairHelpers::Turn::others, {}}; };

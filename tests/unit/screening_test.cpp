@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/scenario/drawn_base.hpp"
 
 namespace headframe {
@@ -23,6 +25,7 @@ class ScreeningBehindDust : public testing::Test {
       for (Eigen::Vector3f& p : b.clouds[i].sweeps.front().points) p = 1.2F * p.normalized();
     add(1, a);
     add(2, b);
+    T_a_mine_ = a.T_mine_local.inverse();
     right_ = {.T_a_b = a.T_mine_local.inverse() * b.T_mine_local, .place_b = position(b.keyframes[0])};
   }
   void add(SessionId id, const Drive& drive) {
@@ -47,6 +50,7 @@ class ScreeningBehindDust : public testing::Test {
   SessionMap sessions_{config_};
   CloudRequests requests_{config_, sessions_};
   test::Shelf shelf_;
+  Pose T_a_mine_;
   Hypothesis right_;
 };
 
@@ -68,6 +72,17 @@ TEST_F(ScreeningBehindDust, OnlyTheFirstEightAreLookedAtTwice) {
     all.push_back(right_);
     EXPECT_EQ(screened(all).back().hopeful, before < 8);
   }
+}
+
+TEST_F(ScreeningBehindDust, WhatWasProposedAfterAHopefulOneIsNotLookedAtTwice) {
+  // Half a turn lays one crossing on the other, as far as is seen from 20 m along the drift.
+  Hypothesis turned = right_;
+  const Pose T_mine_turned = pose_from_yaw(std::numbers::pi, {65, 0, 0});
+  turned.T_a_b = T_a_mine_ * T_mine_turned * T_a_mine_.inverse() * right_.T_a_b;
+  turned.place_b = right_.T_a_b.inverse() * Eigen::Vector3d(16, 0, 0);
+  ASSERT_TRUE(screened({turned}).front().hopeful);
+  EXPECT_FALSE(screened({turned, right_})[1].hopeful);
+  EXPECT_TRUE(screened({right_, turned})[0].hopeful);
 }
 
 TEST_F(ScreeningBehindDust, APlacementThatIsKnownIsNotCountedTwice) {
