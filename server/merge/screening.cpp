@@ -133,7 +133,7 @@ SubmapPair place_screened(const OrderedPair& pair, const Case& c, const SubmapCh
   std::vector<Meeting> all = further_of(c, *first, judge);
   all.insert(all.begin(), *first);
   for (const Meeting& where : all)  // one after the other, because submaps take long to build
-    if (const SubmapPair at = submaps.near(pair, {&where, 1}, clouds).front(); at.b->p == place.p_b) return at;
+    if (SubmapPair at = submaps.near(pair, {&where, 1}, clouds).front(); at.b->p == place.p_b) return at;
   return {};
 }
 
