@@ -17,6 +17,8 @@ constexpr double contradicted = 7;
 /// eight; when all were tried, the same pairs merged.
 constexpr std::size_t looked_at_again = 8, further_places = 2;
 
+constexpr std::size_t screened_by_score = 3;  // of JudgeConfig::screened_fully
+
 /// A case at one place of its overlap.
 struct Look {
   std::size_t of = 0;  // the case
@@ -83,6 +85,17 @@ std::vector<Look> second_looks(const std::vector<Case>& cases, const std::vector
   return out;
 }
 
+/// Keeps those that deserve a full registration. Where little of a place matches, walls farther off may tell: the last
+/// seats are for the highest scores of the wall search.
+void keep_promising(std::vector<Look>& looks, const std::vector<Case>& cases, const JudgeConfig& judge) {
+  if (looks.size() <= judge.screened_fully) return;
+  const auto rest = looks.begin() + static_cast<std::ptrdiff_t>(judge.screened_fully - screened_by_score);
+  std::stable_sort(rest, looks.end(), [&](const Look& l, const Look& m) {
+    return cases[l.of].hypothesis.score > cases[m.of].hypothesis.score;
+  });
+  looks.resize(judge.screened_fully);
+}
+
 std::vector<ScreeningResult> register_fully(const std::vector<Look>& looks, const JudgeConfig& judge) {
   std::vector<ScreeningResult> out(looks.size());
   for_blocks(looks.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
@@ -113,7 +126,7 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
                                     CloudSource& clouds, const JudgeConfig& judge) {
   std::vector<ScreeningResult> screened(cases.size());
   std::vector<Look> looks = by_coarse_fit(first_looks(cases, judge), pair, cases, submaps, clouds, judge);
-  if (looks.size() > judge.screened_fully) looks.resize(judge.screened_fully);
+  keep_promising(looks, cases, judge);
   std::vector<ScreeningResult> results = register_fully(looks, judge);
   for (std::size_t i = 0; i < looks.size(); ++i) screened[looks[i].of] = std::move(results[i]);
   if (pair.a == pair.b) return screened;  // how a mine looks like itself is told by one place each
