@@ -10,7 +10,7 @@ namespace headframe {
 /// is a copy.
 AlignmentState AlignmentBook::awaiting_state(const Evidence& e) const {
   if (e.awaited_m <= 0) return AlignmentState::verified;
-  const bool worth_telling = e.awaited_m <= config_.provisional_m && e.look_alikes < config_.look_alikes &&
+  const bool worth_telling = e.awaited_m <= config_.provisional_m && e.similar_places < config_.look_alikes &&
                              e.probability >= config_.provisional_probability;
   return worth_telling ? AlignmentState::provisional : AlignmentState::candidate;
 }
@@ -72,7 +72,7 @@ MergeResult AlignmentBook::merge_undisputed(const Contacts& contacts) const {
   for (std::size_t i = 0; i < spoken.size(); ++i) {
     Alignment& k = spoken[i];
     const bool open = k.state == AlignmentState::verified && k.ruling == Ruling::none &&
-                      k.evidence.look_alikes >= config_.look_alikes;
+                      k.evidence.similar_places >= config_.look_alikes;
     const bool settled = !unsettled.contains(k.a) && !unsettled.contains(k.b);
     if (!open || (settled && then.states[i] == AlignmentState::published)) continue;
     k.state = AlignmentState::candidate;

@@ -148,8 +148,10 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
     self_.tell_of_mine(e);
-    e.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes +
-                    look_alikes(screened, verdict.judgement.T_a_b);
+    const Pose& T = verdict.judgement.T_a_b;
+    const SelfLikeness &a = self_.last(pair.a), &b = self_.last(pair.b);
+    e.look_alikes = a.look_alikes + b.look_alikes + count_alike(screened, T, likeness);
+    e.similar_places = a.similar_places + b.similar_places + count_alike(screened, T, resemblance);
     weigh(verdict.judgement);
     out.push_back({std::move(verdict), i, alone});
   }
@@ -230,6 +232,7 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
     const SelfLikeness& self = self_.of(id, clouds);
     out.evidence.aliases += self.aliases;
     out.evidence.look_alikes += self.look_alikes;
+    out.evidence.similar_places += self.similar_places;
   }
   self_.tell_of_mine(out.evidence);
   weigh(out);

@@ -73,7 +73,7 @@ class Question {
     out_.on = other_of(best, id_);
     out_.probability = e.probability;
     out_.shared_m = e.overlap_m;
-    out_.look_alikes = e.look_alikes + e.aliases;
+    out_.look_alikes = e.similar_places + e.aliases;
     out_.covariance = covariance_of(e);
     const OrderedPair pair{best.a, best.b};
     out_.awaited_m = sessions_.path_awaited_to_localize_m(id_, pair, local(best.a, best.b, best.T_a_b), e);

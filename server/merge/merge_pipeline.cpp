@@ -236,6 +236,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   Evidence& e = again.evidence;
   e.aliases = published.evidence.aliases;  // known only from the search of the whole pair
   e.look_alikes = published.evidence.look_alikes;
+  e.similar_places = published.evidence.similar_places;
   e.farther_violation = published.evidence.farther_violation;
   e.farther_explained = published.evidence.farther_explained;
   e.support = published.evidence.support;

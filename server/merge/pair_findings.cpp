@@ -140,6 +140,7 @@ void all(Stream& stream, OfFindings& f) {
   stream.number(f.itself.clouds);
   stream.number(f.itself.aliases);
   stream.number(f.itself.look_alikes);
+  stream.number(f.itself.similar_places);
 }
 
 }  // namespace

@@ -150,20 +150,18 @@ SubmapPair place_screened(const OrderedPair& pair, const Case& c, const SubmapCh
   return {};
 }
 
-double look_alikes(std::vector<ScreeningResult> screened, const Pose& T) {
-  std::stable_sort(screened.begin(), screened.end(), [](const ScreeningResult& one, const ScreeningResult& other) {
-    return likeness(one) > likeness(other);
-  });
+double count_alike(std::vector<ScreeningResult> screened, const Pose& T, double (*alike)(const ScreeningResult&)) {
+  std::stable_sort(screened.begin(), screened.end(),
+                   [&](const ScreeningResult& one, const ScreeningResult& other) { return alike(one) > alike(other); });
   std::vector<Pose> counted{T};
   double sum = 0;
   for (const ScreeningResult& result : screened) {
-    const double alike = likeness(result);
-    if (alike <= 0) break;
+    if (alike(result) <= 0) break;
     const Pose& here = result.place.registration.T_target_source;
     const auto near = [&](const Pose& U) { return same_placement(here, U, result.place.p_b, same_look_alike); };
     if (std::any_of(counted.begin(), counted.end(), near)) continue;
     counted.push_back(here);
-    sum += alike;
+    sum += alike(result);
   }
   return sum;
 }

@@ -19,8 +19,8 @@ std::vector<ScreeningResult> screen(const OrderedPair& pair, const std::vector<C
 SubmapPair place_screened(const OrderedPair& pair, const Case& c, const SubmapCheck& place, SessionSubmaps& submaps,
                           CloudSource& clouds, const JudgeConfig& judge);
 
-/// Sum of likeness() over the placements, counting each distinct one once and leaving out those near `T`; see
-/// Evidence::look_alikes.
-double look_alikes(std::vector<ScreeningResult> screened, const Pose& T);
+/// Sum of `alike`, likeness or resemblance, over the placements, counting each distinct one once and leaving out those
+/// near `T`; see Evidence::look_alikes and similar_places.
+double count_alike(std::vector<ScreeningResult> screened, const Pose& T, double (*alike)(const ScreeningResult&));
 
 }  // namespace headframe

@@ -90,7 +90,8 @@ SelfLikeness SelfSimilarity::search(SessionId id, CloudSource& clouds) {
   return {.path_m = session.path_m(),
           .clouds = count_clouds(session, id, clouds, CloudState::stored),
           .aliases = static_cast<double>(copies_within(id, screened, clouds)),
-          .look_alikes = look_alikes(screened, Pose::Identity()),
+          .look_alikes = count_alike(screened, Pose::Identity(), likeness),
+          .similar_places = count_alike(screened, Pose::Identity(), resemblance),
           .wanted = std::move(wanted)};
 }
 

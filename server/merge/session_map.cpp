@@ -24,7 +24,7 @@ std::uint64_t fingerprint_of(const Keyframe& keyframe) {
 }
 
 // Limits of what demands more path; set by hand on live drives of the recordings and of drawn mines (seed 310000).
-constexpr double most_look_alikes = 4, most_doubt = 2;
+constexpr double most_similar_places = 4, most_doubt = 2;
 
 /// How far the probability is below beyond_doubt, in log-odds.
 double doubt(double probability) {
@@ -128,7 +128,7 @@ double SessionMap::path_awaited_m(const OrderedPair& pair, const Pose& T_a_b, co
   };
   wait_for(a, b, T_a_b.inverse());
   wait_for(b, a, T_a_b);
-  if (evidence.look_alikes < config_.look_alikes) return awaited_m;
+  if (evidence.similar_places < config_.look_alikes) return awaited_m;
   return std::max(awaited_m, path_awaited_of_others_m(pair, asked_m));
 }
 
@@ -140,12 +140,12 @@ double SessionMap::path_awaited_to_localize_m(SessionId asking, const OrderedPai
   const Pose T_map_session = a_asks ? T_a_b.inverse() : T_a_b;
   const double since_m = path_since(session, map, T_map_session, JudgeConfig{}.meet_m).value_or(0);
   const double awaited_m = std::max(0.0, asked_m - evidence.overlap_m - since_m);
-  if (evidence.look_alikes < config_.look_alikes) return awaited_m;
+  if (evidence.similar_places < config_.look_alikes) return awaited_m;
   return std::max(awaited_m, path_awaited_of_others_m(pair, asked_m));
 }
 
 double SessionMap::path_asked_m(const Evidence& evidence, double least_m) const {
-  return least_m + config_.shown_more_m * std::min(evidence.look_alikes, most_look_alikes) +
+  return least_m + config_.shown_more_m * std::min(evidence.similar_places, most_similar_places) +
          config_.shown_doubt_m * std::min(doubt(evidence.probability), most_doubt);
 }
 

@@ -12,6 +12,7 @@ struct SelfLikeness {
   std::size_t clouds = 0;           // number stored then
   double aliases = 0;               // see Evidence::aliases
   double look_alikes = 0;           // see Evidence::look_alikes
+  double similar_places = 0;        // see Evidence::similar_places
   std::vector<KeyframeRef> wanted;  // clouds that would allow a closer look at places whose walls look alike
 
   bool operator==(const SelfLikeness&) const = default;

@@ -125,6 +125,13 @@ ALTER TABLE servers ADD COLUMN searched BIGINT NOT NULL DEFAULT 0;
 ALTER TABLE servers ADD COLUMN searches_a BIGINT NOT NULL DEFAULT 0;
 ALTER TABLE servers ADD COLUMN searches_b BIGINT NOT NULL DEFAULT 0;
 )sql",
+    // similar_places: what look_alikes was before; look_alikes counts fewer from here on.
+    R"sql(
+ALTER TABLE self_likeness ADD COLUMN similar_places DOUBLE PRECISION NOT NULL DEFAULT 0;
+UPDATE self_likeness SET similar_places = look_alikes;
+INSERT INTO evidence (a, b, name, value) SELECT a, b, 'similar_places', value FROM evidence WHERE name = 'look_alikes'
+  ON CONFLICT DO NOTHING;
+)sql",
 };
 
 std::string step(std::size_t from) {

@@ -124,6 +124,13 @@ CREATE TABLE pose_updates (
   keyframes INTEGER NOT NULL, T_local_sensor BLOB NOT NULL, checksum INTEGER NOT NULL,
   PRIMARY KEY (session, sequence)) WITHOUT ROWID;
 )sql",
+    // similar_places: what look_alikes was before; look_alikes counts fewer from here on.
+    R"sql(
+ALTER TABLE self_likeness ADD COLUMN similar_places REAL NOT NULL DEFAULT 0;
+UPDATE self_likeness SET similar_places = look_alikes;
+INSERT INTO evidence (a, b, name, value) SELECT a, b, 'similar_places', value FROM evidence WHERE name = 'look_alikes'
+  ON CONFLICT DO NOTHING;
+)sql",
 };
 
 }  // namespace

@@ -180,9 +180,10 @@ Result<void> put_self_likeness(Database& db, SessionId session, const SelfLikene
   for (const KeyframeRef& keyframe : found.wanted) wanted.push_back(keyframe.sequence);
   const std::string sequences = integers_blob(wanted);
   return db.run(
-      "INSERT INTO self_likeness VALUES (?,?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET path_m=excluded.path_m,"
-      " clouds=excluded.clouds, aliases=excluded.aliases, look_alikes=excluded.look_alikes, wanted=excluded.wanted",
-      session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences});
+      "INSERT INTO self_likeness VALUES (?,?,?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET path_m=excluded.path_m,"
+      " clouds=excluded.clouds, aliases=excluded.aliases, look_alikes=excluded.look_alikes, wanted=excluded.wanted,"
+      " similar_places=excluded.similar_places",
+      session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences}, found.similar_places);
 }
 
 Result<void> put(Database& db, const DropSurvey& write) {

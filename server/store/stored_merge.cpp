@@ -80,14 +80,15 @@ Result<void> read_atlas(Database& db, Atlas& atlas) {
 }
 
 Result<void> read_self_likeness(Database& db, std::map<SessionId, SelfLikeness>& known) {
-  return db.each("SELECT session, path_m, clouds, aliases, look_alikes, wanted FROM self_likeness",
-                 [&](const Row& row) {
-                   const SessionId session = row.integer(0);
-                   SelfLikeness& found = known[session];
-                   found = {row.real(1), static_cast<std::size_t>(row.integer(2)), row.real(3), row.real(4), {}};
-                   for (const std::uint64_t sequence : integers_from_blob(row.blob(5)))
-                     found.wanted.push_back({session, sequence});
-                 });
+  return db.each(
+      "SELECT session, path_m, clouds, aliases, look_alikes, wanted, similar_places FROM self_likeness",
+      [&](const Row& row) {
+        const SessionId session = row.integer(0);
+        SelfLikeness& found = known[session];
+        found = {row.real(1), static_cast<std::size_t>(row.integer(2)), row.real(3), row.real(4), row.real(6), {}};
+        for (const std::uint64_t sequence : integers_from_blob(row.blob(5)))
+          found.wanted.push_back({session, sequence});
+      });
 }
 
 Result<void> read_closures(Database& db, std::vector<PairClosures>& closures) {

@@ -7,7 +7,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 33> fields{{
+constexpr std::array<EvidenceField, 34> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -24,6 +24,7 @@ constexpr std::array<EvidenceField, 33> fields{{
     {"repetition", &Evidence::repetition},
     {"look_alikes", &Evidence::look_alikes},
     {"mine_look_alikes", &Evidence::mine_look_alikes},
+    {"similar_places", &Evidence::similar_places},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},
@@ -71,6 +72,10 @@ double places_look_alike(const Evidence& e) {
 
 double looks_like_itself(const Evidence& e) {
   return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
+}
+
+double copies_shown(const Evidence& e) {
+  return std::clamp(std::max({e.aliases, e.look_alikes - 1.5, (e.mine_look_alikes - 0.3) / 0.1}), 0.0, 1.0);
 }
 
 double asked_alike(const Evidence& e) {

@@ -11,6 +11,15 @@ namespace {
 
 constexpr double most_tilt_rad = 0.1, most_moved_m = 8;  // of a first registration: else it went astray
 
+double ramp(double value, double none, double all) { return std::clamp((value - none) / (all - none), 0.0, 1.0); }
+
+/// How well the rock fits, whatever free space says, 0 to 1.
+double rock_fits(const ScreeningResult& result) {
+  if (!result.hopeful) return 0;
+  return ramp(result.place.matched.cautious(), 0.65, 0.9) * ramp(result.place.residual_m, 0.065, 0.04) *
+         ramp(result.place.registration.direction_hold[0], 0, 0.05);
+}
+
 }  // namespace
 
 double coarse_fit(const Submap& a, const Submap& b, Pose& T) {
@@ -36,13 +45,11 @@ ScreeningResult screen_submaps(const SubmapPtr& a, const SubmapPtr& b, const Pos
 }
 
 double likeness(const ScreeningResult& result) {
-  if (!result.hopeful) return 0;
-  const auto ramp = [](double value, double none, double all) {
-    return std::clamp((value - none) / (all - none), 0.0, 1.0);
-  };
-  return ramp(result.place.matched.cautious(), 0.65, 0.9) * ramp(result.place.residual_m, 0.065, 0.04) *
-         ramp(result.place.between().violation(), 0.012, 0.0005) *
-         ramp(result.place.registration.direction_hold[0], 0, 0.05);
+  return rock_fits(result) * ramp(result.place.between().violation(), 0.004, 0.001);
+}
+
+double resemblance(const ScreeningResult& result) {
+  return rock_fits(result) * ramp(result.place.between().violation(), 0.012, 0.0005);
 }
 
 bool fits_alone(const ScreeningResult& result) {

@@ -23,9 +23,13 @@ double coarse_fit(const Submap& a, const Submap& b, Pose& T_a_b_0);
 ScreeningResult screen_submaps(const SubmapPtr& a, const SubmapPtr& b, const Pose& T_a_b_0, const JudgeConfig& config);
 
 /// How well the first place, taken alone, fits as a copy of the rock would, 0 to 1: most points match, surfaces
-/// coincide, almost nothing contradicts (fully up to .05 % of the points, not from 1.2 % on), and the placement cannot
+/// coincide, next to nothing contradicts (fully up to .1 % of the points, not from .4 % on), and the placement cannot
 /// slide.
 double likeness(const ScreeningResult& result);
+
+/// The same where up to 1.2 % of the points contradict (fully up to .05 %). Not a copy, but a sign that the mine may
+/// hold some.
+double resemblance(const ScreeningResult& result);
 
 /// Whether the first place, taken alone, looks right. If it does for several placements, the mine repeats itself there.
 /// Less than .2 % of its points may be contradicted: at three of four places where a session of the two worlds of equal

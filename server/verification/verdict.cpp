@@ -116,9 +116,9 @@ double held_places_lie_apart(const Evidence& e) {
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
 /// longest of these overlaps, and each metre missing costs 0.3:
-/// - 60 m if the descriptors agree to .90 or less, falling to nothing at .93; 40 m more if it is nearly straight (the
-///   walls hardly hold it along the tunnel);
-/// - from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
+/// - where copies were seen (copies_shown), 60 m if the descriptors agree to .90 or less, falling
+///   to nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
+/// - there, and from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
@@ -140,8 +140,10 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
-  const double told_m = std::max({differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m),
-                                  60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
+  const double shown = copies_shown(e);
+  const double told_m =
+      std::max({shown * differ * (60 + 40 * straight), shown * by_chance * (56 + 20 * straight + many_m),
+                60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
   return -0.3 * compared * looks_like_itself(e) * std::max({0.0, told_m - e.overlap_m, scattered * (60 - e.overlap_m)});
 }
 
@@ -166,15 +168,14 @@ double short_without_descriptors(const Evidence& e) {
          std::max(doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
 }
 
-/// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of a
+/// If another placement fits, copies were seen, or places lie apart though the walls hold them, the descriptors of a
 /// short overlap have to decide. Of 11 such right placements in six kinds of mines, with less than 36 m and at least
 /// four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was merged wrongly
-/// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a quarter of a look-
-/// alike on: with half of that cost a copy of 28 m in equal tunnels, 0.26 look-alikes, 0.69 from five, reached 0.91.
-/// Its places lie 0.77 m apart, which tells as much: without any look-alike it would have .71 instead of .99. Set by
-/// hand on these two; not part of the fit.
+/// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors: with half of that cost a
+/// copy of 28 m in equal tunnels, whose places lie 0.77 m apart, 0.69 from five, reached 0.91. Set by hand on these
+/// two; not part of the fit.
 double hardly_told_apart(const Evidence& e) {
-  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, e.look_alikes / 0.25, held_places_lie_apart(e)})),
+  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, copies_shown(e), held_places_lie_apart(e)})),
                compared = std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0),
                is_short = std::clamp((36 - e.overlap_m) / 10, 0.0, 1.0);
   const double differ = std::clamp((0.83 - e.descriptors_alike) / 0.07, 0.0, 1.0);

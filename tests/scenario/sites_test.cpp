@@ -122,7 +122,7 @@ TEST(Sites, NobodyWaitsForThoseWhoDriveAtAnother) {
   Evidence evidence;
   evidence.overlap_m = 60;
   evidence.probability = 0.99;
-  evidence.look_alikes = 8;
+  evidence.similar_places = 8;
   EXPECT_EQ(sessions.path_awaited_m({1, 2}, Pose::Identity(), evidence), 0);
   sessions.set_site(3, "north");
   EXPECT_GT(sessions.path_awaited_m({1, 2}, Pose::Identity(), evidence), 5) << "it drives there";

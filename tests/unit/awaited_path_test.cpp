@@ -28,10 +28,10 @@ class AwaitedPath : public testing::Test {
     k.stamp_s = m;
     sessions_.add_keyframe(id, k);
   }
-  double awaited_m(double look_alikes, double probability = 0.99) const {
+  double awaited_m(double similar_places, double probability = 0.99) const {
     Evidence evidence;
     evidence.probability = probability;
-    evidence.look_alikes = look_alikes;
+    evidence.similar_places = similar_places;
     evidence.overlap_m = 3;
     return sessions_.path_awaited_m({1, 2}, Pose::Identity(), evidence);
   }
@@ -64,9 +64,9 @@ TEST_F(AwaitedPath, OfAShortSessionThatHasEndedIsMoreTheMoreLooksAlikeAndTheLess
     const SessionId id = 100 + SessionId{metres};
     grow(id, metres);
     sessions_.complete(id);
-    const auto awaited_m = [&](double look_alikes, double probability) {
+    const auto awaited_m = [&](double similar_places, double probability) {
       Evidence evidence;
-      evidence.look_alikes = look_alikes;
+      evidence.similar_places = similar_places;
       evidence.probability = probability;
       evidence.overlap_m = metres;
       return sessions_.path_awaited_m({1, id}, Pose::Identity(), evidence);
@@ -143,7 +143,7 @@ TEST_F(AwaitedPath, WhatWaitedForOthersIsToldWhenTheyHaveEnded) {
   judged.T_a_b = pose_from_yaw(0.5, {1, 2, 0});
   judged.evidence.probability = 0.99;
   judged.evidence.inlier_fraction = 1;
-  judged.evidence.look_alikes = 3;
+  judged.evidence.similar_places = 3;
   book.record({1, 2}, judged, std::nullopt, false, report);
   EXPECT_EQ(book.find(1, 2)->state, AlignmentState::candidate) << "85 m are awaited";
   sessions_.complete(3);
@@ -168,7 +168,7 @@ TEST_F(AwaitedPath, WhatWasRefusedOnceWaitsForTheOperatorToo) {
   ASSERT_TRUE(book.decide(book.find(1, 2)->id, Decision::refuse, report));
   grow(3, 20);
   judged.evidence.seen_points = 10000;  // so much more that it is proposed again
-  judged.evidence.look_alikes = 3;
+  judged.evidence.similar_places = 3;
   book.record({1, 2}, judged, std::nullopt, false, report);
   EXPECT_EQ(book.find(1, 2)->state, AlignmentState::rejected) << "what was ruled on stays in sight";
   sessions_.complete(3);
@@ -181,13 +181,13 @@ TEST_F(AwaitedPath, WhatWasRefusedOnceWaitsForTheOperatorToo) {
 
 TEST_F(AwaitedPath, IsToldAsProvisionalWhereNothingLooksAlike) {
   add_metre(2, 62);
-  const auto state_with = [&](double look_alikes, double missing_m, double probability = 0.99) {
+  const auto state_with = [&](double similar_places, double missing_m, double probability = 0.99) {
     AlignmentBook book(config_, sessions_);
     AttemptReport report;
     Judgement judged;
     judged.evidence.probability = probability;
-    judged.evidence.look_alikes = look_alikes;
-    judged.evidence.overlap_m = config_.shown_m + config_.shown_more_m * look_alikes - missing_m;
+    judged.evidence.similar_places = similar_places;
+    judged.evidence.overlap_m = config_.shown_m + config_.shown_more_m * similar_places - missing_m;
     book.record({1, 2}, judged, std::nullopt, false, report);
     return book.find(1, 2)->state;
   };
@@ -205,7 +205,7 @@ TEST_F(AwaitedPath, WhatWaitsForCloudsTooIsJudgedAnewAndNotReleased) {
   AttemptReport report;
   Judgement judged;
   judged.evidence.probability = 0.99;
-  judged.evidence.look_alikes = 3;
+  judged.evidence.similar_places = 3;
   book.record({1, 2}, judged, std::nullopt, true, report);
   sessions_.complete(3);
   sessions_.set_looked_at(3, true);
@@ -222,13 +222,13 @@ TEST_F(AwaitedPath, NothingIsToldThatContradictsWhatWaitsForClouds) {
   sessions_.set_looked_at(3, true);
   Contact met = Contact::contradicts;
   const auto contacts = [&](SessionId a, SessionId b, const Pose&) { return a == 2 && b == 3 ? met : Contact::none; };
-  const auto state_beside = [&](AlignmentState other, double look_alikes) {
+  const auto state_beside = [&](AlignmentState other, double similar_places) {
     AlignmentBook book(config_, sessions_);
     AttemptReport report;
     Judgement judged;
     judged.evidence.inlier_fraction = 1;
     judged.evidence.overlap_m = 30;
-    judged.evidence.look_alikes = look_alikes;
+    judged.evidence.similar_places = similar_places;
     judged.evidence.probability = 0.98;
     book.record({1, 2}, judged, std::nullopt, false, report);
     judged.evidence.probability = other == AlignmentState::rejected ? 0.01 : 0.82;

@@ -26,11 +26,18 @@ ScreeningResult contradicted(double points) {
 
 TEST(Likeness, OnlyWhatNextToNothingContradictsIsACopy) {
   EXPECT_EQ(likeness(exact_copy()), 1);
-  EXPECT_EQ(likeness(contradicted(5)), 1);
-  EXPECT_NEAR(likeness(contradicted(62.5)), 0.5, 1e-9);
-  EXPECT_EQ(likeness(contradicted(120)), 0);
+  EXPECT_EQ(likeness(contradicted(10)), 1);
+  EXPECT_NEAR(likeness(contradicted(25)), 0.5, 1e-9);
+  EXPECT_EQ(likeness(contradicted(40)), 0);
   EXPECT_TRUE(fits_alone(contradicted(19)));
   EXPECT_FALSE(fits_alone(contradicted(20))) << "another piece of a surveyed mine";
+}
+
+TEST(Likeness, WhatIsContradictedMoreIsSimilarAllTheSame) {
+  EXPECT_EQ(resemblance(exact_copy()), 1);
+  EXPECT_EQ(resemblance(contradicted(5)), 1);
+  EXPECT_NEAR(resemblance(contradicted(62.5)), 0.5, 1e-9);
+  EXPECT_EQ(resemblance(contradicted(120)), 0);
 }
 
 TEST(Likeness, ACopyMatchesWithSurfacesThatCoincideAndCannotSlide) {

@@ -97,13 +97,13 @@ TEST_F(Localize, WaitsForPathLikeALiveDriveThatMayBeShorter) {
 
 TEST_F(Localize, WaitsForMoreWherePlacesLookAlike) {
   Alignment k = alignment(1, 1, asking);
-  k.evidence.look_alikes = 1;
+  k.evidence.similar_places = 1;
   k.evidence.overlap_m = SessionMap::localize_m + config_.shown_more_m;
   EXPECT_TRUE(told({k}).found);
   k.evidence.overlap_m -= 0.1;
   EXPECT_FALSE(told({k}).found);
   k.evidence.overlap_m = 1000;
-  k.evidence.look_alikes = config_.look_alikes;
+  k.evidence.similar_places = config_.look_alikes;
   EXPECT_TRUE(told({k}).found);
   grow(4, 10);
   EXPECT_FALSE(told({k}).found) << "another robot drives, and may come to contradict it";

@@ -66,6 +66,31 @@ TEST(SqliteHistory, ADatabaseFromBeforeLabelsAndSurveysIsBroughtUp) {
   ASSERT_TRUE(write_and_wait(*store, PutSurvey{{1, Pose::Identity(), {}}}));
 }
 
+TEST(SqliteHistory, WhatCountedAsLookAlikesCountsAsSimilarPlaces) {
+  const TempDir dir;
+  {
+    const auto store = open(dir);
+    for (const SessionId id : {1, 2})
+      ASSERT_TRUE(write_and_wait(*store, PutSession{session_record(id, "robot" + std::to_string(id))}));
+    Alignment alignment{1, 1, 2, AlignmentState::candidate, Pose::Identity(), {}};
+    alignment.evidence.look_alikes = 3;
+    PutMerge merge{0, 0, {alignment}, {}, {}};
+    merge.self_likeness = {{1, {100, 9, 0, 2, 0, {}}}};
+    ASSERT_TRUE(write_and_wait(*store, merge));
+  }
+  {
+    auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
+    ASSERT_TRUE(database);
+    ASSERT_TRUE(database->execute("ALTER TABLE self_likeness DROP COLUMN similar_places;"
+                                  "DELETE FROM evidence WHERE name = 'similar_places';"
+                                  "PRAGMA user_version=" +
+                                  std::to_string(schema_version() - 1)));
+  }
+  const auto merge = open(dir)->merge();
+  EXPECT_EQ(merge->alignments.at(0).evidence.similar_places, 3);
+  EXPECT_EQ(merge->self_likeness.at(1).similar_places, 2);
+}
+
 TEST(SqliteHistory, ADatabaseFromBeforeDecisionsIsBroughtUp) {
   const TempDir dir;
   {

@@ -63,7 +63,8 @@ TEST_P(StoredAtlas, ARevisionWritesWhatItMovesAndTheLastOneIsReadWhole) {
 }
 
 TEST_P(StoredAtlas, KeepsHowSessionsLookLikeThemselvesUntilTheyAreDeleted) {
-  const SelfLikeness one{120.5, 40, 2, 3.5, {{1, 7}, {1, 9}}}, other{30, 4, 0, 0, {}}, later{35, 5, 1, 0, {}};
+  const SelfLikeness one{120.5, 40, 2, 3.5, 4.5, {{1, 7}, {1, 9}}}, other{30, 4, 0, 0, 0, {}},
+      later{35, 5, 1, 0, 0.5, {}};
   {
     const auto store = open(*home);
     PutMerge merge;
