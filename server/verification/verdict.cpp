@@ -114,11 +114,20 @@ double held_places_lie_apart(const Evidence& e) {
   return held * std::clamp((e.spread_m - 0.6) / 0.2, 0.0, 1.0);
 }
 
+/// How far a copy has to be reckoned with, 0 to 1: where copies were seen; and over less than 25 m (in full 20) where
+/// the walls hold the placement loosely (fully up to .08, not from .11 on). Of placements over 8 to 25 m against which
+/// nothing else speaks, 25 of 77 held by .05 to .08 are copies of a tile or two, and 3 of 126 held better.
+double copy_expected(const Evidence& e) {
+  const double loosely = std::clamp((0.11 - e.weakest_hold) / 0.03, 0.0, 1.0);
+  return std::max(copies_shown(e), loosely * std::clamp((25 - e.overlap_m) / 5, 0.0, 1.0));
+}
+
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
 /// longest of these overlaps, and each metre missing costs 0.3:
-/// - where copies were seen (copies_shown), 60 m if the descriptors agree to .90 or less, falling
+/// - where a copy has to be reckoned with (copy_expected), 60 m if the descriptors agree to .90 or less, falling
 ///   to nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
-/// - there, and from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m on, not
+/// - there, and from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m
+/// on, not
 ///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
 ///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
@@ -140,25 +149,25 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
-  const double shown = copies_shown(e);
+  const double expected = copy_expected(e);
   const double told_m =
-      std::max({shown * differ * (60 + 40 * straight), shown * by_chance * (56 + 20 * straight + many_m),
+      std::max({expected * differ * (60 + 40 * straight), expected * by_chance * (56 + 20 * straight + many_m),
                 60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
   return -0.3 * compared * looks_like_itself(e) * std::max({0.0, told_m - e.overlap_m, scattered * (60 - e.overlap_m)});
 }
 
-/// If no descriptors were compared, only the length of the overlap and how well the walls hold it tell a copy from the
-/// place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or the mine looks like itself,
-/// each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to .06, not from .07 on),
-/// there also if only a place disagrees. Below 15 m, whatever looks alike, each metre costs as much if places lie apart
-/// (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (fully up to .08, not from .11 on): drift
-/// explains no such distance there. Set by hand on crossed drives through five worlds, of robots with descriptors of
-/// two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one of them nothing looked
-/// alike, but a place disagreed. An eighth, of 6 m and held by .071, had a tenth of a look-alike and places 0.24 m
-/// apart. Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1 m apart: in
-/// a cave, 11 m, held by .104.
+/// If at most one descriptor was compared, which says little, only the length of the overlap and how well the walls
+/// hold it tell a copy from the place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or
+/// the mine looks like itself, each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to
+/// .06, not from .07 on), there also if only a place disagrees. Below 15 m, whatever looks alike, each metre costs as
+/// much if places lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (fully up to
+/// .08, not from .11 on): drift explains no such distance there. Set by hand on crossed drives through five worlds, of
+/// robots with descriptors of two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one
+/// of them nothing looked alike, but a place disagreed. An eighth, of 6 m and held by .071, had a tenth of a look-alike
+/// and places 0.24 m apart. Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more
+/// than 0.1 m apart: in a cave, 11 m, held by .104.
 double short_without_descriptors(const Evidence& e) {
-  const double absent = 1 - std::min(1.0, e.descriptors_compared);
+  const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
   const double loosely = std::clamp((held_firmly - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double doubt = std::max(
       {looks_like_itself(e), std::clamp((e.look_alikes - 0.4) / 0.6, 0.0, 1.0), loosely * held_place_disagrees(e)});

@@ -56,6 +56,33 @@ TEST(Probability, AmongLookAlikesPointsThatScatterAreADoubt) {
     EXPECT_NEAR(of_fifty_metres(13.1, 0.959, m), of_fifty_metres(13.1, 0.959, m + 0.0002), 0.05) << "no cliff";
 }
 
+/// Figures of two copies of a tile or two that were accepted once.
+double of_a_tile(double overlap_m, double look_alikes, double of_mine, double compared, double alike, double hold) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.look_alikes = look_alikes;
+  e.mine_look_alikes = of_mine;
+  e.descriptors_compared = compared;
+  e.descriptors_alike = alike;
+  e.weakest_hold = hold;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, ALooselyHeldTileOrTwoMayBeACopyThatNobodySawTwice) {
+  EXPECT_LT(of_a_tile(13.7, 0.88, 0.32, 2, 0.86, 0.052), 0.5);
+  EXPECT_GT(of_a_tile(13.7, 0.88, 0.32, 2, 0.86, 0.11), 0.9) << "walls all around hold it";
+  EXPECT_GT(of_a_tile(25, 0.88, 0.3, 2, 0.86, 0.052), 0.9) << "longer than a tile";
+  EXPECT_GT(of_a_tile(13.7, 0.88, 0.1, 2, 0.86, 0.052), 0.9) << "in a mine that shows no copies";
+  for (double m = 18; m < 27; m += 0.02)
+    EXPECT_NEAR(of_a_tile(m, 0.88, 0.3, 2, 0.86, 0.052), of_a_tile(m + 0.02, 0.88, 0.3, 2, 0.86, 0.052), 0.05);
+}
+
+TEST(Probability, OneDescriptorDoesNotTellACopy) {
+  EXPECT_LT(of_a_tile(18.6, 2.34, 0.86, 1, 0.966, 0.062), 0.5);
+  EXPECT_NEAR(of_a_tile(18.6, 2.34, 0.86, 1, 0.966, 0.062), of_a_tile(18.6, 2.34, 0.86, 0, 0, 0.062), 0.001);
+  EXPECT_GT(of_a_tile(18.6, 2.34, 0.86, 2, 0.966, 0.062), 0.9);
+}
+
 TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {
   EXPECT_LT(of_fifty_metres(8.8, 0.909, 0.093), 0.85);
   EXPECT_GT(of_fifty_metres(7, 0.909, 0.093, 56), 0.9);

@@ -80,7 +80,7 @@ TEST(ProbabilityWithoutDescriptors, PlacesThatLieApartOverAFewMetresAreADoubtUnl
   EXPECT_GT(p(0.1, 0.071), accepted);
   EXPECT_EQ(p(0.2, 0.11), p(0.1, 0.11)) << "as between paths that only cross";
   EXPECT_EQ(p(0.24, 0.071, 15), p(0.1, 0.071, 15)) << "a longer overlap tells by itself";
-  EXPECT_GT(p(0.24, 0.071, 5.9, 1), accepted) << "the descriptors decide";
+  EXPECT_GT(p(0.24, 0.071, 5.9, 2), accepted) << "the descriptors decide";
   for (double spread_m = 0.1; spread_m < 0.2; spread_m += 0.001)
     EXPECT_NEAR(p(spread_m, 0.071), p(spread_m + 0.001, 0.071), 0.05) << "no cliff";
 }
