@@ -14,6 +14,10 @@ namespace {
 constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
 constexpr double likely = 0.3;  // probability_if_unique; set by hand
 
+/// Below this shared path, in metres, a placement is looked at farther off before it is accepted. With clouds on
+/// request one of a cave, over 9 m, was accepted at once; all clouds contradict it.
+constexpr double told_by_rock_m = 15;
+
 /// Sets the descriptors' part of the evidence; spots where the mine has changed are left out.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
   constexpr double look_m = 15;  // range that a keyframe mostly describes
@@ -193,8 +197,9 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
     const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
     e.farther_violation = far.violation;
     e.farther_explained = far.violation - far.unexplained;
-    // Unless the mine repeats itself, only the stored clouds are used and no further ones are requested.
-    if (e.repetition >= copies_known) verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
+    // Unless the mine repeats itself or hardly any path is shared, only the stored clouds are used.
+    if (e.repetition >= copies_known || e.overlap_m < told_by_rock_m)
+      verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
     weigh(verdict.judgement);
   }
   if (e.probability >= std::max(beyond_doubt, config_.accept_probability)) return;

@@ -124,12 +124,11 @@ double copy_expected(const Evidence& e) {
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
 /// longest of these overlaps, and each metre missing costs 0.3:
-/// - where a copy has to be reckoned with (copy_expected), 60 m if the descriptors agree to .90 or less, falling
-///   to nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
+/// - where a copy has to be reckoned with (copy_expected), 60 m if the descriptors agree to .90 or less, falling to
+///   nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
 /// - there, and from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m
-/// on, not
-///   up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may have
-///   such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
+///   on, not up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may
+///   have such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
