@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <vector>
 
@@ -19,14 +20,20 @@ struct JudgedOn {
   bool operator==(const JudgedOn&) const = default;
 };
 
-/// For each pair, what its last verdict was based on. Not thread safe.
+/// For each pair, what its last verdicts were based on. Not thread safe.
 class JudgedPairs {
  public:
-  /// Whether the pair's last verdict was based on exactly this; remembers it if not.
+  /// Whether the pair's last verdict, or where a published alignment is judged again at its placement one of the last
+  /// eight, was based on exactly this; remembers it if not. Such an alignment moves a little each time, and which
+  /// clouds lie near with it: one that moved back and forth between two placements would be judged again without end.
   bool judged_on(const OrderedPair& pair, const JudgedOn& now) {
-    JudgedOn& before = pairs_[std::minmax(pair.a, pair.b)];
-    if (before == now) return true;
-    before = now;
+    constexpr std::size_t most = 8;
+    std::deque<JudgedOn>& before = pairs_[std::minmax(pair.a, pair.b)];
+    if (now.search == 0 ? std::find(before.begin(), before.end(), now) != before.end()
+                        : !before.empty() && before.front() == now)
+      return true;
+    before.push_front(now);
+    if (before.size() > most) before.pop_back();
     return false;
   }
   void forget(SessionId one, SessionId other) { pairs_.erase(std::minmax(one, other)); }
@@ -35,7 +42,7 @@ class JudgedPairs {
   }
 
  private:
-  std::map<std::pair<SessionId, SessionId>, JudgedOn> pairs_;  // by ids in order
+  std::map<std::pair<SessionId, SessionId>, std::deque<JudgedOn>> pairs_;  // by ids in order; the last first
 };
 
 }  // namespace headframe
