@@ -126,8 +126,8 @@ double copy_expected(const Evidence& e) {
 /// longest of these overlaps, and each metre missing costs 0.3:
 /// - where a copy has to be reckoned with (copy_expected), 60 m if the descriptors agree to .90 or less, falling to
 ///   nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
-/// - there, and from four look-alikes on, or about one where all sessions together show many (fully from 0.43 per 100 m
-///   on, not up to 0.35), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may
+/// - there, and from four look-alikes on, or about one where all sessions together show some (fully from 0.38 per 100 m
+///   on, not up to 0.3), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may
 ///   have such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
@@ -141,18 +141,18 @@ double copy_expected(const Evidence& e) {
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
-  const double of_mine = std::clamp((e.mine_look_alikes - 0.35) / 0.08, 0.0, 1.0);
+  const double of_mine = std::clamp((e.mine_look_alikes - 0.3) / 0.08, 0.0, 1.0);
   const double copies = std::max(of_mine * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
                                  std::clamp((e.look_alikes - 3.5 + of_mine) / 0.8, 0.0, 1.0));
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);
   const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
-  const double expected = copy_expected(e);
-  const double told_m =
-      std::max({expected * differ * (60 + 40 * straight), expected * by_chance * (56 + 20 * straight + many_m),
-                60 * held_place_disagrees(e), 60 * held_places_lie_apart(e)});
-  return -0.3 * compared * looks_like_itself(e) * std::max({0.0, told_m - e.overlap_m, scattered * (60 - e.overlap_m)});
+  const double of_copies_m = std::max(differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m));
+  const double told_m = std::max(60 * held_place_disagrees(e), 60 * held_places_lie_apart(e));
+  const double missing_m = std::max(
+      {0.0, told_m - e.overlap_m, copy_expected(e) * (of_copies_m - e.overlap_m), scattered * (60 - e.overlap_m)});
+  return -0.3 * compared * looks_like_itself(e) * missing_m;
 }
 
 /// If at most one descriptor was compared, which says little, only the length of the overlap and how well the walls
@@ -176,14 +176,14 @@ double short_without_descriptors(const Evidence& e) {
          std::max(doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
 }
 
-/// If another placement fits, copies were seen, or places lie apart though the walls hold them, the descriptors of a
+/// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of a
 /// short overlap have to decide. Of 11 such right placements in six kinds of mines, with less than 36 m and at least
 /// four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was merged wrongly
-/// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors: with half of that cost a
-/// copy of 28 m in equal tunnels, whose places lie 0.77 m apart, 0.69 from five, reached 0.91. Set by hand on these
-/// two; not part of the fit.
+/// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a quarter of a look-
+/// alike on: with half of that cost a copy of 28 m in equal tunnels, whose places lie 0.77 m apart, 0.69 from five,
+/// reached 0.91. Set by hand on these two; not part of the fit.
 double hardly_told_apart(const Evidence& e) {
-  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, copies_shown(e), held_places_lie_apart(e)})),
+  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, e.look_alikes / 0.25, held_places_lie_apart(e)})),
                compared = std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0),
                is_short = std::clamp((36 - e.overlap_m) / 10, 0.0, 1.0);
   const double differ = std::clamp((0.83 - e.descriptors_alike) / 0.07, 0.0, 1.0);

@@ -98,7 +98,7 @@ TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) 
     e.descriptors_compared = count;
     const double beside_another = probability(RegistrationStatus::converged, e);
     e.aliases = 0;
-    e.look_alikes = 1.5 + likeness;
+    e.look_alikes = 0.25 * likeness;
     return std::max(beside_another, probability(RegistrationStatus::converged, e));
   };
   EXPECT_GT(p(0, 0.77), 0.9);
@@ -109,6 +109,7 @@ TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) 
   EXPECT_GT(p(1, 0.77, 5, 36), 0.9) << "a longer overlap tells by itself";
   EXPECT_LT(p(1, 0.77, 5, 26), p(1, 0.77, 5, 31));
   EXPECT_NEAR(p(1, 0.829), p(1, 0.831), 0.05) << "no cliff";
+  EXPECT_LT(p(0.258 / 0.25, 0.691, 5, 27.6), 0.6) << "a copy in equal tunnels";
 }
 
 TEST(Probability, APlacementIsAnAliasIfItIsNearlyAsProbableAndFitsAsWell) {
@@ -191,7 +192,7 @@ TEST(Probability, AmongManyLookAlikesOnlyTheSameDescriptorsTellAShortOverlap) {
   EXPECT_GT(in_mine_of_copies(0.95, 38, 0.932, 6), 0.9) << "where hardly anything looks alike";
   of_mine = 0.67;
   EXPECT_LT(in_mine_of_copies(3.4, 44, 0.928, 11), 0.9) << "a third";
-  of_mine = 0.35;
+  of_mine = 0.25;
   EXPECT_GT(in_mine_of_copies(1.8, 21, 0.93, 4), 0.9) << "tunnel-four";
   EXPECT_GT(in_mine_of_copies(3.5, 47, 0.914, 9), 0.9) << "tunnel-four and tunnel-apart";
   for (of_mine = 0.3; of_mine < 0.5;) {

@@ -70,7 +70,7 @@ double of_a_tile(double overlap_m, double look_alikes, double of_mine, double co
 
 TEST(Probability, ALooselyHeldTileOrTwoMayBeACopyThatNobodySawTwice) {
   EXPECT_LT(of_a_tile(13.7, 0.88, 0.32, 2, 0.86, 0.052), 0.5);
-  EXPECT_GT(of_a_tile(13.7, 0.88, 0.32, 2, 0.86, 0.11), 0.9) << "walls all around hold it";
+  EXPECT_GT(of_a_tile(13.7, 0.88, 0.3, 2, 0.86, 0.11), 0.9) << "walls all around hold it";
   EXPECT_GT(of_a_tile(25, 0.88, 0.3, 2, 0.86, 0.052), 0.9) << "longer than a tile";
   EXPECT_GT(of_a_tile(13.7, 0.88, 0.1, 2, 0.86, 0.052), 0.9) << "in a mine that shows no copies";
   for (double m = 18; m < 27; m += 0.02)
