@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
 #include "server/verification/axial_match.hpp"
 
@@ -10,80 +9,6 @@ namespace headframe {
 namespace {
 
 Eigen::Matrix3d hold_matrix(const Registration& r) { return r.information.bottomRightCorner<3, 3>(); }
-
-/// What a place says of the placement: 1 in each direction that its surfaces hold, 0 in those they leave free. How many
-/// surfaces hold it hardly counts, since drift between places exceeds the errors of their registrations.
-Eigen::Matrix3d directions_held(const Registration& r) {
-  constexpr double hardly_held = 0.01;  // share of the surfaces at which a direction counts half
-  const Eigen::Matrix3d hold = hold_matrix(r);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(hold / hold.trace());
-  const Eigen::Array3d share = eigen.eigenvalues().cwiseMax(0);
-  return eigen.eigenvectors() * (share / (share + hardly_held)).matrix().asDiagonal() *
-         eigen.eigenvectors().transpose();
-}
-
-/// One transform for all agreeing places. Each place pulls its p_b to where its own registration put it, in the
-/// directions it holds, and pulls the rotation as a body 8 m in size would.
-Pose combine(const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T_0) {
-  Pose T = T_0;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    double count = 0;
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (agrees[i]) {
-        centre += T * places[i].p_b;
-        count += 1;
-      }
-    centre /= count;
-    Matrix6d H = Matrix6d::Zero();
-    Vector6d g = Vector6d::Zero();
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (!agrees[i]) continue;
-      const Eigen::Matrix3d W = directions_held(places[i].registration) / 3;
-      const Eigen::Vector3d p = T * places[i].p_b, e = p - places[i].p_a;
-      Eigen::Matrix<double, 3, 6> J;
-      J << -skew(p - centre), Eigen::Matrix3d::Identity();
-      H += J.transpose() * W * J;
-      g += J.transpose() * W * e;
-      const double firmness = 64.0 / 3;
-      const Eigen::AngleAxisd turn(T.linear() * places[i].registration.T_target_source.linear().transpose());
-      H.topLeftCorner<3, 3>() += firmness * Eigen::Matrix3d::Identity();
-      g.head<3>() += firmness * turn.angle() * turn.axis();
-    }
-    H.diagonal().array() += 1e-9;
-    const Vector6d d = -H.ldlt().solve(g);
-    if (!d.allFinite()) return T_0;
-    T = Eigen::Translation3d(centre) * se3_exp(d) * Eigen::Translation3d(-centre) * T;
-    if (d.norm() < 1e-7) break;
-  }
-  return orthonormalised(T);
-}
-
-/// Registers all agreeing places together from T_0. Returns T_0 if the registration does not converge nearby.
-Pose align_overlap(const Overlap& overlap, const Pose& T_0, const JudgeConfig& config) {
-  VgicpConfig vgicp;
-  vgicp.levels = {{1.0F, 4000}, {0.5F, 12000}};
-  vgicp.iterations = 25;
-  vgicp.least_inliers = 0.05;
-  vgicp.threads = config.threads;
-  const Eigen::Vector3d& centre = overlap.centre;
-  const Registration r = align(overlap.joined, T_0, vgicp);
-  const bool near = (r.T_target_source * centre - T_0 * centre).norm() < config.place_drift_m &&
-                    rotation_angle_rad(T_0.inverse() * r.T_target_source) < config.place_drift_rad;
-  return usable(r) && near ? r.T_target_source : T_0;
-}
-
-/// Root mean square of how far the agreeing places' own registrations differ from T_a_b in directions they hold.
-double apart_m(const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T_a_b) {
-  double squared = 0, count = 0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (!agrees[i]) continue;
-    const Eigen::Vector3d e = T_a_b * places[i].p_b - places[i].p_a;
-    squared += e.dot(directions_held(places[i].registration) * e);
-    count += 1;
-  }
-  return std::sqrt(squared / count);
-}
 
 }  // namespace
 
@@ -108,12 +33,53 @@ Overlap overlap_of(const std::vector<SubmapPair>& pairs, const std::vector<Subma
   return out;
 }
 
-Pose join(const Overlap& overlap, const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees,
-          const Pose& T_0, const JudgeConfig& config) {
-  constexpr double farther_m = 0.1;
-  const Pose T_combined = combine(places, agrees, T_0), T_aligned = align_overlap(overlap, T_combined, config);
-  const bool of_one_pass = apart_m(places, agrees, T_aligned) > apart_m(places, agrees, T_combined) + farther_m;
-  return of_one_pass ? T_combined : T_aligned;
+Pose combine(const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T_0) {
+  Pose T = T_0;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    double count = 0;
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (agrees[i]) {
+        centre += T * places[i].p_b;
+        count += 1;
+      }
+    centre /= count;
+    Matrix6d H = Matrix6d::Zero();
+    Vector6d g = Vector6d::Zero();
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!agrees[i]) continue;
+      Eigen::Matrix3d W = hold_matrix(places[i].registration);
+      W /= W.trace();
+      const Eigen::Vector3d p = T * places[i].p_b, e = p - places[i].p_a;
+      Eigen::Matrix<double, 3, 6> J;
+      J << -skew(p - centre), Eigen::Matrix3d::Identity();
+      H += J.transpose() * W * J;
+      g += J.transpose() * W * e;
+      const double firmness = 64.0 / 3;
+      const Eigen::AngleAxisd turn(T.linear() * places[i].registration.T_target_source.linear().transpose());
+      H.topLeftCorner<3, 3>() += firmness * Eigen::Matrix3d::Identity();
+      g.head<3>() += firmness * turn.angle() * turn.axis();
+    }
+    H.diagonal().array() += 1e-9;
+    const Vector6d d = -H.ldlt().solve(g);
+    if (!d.allFinite()) return T_0;
+    T = Eigen::Translation3d(centre) * se3_exp(d) * Eigen::Translation3d(-centre) * T;
+    if (d.norm() < 1e-7) break;
+  }
+  return orthonormalised(T);
+}
+
+Pose align_overlap(const Overlap& overlap, const Pose& T_0, const JudgeConfig& config) {
+  VgicpConfig vgicp;
+  vgicp.levels = {{1.0F, 4000}, {0.5F, 12000}};
+  vgicp.iterations = 25;
+  vgicp.least_inliers = 0.05;
+  vgicp.threads = config.threads;
+  const Eigen::Vector3d& centre = overlap.centre;
+  const Registration r = align(overlap.joined, T_0, vgicp);
+  const bool near = (r.T_target_source * centre - T_0 * centre).norm() < config.place_drift_m &&
+                    rotation_angle_rad(T_0.inverse() * r.T_target_source) < config.place_drift_rad;
+  return usable(r) && near ? r.T_target_source : T_0;
 }
 
 Pose settled(const Overlap& overlap, const Pose& T_a_b, const JudgeConfig& config, double& end_on_match) {

@@ -24,12 +24,13 @@ struct Overlap {
 Overlap overlap_of(const std::vector<SubmapPair>& pairs, const std::vector<SubmapCheck>& places,
                    const std::vector<bool>& agrees);
 
-/// One transform for all agreeing places: near where each place's own registration puts it in the directions that its
-/// surfaces hold, and then refined by registering all of them together from there, which removes a slide along a tunnel
-/// that each place alone allows. Where a session drifted between two passes of the same tunnel, that registration would
-/// settle on one of the passes: a result that puts the places farther apart, by more than 10 cm, is not taken.
-Pose join(const Overlap& overlap, const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees,
-          const Pose& T_0, const JudgeConfig& config);
+/// One transform for all agreeing places. Each place pulls its p_b to where its own registration put it, weighted in
+/// each direction by its surfaces, and pulls the rotation as a body 8 m in size would.
+Pose combine(const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T_0);
+
+/// Registers all agreeing places together from T_0; that removes a slide along a tunnel that each place alone allows.
+/// Returns T_0 if the registration does not converge nearby.
+Pose align_overlap(const Overlap& overlap, const Pose& T_0, const JudgeConfig& config);
 
 /// Corrects a slide along a tunnel. Where the walls hardly hold the placement along its axis, repeating ribs let a
 /// registration lock in at any period. So the overlap is slid to where the surfaces that face along the axis match, and

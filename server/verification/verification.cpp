@@ -160,7 +160,7 @@ std::vector<bool> place_by_all(Places& places, const JudgeConfig& config, Judgem
   const RegistrationStatus first = places.checks[0].registration.status;
   std::vector<bool> agrees = agreeing(places.checks, T_0, config);
   const Overlap overlap = overlap_of(places.pairs, places.checks, agrees);
-  const Pose T_joined = join(overlap, places.checks, agrees, T_0, config);
+  const Pose T_joined = align_overlap(overlap, combine(places.checks, agrees, T_0), config);
   out.T_a_b = settled(overlap, T_joined, config, out.evidence.end_on_match);
   out.evidence.weakest_hold = overlap.weakest_hold;
   if (out.T_a_b.matrix() != T_joined.matrix()) {  // each place was registered at a different period
