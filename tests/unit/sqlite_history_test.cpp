@@ -81,10 +81,11 @@ TEST(SqliteHistory, WhatCountedAsLookAlikesCountsAsSimilarPlaces) {
   {
     auto database = SqliteDatabase::open((dir.path() / "headframe.db").string());
     ASSERT_TRUE(database);
-    ASSERT_TRUE(database->execute("ALTER TABLE self_likeness DROP COLUMN similar_places;"
-                                  "DELETE FROM evidence WHERE name = 'similar_places';"
-                                  "PRAGMA user_version=" +
-                                  std::to_string(schema_version() - 1)));
+    ASSERT_TRUE(
+        database->execute("ALTER TABLE self_likeness DROP COLUMN similar_places;"
+                          "DELETE FROM evidence WHERE name = 'similar_places';"
+                          "PRAGMA user_version=" +
+                          std::to_string(schema_version() - 1)));
   }
   const auto merge = open(dir)->merge();
   EXPECT_EQ(merge->alignments.at(0).evidence.similar_places, 3);
