@@ -16,7 +16,7 @@ constexpr double likely = 0.3;  // probability_if_unique; set by hand
 
 /// Below this shared path, in metres, a placement is looked at farther off before it is accepted. With clouds on
 /// request one of a cave, over 9 m, was accepted at once; all clouds contradict it.
-constexpr double told_by_rock_m = 15;
+constexpr double short_path_m = 15;
 
 /// Sets the descriptors' part of the evidence; spots where the mine has changed are left out.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
@@ -198,7 +198,7 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
     e.farther_violation = far.violation;
     e.farther_explained = far.violation - far.unexplained;
     // Unless the mine repeats itself or hardly any path is shared, only the stored clouds are used.
-    if (e.repetition >= copies_known || e.overlap_m < told_by_rock_m)
+    if (e.repetition >= copies_known || e.overlap_m < short_path_m)
       verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
     weigh(verdict.judgement);
   }

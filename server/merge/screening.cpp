@@ -17,7 +17,8 @@ constexpr double contradicted = 7;
 /// eight; when all were tried, the same pairs merged.
 constexpr std::size_t looked_at_again = 8, further_places = 2;
 
-constexpr std::size_t screened_by_score = 3;  // of JudgeConfig::screened_fully
+/// Of JudgeConfig::screened_fully. Of 394 pairs one more merges, and none fewer (tests/bench/README.md).
+constexpr std::size_t screened_by_score = 3;
 
 /// A case at one place of its overlap.
 struct Look {
