@@ -96,6 +96,19 @@ TEST_F(ScreeningBehindDust, APlacementThatIsKnownIsNotCountedTwice) {
   }
 }
 
+TEST_F(ScreeningBehindDust, SomeAreRegisteredFullyForTheirWallScoreAlone) {
+  Hypothesis likely = right_, contradicted = right_;
+  likely.place_b = contradicted.place_b = right_.T_a_b.inverse() * Eigen::Vector3d(16, 0, 0);
+  likely.score = 100;
+  contradicted.contradiction = 10;
+  std::vector<Hypothesis> all(JudgeConfig{}.screened_fully + 1, likely);
+  all.push_back(contradicted);
+  for (const double score : {99, 101}) {
+    all.back().score = score;
+    EXPECT_EQ(screened(all).back().hopeful, score > likely.score);
+  }
+}
+
 TEST_F(ScreeningBehindDust, ThePlaceThatWasScreenedIsFoundAgain) {
   const ScreeningResult found = screened({right_}).front();
   SessionSubmaps submaps(config_, sessions_);
