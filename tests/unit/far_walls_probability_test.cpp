@@ -42,6 +42,21 @@ TEST(ProbabilityOfFarWalls, TheyAddNothingToALongOverlapAndExcuseNoContradiction
   EXPECT_LT(with_score(contradicted, 1000), 0.5);
 }
 
+/// Two robots in tunnels that pass each other and see into one another through a gap; the copy of such a gap that was
+/// merged wrongly scored 90.
+TEST(ProbabilityOfFarWalls, ALowScoreIsADoubtWhereHardlyAnyPathIsShared) {
+  Evidence gap = test::convincing();
+  gap.overlap_m = 6.3;
+  gap.matched_share = 0.72;
+  gap.inlier_fraction = 0.39;
+  EXPECT_GT(with_score(gap, 100), 0.9);
+  EXPECT_LT(with_score(gap, 90), 0.9);
+  EXPECT_EQ(with_score(gap, 90), with_score(gap, 1));
+  EXPECT_EQ(with_score(gap, 100), with_score(gap, 0)) << "0: no walls were compared";
+  gap.overlap_m = 10;
+  EXPECT_EQ(with_score(gap, 100), with_score(gap, 90));
+}
+
 TEST(ProbabilityOfFarWalls, AlongATunnelThatHoldsLooselyTheyTellNothing) {
   const auto more = [](double hold) {
     Evidence e = one_hall();
