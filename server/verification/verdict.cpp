@@ -114,12 +114,14 @@ double held_places_lie_apart(const Evidence& e) {
   return held * std::clamp((e.spread_m - 0.6) / 0.2, 0.0, 1.0);
 }
 
+/// 1 up to a weakest hold of .08, 0 from .11 on.
+double held_loosely(const Evidence& e) { return std::clamp((0.11 - e.weakest_hold) / 0.03, 0.0, 1.0); }
+
 /// How far a copy has to be reckoned with, 0 to 1: where copies were seen; and over less than 25 m (in full 20) where
-/// the walls hold the placement loosely (fully up to .08, not from .11 on). Of placements over 8 to 25 m against which
+/// the walls hold the placement loosely. Of placements over 8 to 25 m against which
 /// nothing else speaks, 25 of 77 held by .05 to .08 are copies of a tile or two, and 3 of 126 held better.
 double copy_expected(const Evidence& e) {
-  const double loosely = std::clamp((0.11 - e.weakest_hold) / 0.03, 0.0, 1.0);
-  return std::max(copies_shown(e), loosely * std::clamp((25 - e.overlap_m) / 5, 0.0, 1.0));
+  return std::max(copies_shown(e), held_loosely(e) * std::clamp((25 - e.overlap_m) / 5, 0.0, 1.0));
 }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
@@ -159,8 +161,8 @@ double short_in_mine_of_copies(const Evidence& e) {
 /// hold it tell a copy from the place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or
 /// the mine looks like itself, each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to
 /// .06, not from .07 on), there also if only a place disagrees. Below 15 m, whatever looks alike, each metre costs as
-/// much if places lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (fully up to
-/// .08, not from .11 on): drift explains no such distance there. Set by hand on crossed drives through five worlds, of
+/// much if places lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly
+/// (held_loosely()): drift explains no such distance there. Set by hand on crossed drives through five worlds, of
 /// robots with descriptors of two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one
 /// of them nothing looked alike, but a place disagreed. An eighth, of 6 m and held by .071, had a tenth of a look-alike
 /// and places 0.24 m apart. Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more
@@ -170,8 +172,7 @@ double short_without_descriptors(const Evidence& e) {
   const double loosely = std::clamp((held_firmly - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double doubt = std::max(
       {looks_like_itself(e), std::clamp((e.look_alikes - 0.4) / 0.6, 0.0, 1.0), loosely * held_place_disagrees(e)});
-  const double apart =
-      std::clamp((e.spread_m - 0.1) / 0.1, 0.0, 1.0) * std::clamp((0.11 - e.weakest_hold) / 0.03, 0.0, 1.0);
+  const double apart = std::clamp((e.spread_m - 0.1) / 0.1, 0.0, 1.0) * held_loosely(e);
   return -0.3 * absent *
          std::max(doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
 }
@@ -181,9 +182,11 @@ double short_without_descriptors(const Evidence& e) {
 /// four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was merged wrongly
 /// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a quarter of a look-
 /// alike on: with half of that cost a copy of 28 m in equal tunnels, whose places lie 0.77 m apart, 0.69 from five,
-/// reached 0.91. Set by hand on these two; not part of the fit.
+/// reached 0.91. Look-alikes count only where copies were seen or the walls hold the placement loosely: two right ones
+/// of rough tunnels, of 16 and 30 m, had a fifth of one. Set by hand on these; not part of the fit.
 double hardly_told_apart(const Evidence& e) {
-  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, e.look_alikes / 0.25, held_places_lie_apart(e)})),
+  const double alike = std::max(copies_shown(e), held_loosely(e)) * e.look_alikes / 0.25;
+  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, alike, held_places_lie_apart(e)})),
                compared = std::clamp((e.descriptors_compared - 3) / 2, 0.0, 1.0),
                is_short = std::clamp((36 - e.overlap_m) / 10, 0.0, 1.0);
   const double differ = std::clamp((0.83 - e.descriptors_alike) / 0.07, 0.0, 1.0);

@@ -90,9 +90,11 @@ TEST(Probability, AMineOfCopiesAsksForDescriptorsThatAreMoreAlike) {
 }
 
 TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) {
-  const auto p = [](double likeness, double alike, double count = 5, double overlap_m = 23) {
+  double hold = 0.08;
+  const auto p = [&](double likeness, double alike, double count = 5, double overlap_m = 23) {
     Evidence e = convincing();
     e.overlap_m = overlap_m;
+    e.weakest_hold = hold;
     e.aliases = 0.2 * likeness;
     e.descriptors_alike = alike;
     e.descriptors_compared = count;
@@ -110,6 +112,9 @@ TEST(Probability, WhereAnotherPlaceFitsTheDescriptorsOfAShortOverlapHaveToTell) 
   EXPECT_LT(p(1, 0.77, 5, 26), p(1, 0.77, 5, 31));
   EXPECT_NEAR(p(1, 0.829), p(1, 0.831), 0.05) << "no cliff";
   EXPECT_LT(p(0.258 / 0.25, 0.691, 5, 27.6), 0.6) << "a copy in equal tunnels";
+  hold = 0.11;
+  EXPECT_GT(p(1, 0.77), 0.9) << "a quarter of a look-alike tells nothing about walls that hold";
+  EXPECT_LT(p(10, 0.77), 0.6) << "copies were seen";
 }
 
 TEST(Probability, APlacementIsAnAliasIfItIsNearlyAsProbableAndFitsAsWell) {
