@@ -28,10 +28,23 @@ double of_pieces(double spread_m, double hold, double overlap_m = 26.8, double l
 TEST(Probability, AmongLookAlikesPlacesThatTheWallsHoldLieTogether) {
   EXPECT_LT(of_pieces(0.9, 0.028), 0.1) << "each piece of a copy fits at its own place";
   EXPECT_LT(of_pieces(0.8, 0.02), 0.1);
-  EXPECT_GT(of_pieces(0.6, 0.028), 0.9);
+  EXPECT_LT(of_pieces(0.6, 0.028), 0.9) << "so short, and less than 0.2 m at the right place";
+  EXPECT_GT(of_pieces(0.6, 0.028, 45), 0.9);
+  EXPECT_GT(of_pieces(0.2, 0.028), 0.9);
   EXPECT_GT(of_pieces(0.94, 0.0166), 0.9) << "they slide along the tunnel";
   EXPECT_GT(of_pieces(0.9, 0.028, 60), 0.9) << "a long overlap tells by itself";
   EXPECT_GT(of_pieces(0.9, 0.1, 26.8, 0, 0), 0.9) << "nothing looks alike";
+}
+
+TEST(Probability, AmongFewLookAlikesPlacesOfAShortOverlapThatLieALittleApartAreADoubt) {
+  EXPECT_LT(of_pieces(0.42, 0.074, 24.7, 1.41, 0.17), 0.5) << "a copy";
+  EXPECT_LT(of_pieces(0.36, 0.083, 16.4, 1.48, 0.06), 0.5) << "another";
+  EXPECT_GT(of_pieces(0.2, 0.074, 24.7, 1.41, 0.17), 0.9) << "they lie together";
+  EXPECT_GT(of_pieces(0.42, 0.074, 24.7, 1, 0.1), 0.9) << "one look-alike says little";
+  EXPECT_GT(of_pieces(0.42, 0.074, 45, 1.41, 0.17), 0.9) << "a longer overlap tells";
+  EXPECT_GT(of_pieces(0.42, 0.02, 24.7, 1.41, 0.17), 0.9) << "they slide along the tunnel";
+  for (double m = 0.15; m < 0.4; m += 0.001)
+    EXPECT_NEAR(of_pieces(m, 0.074, 24.7, 1.41), of_pieces(m + 0.001, 0.074, 24.7, 1.41), 0.05) << "no cliff";
 }
 
 /// Figures of two copies of 50 m in a mine of equal tunnels, both of which were accepted once.
