@@ -124,11 +124,18 @@ double copy_expected(const Evidence& e) {
   return std::max(copies_shown(e), held_loosely(e) * std::clamp((25 - e.overlap_m) / 5, 0.0, 1.0));
 }
 
-/// 1 where places lie apart among look-alikes (fully from 0.35 m and 1.4 look-alikes on, not up to 0.2 m or one) though
-/// the walls hold the placement (fully from .03 on, not up to .02).
-double look_alikes_lie_apart(const Evidence& e) {
-  return std::clamp((e.look_alikes - 1) / 0.4, 0.0, 1.0) * std::clamp((e.spread_m - 0.2) / 0.15, 0.0, 1.0) *
-         std::clamp((e.weakest_hold - 0.02) / 0.01, 0.0, 1.0);
+/// Overlap that is missing where places lie apart among look-alikes though the walls hold the placement (fully from
+/// .023 on, not up to .018), because drift explains no such distance over a short overlap. 45 m are demanded from 0.35
+/// m and 1.4 look-alikes on (nothing up to 0.2 m or one), 36 m from 0.46 m and 0.3 look-alikes on (nothing up to 0.36 m
+/// or .15). Of placements that reached .9 without this, four of 16 to 27 m were copies, and two of 27 and 32 m were
+/// right.
+double missing_where_look_alikes_lie_apart(const Evidence& e) {
+  const auto ramp = [](double value, double none, double all) {
+    return std::clamp((value - none) / (all - none), 0.0, 1.0);
+  };
+  return ramp(e.weakest_hold, 0.018, 0.023) *
+         std::max({0.0, ramp(e.look_alikes, 1, 1.4) * ramp(e.spread_m, 0.2, 0.35) * (45 - e.overlap_m),
+                   ramp(e.look_alikes, 0.15, 0.3) * ramp(e.spread_m, 0.36, 0.46) * (36 - e.overlap_m)});
 }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
@@ -144,11 +151,10 @@ double look_alikes_lie_apart(const Evidence& e) {
 ///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel;
 /// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at 86 accepted
 ///   right ones of 19 to 125 m among more than two look-alikes, by .112 m at most.
-/// 45 m are demanded wherever look_alikes_lie_apart(): of placements that reached .9 without this, three of 16 to 27 m
-/// were copies, and two of 27 and 32 m were right. Set by hand on worlds of equal tunnels. Of the placements of 25 to
-/// 57 m there for which all else spoke, 21 of 44 were copies. With descriptors of .91 to .95, copies of 24, 36, 39, 41,
-/// 44, 44, 50, 53, 58, 66, 83 and 84 m were accepted; and one of 37 m, .96, where one place of six disagreed, as at
-/// none of the right ones that the walls hold.
+/// Wherever look-alikes lie apart, each metre of missing_where_look_alikes_lie_apart() costs as much. Set by hand on
+/// worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44 were copies. With
+/// descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were accepted; and one of
+/// 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = std::clamp((0.93 - e.descriptors_alike) / 0.03, 0.0, 1.0);
@@ -163,7 +169,7 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double told_m = std::max(60 * held_place_disagrees(e), 60 * held_places_lie_apart(e));
   const double missing_m = std::max(
       {0.0, told_m - e.overlap_m, copy_expected(e) * (of_copies_m - e.overlap_m), scattered * (60 - e.overlap_m)});
-  return -0.3 * compared * std::max(looks_like_itself(e) * missing_m, look_alikes_lie_apart(e) * (45 - e.overlap_m));
+  return -0.3 * compared * std::max(looks_like_itself(e) * missing_m, missing_where_look_alikes_lie_apart(e));
 }
 
 /// If at most one descriptor was compared, which says little, only the length of the overlap and how well the walls

@@ -42,7 +42,11 @@ TEST(Probability, AmongFewLookAlikesPlacesOfAShortOverlapThatLieALittleApartAreA
   EXPECT_GT(of_pieces(0.2, 0.074, 24.7, 1.41, 0.17), 0.9) << "they lie together";
   EXPECT_GT(of_pieces(0.42, 0.074, 24.7, 1, 0.1), 0.9) << "one look-alike says little";
   EXPECT_GT(of_pieces(0.42, 0.074, 45, 1.41, 0.17), 0.9) << "a longer overlap tells";
-  EXPECT_GT(of_pieces(0.42, 0.02, 24.7, 1.41, 0.17), 0.9) << "they slide along the tunnel";
+  EXPECT_GT(of_pieces(0.42, 0.018, 24.7, 1.41, 0.17), 0.9) << "they slide along the tunnel";
+  EXPECT_LT(of_pieces(0.712, 0.0246, 17.8, 0.33, 0.16), 0.9) << "a copy of three places";
+  EXPECT_GT(of_pieces(0.36, 0.0246, 17.8, 0.33, 0.16), 0.9);
+  EXPECT_GT(of_pieces(0.712, 0.0246, 36, 0.33, 0.16), 0.9);
+  EXPECT_GT(of_pieces(0.712, 0.0246, 17.8, 0.15, 0.05), 0.9) << "as in rough tunnels without copies";
   for (double m = 0.15; m < 0.4; m += 0.001)
     EXPECT_NEAR(of_pieces(m, 0.074, 24.7, 1.41), of_pieces(m + 0.001, 0.074, 24.7, 1.41), 0.05) << "no cliff";
 }
