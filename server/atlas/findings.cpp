@@ -56,9 +56,9 @@ std::string violation(const Evidence& e) {
 std::string told_apart(const Evidence& e) {
   return descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
          formatted(
-             ", where places look alike (%.2f in 100 m of all that is known) or lie apart (by %.2f m), or points "
-             "scatter (by %.0f mm)",
-             e.mine_look_alikes, e.spread_m, 1000 * e.rmse_m);
+             ", where places look alike (%.2f in 100 m of all that is known), resemble others (%.2f) or lie apart (by "
+             "%.2f m), or points scatter (by %.0f mm)",
+             e.mine_look_alikes, e.similar_places, e.spread_m, 1000 * e.rmse_m);
 }
 
 /// What a contribution means, in the order of LogOdds::contributions.

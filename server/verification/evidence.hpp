@@ -36,7 +36,7 @@ struct Evidence {
   /// equal tunnels.
   double look_alikes = 0;
   double mine_look_alikes = 0;  // those that all sessions of the database show of themselves, per 100 m of their path
-  double similar_places = 0;    // the same with more contradiction (resemblance()); weighs only in how long is waited
+  double similar_places = 0;    // the same with more contradiction (resemblance()): more of them, and fewer copies
   double overlap_a = 0;         // share of a's points near the overlap that b's rays met
   double overlap_b = 0;         // the same for b's points and a's rays
   double seen_points = 0;       // points that support the placement, both ways

@@ -117,25 +117,34 @@ double held_places_lie_apart(const Evidence& e) {
 /// 1 up to a weakest hold of .08, 0 from .11 on.
 double held_loosely(const Evidence& e) { return std::clamp((0.11 - e.weakest_hold) / 0.03, 0.0, 1.0); }
 
-/// How far a copy has to be reckoned with, 0 to 1: where copies were seen; and over less than 25 m (in full 20) where
-/// the walls hold the placement loosely. Of placements over 8 to 25 m against which
-/// nothing else speaks, 25 of 77 held by .05 to .08 are copies of a tile or two, and 3 of 126 held better.
+/// 1 for a straight tunnel, whose walls hardly hold the placement along it (up to .04, not from .05 on).
+double straight(const Evidence& e) { return std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0); }
+
+/// How far a copy has to be reckoned with, 0 to 1: where copies were seen; over less than 25 m (in full 20) where the
+/// walls hold the placement loosely; and in a straight tunnel if the descriptors of eight keyframes and more agree to
+/// less than .76 (in full .72). Of placements over 8 to 25 m against which nothing else speaks, 25 of 77 held by .05 to
+/// .08 are copies of a tile or two, and 3 of 126 held better. In a straight tunnel, two copies of 66 and 80 m agreed to
+/// .70; right ones to as little only where the mine shows no look-alikes.
 double copy_expected(const Evidence& e) {
-  return std::max(copies_shown(e), held_loosely(e) * std::clamp((25 - e.overlap_m) / 5, 0.0, 1.0));
+  const double a_tile = held_loosely(e) * std::clamp((25 - e.overlap_m) / 5, 0.0, 1.0);
+  const double unlike = std::clamp((0.76 - e.descriptors_alike) / 0.04, 0.0, 1.0) *
+                        std::clamp((e.descriptors_compared - 4) / 4, 0.0, 1.0);
+  return std::max({copies_shown(e), a_tile, straight(e) * unlike});
 }
 
 /// Overlap that is missing where places lie apart among look-alikes though the walls hold the placement (fully from
 /// .023 on, not up to .018), because drift explains no such distance over a short overlap. 45 m are demanded from 0.35
-/// m and 1.4 look-alikes on (nothing up to 0.2 m or one), 36 m from 0.46 m and 0.3 look-alikes on (nothing up to 0.36 m
-/// or .15). Of placements that reached .9 without this, four of 16 to 27 m were copies, and two of 27 and 32 m were
-/// right.
+/// m and 1.4 look-alikes on (nothing up to 0.2 m or one); 36 m from 0.46 m and 0.3 similar places on (nothing up to
+/// 0.36 m or .15), unless the descriptors are nearly equal (.95 to .97). Of placements that reached .9 without this,
+/// five of 16 to 27 m were copies, and two of 27 and 32 m right.
 double missing_where_look_alikes_lie_apart(const Evidence& e) {
   const auto ramp = [](double value, double none, double all) {
     return std::clamp((value - none) / (all - none), 0.0, 1.0);
   };
+  const double similar = ramp(e.similar_places, 0.15, 0.3) * ramp(e.descriptors_alike, 0.97, 0.95);
   return ramp(e.weakest_hold, 0.018, 0.023) *
          std::max({0.0, ramp(e.look_alikes, 1, 1.4) * ramp(e.spread_m, 0.2, 0.35) * (45 - e.overlap_m),
-                   ramp(e.look_alikes, 0.15, 0.3) * ramp(e.spread_m, 0.36, 0.46) * (36 - e.overlap_m)});
+                   similar * ramp(e.spread_m, 0.36, 0.46) * (36 - e.overlap_m)});
 }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
@@ -164,8 +173,7 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);
-  const double straight = std::clamp((0.05 - e.weakest_hold) / 0.01, 0.0, 1.0);
-  const double of_copies_m = std::max(differ * (60 + 40 * straight), by_chance * (56 + 20 * straight + many_m));
+  const double of_copies_m = std::max(differ * (60 + 40 * straight(e)), by_chance * (56 + 20 * straight(e) + many_m));
   const double told_m = std::max(60 * held_place_disagrees(e), 60 * held_places_lie_apart(e));
   const double missing_m = std::max(
       {0.0, told_m - e.overlap_m, copy_expected(e) * (of_copies_m - e.overlap_m), scattered * (60 - e.overlap_m)});

@@ -43,12 +43,55 @@ TEST(Probability, AmongFewLookAlikesPlacesOfAShortOverlapThatLieALittleApartAreA
   EXPECT_GT(of_pieces(0.42, 0.074, 24.7, 1, 0.1), 0.9) << "one look-alike says little";
   EXPECT_GT(of_pieces(0.42, 0.074, 45, 1.41, 0.17), 0.9) << "a longer overlap tells";
   EXPECT_GT(of_pieces(0.42, 0.018, 24.7, 1.41, 0.17), 0.9) << "they slide along the tunnel";
-  EXPECT_LT(of_pieces(0.712, 0.0246, 17.8, 0.33, 0.16), 0.9) << "a copy of three places";
-  EXPECT_GT(of_pieces(0.36, 0.0246, 17.8, 0.33, 0.16), 0.9);
-  EXPECT_GT(of_pieces(0.712, 0.0246, 36, 0.33, 0.16), 0.9);
-  EXPECT_GT(of_pieces(0.712, 0.0246, 17.8, 0.15, 0.05), 0.9) << "as in rough tunnels without copies";
   for (double m = 0.15; m < 0.4; m += 0.001)
     EXPECT_NEAR(of_pieces(m, 0.074, 24.7, 1.41), of_pieces(m + 0.001, 0.074, 24.7, 1.41), 0.05) << "no cliff";
+}
+
+/// Figures of two copies of which a third of a place resembled another, and how far their places lie apart.
+double of_similar_places(double spread_m, double similar_places, double overlap_m = 18.2, double alike = 0.916) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.weakest_hold = 0.0534;
+  e.similar_places = similar_places;
+  e.descriptors_compared = 3;
+  e.descriptors_alike = alike;
+  e.spread_m = spread_m;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, WhereOnlyAThirdOfAPlaceResemblesAnotherPlacesOfAShortOverlapLieTogether) {
+  EXPECT_LT(of_similar_places(0.754, 0.36), 0.9);
+  EXPECT_LT(of_similar_places(0.712, 0.89, 17.8, 0.949), 0.9);
+  EXPECT_GT(of_similar_places(0.754, 0.15), 0.9) << "as in rough tunnels without copies";
+  EXPECT_GT(of_similar_places(0.36, 0.36), 0.9);
+  EXPECT_GT(of_similar_places(0.754, 0.36, 36), 0.9);
+  EXPECT_GT(of_similar_places(0.754, 0.36, 18.2, 0.972), 0.9) << "the descriptors tell";
+  for (double m = 0.35; m < 0.47; m += 0.001)
+    EXPECT_NEAR(of_similar_places(m, 0.36), of_similar_places(m + 0.001, 0.36), 0.05) << "no cliff";
+}
+
+/// Figures of a copy of a straight tunnel that was merged wrongly, and others.
+double of_a_straight_tunnel(double alike, double hold, double of_mine, double compared = 21, double overlap_m = 80) {
+  Evidence e = convincing();
+  e.overlap_m = overlap_m;
+  e.weakest_hold = hold;
+  e.end_on_match = 0.4;
+  e.look_alikes = 0.8;
+  e.mine_look_alikes = of_mine;
+  e.descriptors_compared = compared;
+  e.descriptors_alike = alike;
+  return probability(RegistrationStatus::converged, e);
+}
+
+TEST(Probability, ManyDescriptorsThatDifferAreADoubtAlongAStraightTunnel) {
+  EXPECT_LT(of_a_straight_tunnel(0.697, 0.04, 0.22), 0.9);
+  EXPECT_GT(of_a_straight_tunnel(0.76, 0.04, 0.22), 0.9);
+  EXPECT_GT(of_a_straight_tunnel(0.697, 0.05, 0.22), 0.9);
+  EXPECT_GT(of_a_straight_tunnel(0.697, 0.04, 0.1), 0.9) << "in a mine that shows no look-alikes";
+  EXPECT_GT(of_a_straight_tunnel(0.697, 0.04, 0.22, 4), 0.9) << "four say little";
+  EXPECT_GT(of_a_straight_tunnel(0.697, 0.04, 0.22, 21, 100), 0.9);
+  for (double alike = 0.7; alike < 0.78; alike += 0.0004)
+    EXPECT_NEAR(of_a_straight_tunnel(alike, 0.04, 0.22), of_a_straight_tunnel(alike + 0.0004, 0.04, 0.22), 0.05);
 }
 
 /// Figures of two copies of 50 m in a mine of equal tunnels, both of which were accepted once.
