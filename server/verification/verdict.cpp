@@ -153,7 +153,8 @@ double missing_where_look_alikes_lie_apart(const Evidence& e) {
 ///   nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
 /// - there, and from four look-alikes on, or about one where all sessions together show some (fully from 0.38 per 100 m
 ///   on, not up to 0.3), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may
-///   have such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
+///   have such descriptors; 20 m more if it is nearly straight (there from .965 on, because one of 30 m had .951), and
+///   2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
@@ -170,7 +171,7 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double of_mine = std::clamp((e.mine_look_alikes - 0.3) / 0.08, 0.0, 1.0);
   const double copies = std::max(of_mine * std::clamp((e.look_alikes - 0.95) / 0.4, 0.0, 1.0),
                                  std::clamp((e.look_alikes - 3.5 + of_mine) / 0.8, 0.0, 1.0));
-  const double by_chance = copies * std::clamp((0.955 - e.descriptors_alike) / 0.015, 0.0, 1.0);
+  const double by_chance = copies * std::clamp((0.955 + 0.01 * straight(e) - e.descriptors_alike) / 0.015, 0.0, 1.0);
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = std::clamp((e.rmse_m - 0.112) / 0.02, 0.0, 1.0);
   const double of_copies_m = std::max(differ * (60 + 40 * straight(e)), by_chance * (56 + 20 * straight(e) + many_m));
@@ -183,21 +184,24 @@ double short_in_mine_of_copies(const Evidence& e) {
 /// If at most one descriptor was compared, which says little, only the length of the overlap and how well the walls
 /// hold it tell a copy from the place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or
 /// the mine looks like itself, each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to
-/// .06, not from .07 on), there also if only a place disagrees. Below 15 m, whatever looks alike, each metre costs as
-/// much if places lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly
-/// (held_loosely()): drift explains no such distance there. Set by hand on crossed drives through five worlds, of
-/// robots with descriptors of two families: seven copies of 17 to 51 m were accepted, all held by less than .06; at one
-/// of them nothing looked alike, but a place disagreed. An eighth, of 6 m and held by .071, had a tenth of a look-alike
-/// and places 0.24 m apart. Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more
-/// than 0.1 m apart: in a cave, 11 m, held by .104.
+/// .06, not from .07 on), there also if only a place disagrees; below 15 m more from three look-alikes on (not up to
+/// two) where it is held by .07 and less (not from .08 on). Below 15 m, whatever looks alike, each metre costs as much
+/// if places lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (held_loosely()):
+/// drift explains no such distance there. Set by hand on crossed drives through five worlds, of robots with descriptors
+/// of two families: eight copies of 17 to 58 m were accepted, all held by less than .07; at one of them nothing looked
+/// alike, but a place disagreed. A ninth, of 6 m and held by .071, had a tenth of a look-alike and places 0.24 m apart.
+/// Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1 m apart: in a
+/// cave, 11 m, held by .104.
 double short_without_descriptors(const Evidence& e) {
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
   const double loosely = std::clamp((held_firmly - e.weakest_hold) / 0.01, 0.0, 1.0);
   const double doubt = std::max(
       {looks_like_itself(e), std::clamp((e.look_alikes - 0.4) / 0.6, 0.0, 1.0), loosely * held_place_disagrees(e)});
+  const double many = std::clamp(e.look_alikes - 2, 0.0, 1.0) * std::clamp((0.08 - e.weakest_hold) / 0.01, 0.0, 1.0);
+  const double asked_m = 28 + 32 * loosely + 15 * many;
   const double apart = std::clamp((e.spread_m - 0.1) / 0.1, 0.0, 1.0) * held_loosely(e);
   return -0.3 * absent *
-         std::max(doubt * std::max(0.0, 28 + 32 * loosely - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
+         std::max(doubt * std::max(0.0, asked_m - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
 }
 
 /// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of a

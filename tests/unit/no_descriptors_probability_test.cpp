@@ -63,6 +63,14 @@ TEST(ProbabilityWithoutDescriptors, APlaceThatDisagreesIsADoubtWhereTheWallsHold
   EXPECT_GT(p(0, 60, 0.055, 1), not_compared + 0.5);
 }
 
+TEST(ProbabilityWithoutDescriptors, AmongThreeLookAlikesMorePathIsAskedFor) {
+  EXPECT_LT(p(3.2, 57.6, 0.062), accepted) << "a copy";
+  EXPECT_GT(p(3.2, 75, 0.062), accepted);
+  EXPECT_GT(p(2, 60, 0.055), accepted);
+  EXPECT_GT(p(3.2, 57.6, 0.08), accepted) << "walls that hold it tell";
+  EXPECT_GT(p(3.2, 57.6, 0.062, 0, 8), accepted) << "descriptors tell";
+}
+
 TEST(ProbabilityWithoutDescriptors, PlacesThatLieApartOverAFewMetresAreADoubtUnlessTheWallsHoldFirmly) {
   const auto p = [](double spread_m, double hold, double overlap_m = 5.9, double compared = 0) {
     Evidence e = test::convincing();
