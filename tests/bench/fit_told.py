@@ -17,7 +17,7 @@ import numpy as np
 
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
-HEIGHTS = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1, 1.25, 1.5]
+HEIGHTS = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99]
 POWERS = [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30]
 BASES = [0, 0.001, 0.002, 0.003, 0.005, 0.01]
 
@@ -28,7 +28,9 @@ def told(p, unique, base, height, power):
 
 
 def fit(p, unique, y):
-    return min(itertools.product(BASES, HEIGHTS, POWERS), key=lambda c: log_loss(told(p, unique, *c), y))
+    # Above 1 in all, a greater p would be told as less.
+    choices = (c for c in itertools.product(BASES, HEIGHTS, POWERS) if c[0] + c[1] <= 1)
+    return min(choices, key=lambda c: log_loss(told(p, unique, *c), y))
 
 
 def main(out, files):
