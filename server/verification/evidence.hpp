@@ -53,7 +53,7 @@ struct Evidence {
   double tilt_deg = 0;               // disagreement about gravity after registration
   double support = 0;                // wall map score of the hypothesis it came from
   double runner_up = 0;              // probability of the best different placement
-  double probability_if_unique = 0;  // what it would be with no aliases, no repetition and no look-alikes
+  double probability_if_unique = 0;  // what it would be if nothing looked like another place
 };
 
 /// held_well: weakest hold from which on nothing slides along a tunnel. ends_meet: end-on match from which on a place

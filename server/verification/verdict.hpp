@@ -39,7 +39,7 @@ double probability(RegistrationStatus status, const Evidence& evidence);
 /// How often a placement with such a probability and probability_if_unique is right, which is what people are told.
 /// From accept_probability on it is the probability itself; what lies below that stays below it. Where nothing but its
 /// likeness to other places speaks against a placement (probability_if_unique .97 and more), 23 of 110 below 1e-6 were
-/// right, of the others 64 of 87 below .01, and 32 of 40 below .2. They are all told .37 to .56, whatever the
+/// right, of the others 64 of 87 below .01, and 32 of 40 below .2. They are all told .44 and more, whatever the
 /// probability. Fitted by tests/bench/fit_told.py.
 double calibrated(const Evidence& evidence, const VerdictThresholds& thresholds);
 
