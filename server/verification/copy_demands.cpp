@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
+#include "server/verification/ramp.hpp"
+
 namespace headframe {
 namespace {
-
-/// 0 at none, 1 at all, which may be the lesser; linear between them.
-double ramp(double value, double none, double all) { return std::clamp((value - none) / (all - none), 0.0, 1.0); }
 
 /// Where the mine repeats itself, exact copies pass every local test; only a longer overlap tells them apart. Costs at
 /// most 4.1 for each 42 m demanded.
@@ -78,8 +77,7 @@ double missing_where_look_alikes_lie_apart(const Evidence& e) {
 ///   nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
 /// - there, and from four look-alikes on, or about one where all sessions together show some (fully from 0.38 per 100 m
 ///   on, not up to 0.3), 56 m if they agree to .94 or less, falling to nothing at .955, because one of many copies may
-///   have such descriptors; 20 m more if it is nearly straight (where all sessions show some: falling to nothing at
-///   .965, because a copy of 30 m had .951), and 2 m for each look-alike beyond seven;
+///   have such descriptors; 20 m more if it is nearly straight, and 2 m for each look-alike beyond seven;
 /// - 60 m if a place disagrees though the walls hold it (fully from .05 on, not up to .03), or if places lie apart
 ///   though the walls hold them: each piece of a copy fits at its own place. Of those that reached .85, copies of 27 to
 ///   58 m lay apart by 0.56 to 1.41 m; right ones by 0.59 m at most, but for one of 1.10 m, for which the descriptors
@@ -96,8 +94,7 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double of_mine = ramp(e.mine_look_alikes, 0.3, 0.38);
   const double copies =
       std::max(of_mine * ramp(e.look_alikes, 0.95, 1.35), std::clamp((e.look_alikes - 3.5 + of_mine) / 0.8, 0.0, 1.0));
-  const double by_chance =
-      copies * std::clamp((0.955 + 0.01 * of_mine * straight(e) - e.descriptors_alike) / 0.015, 0.0, 1.0);
+  const double by_chance = copies * ramp(e.descriptors_alike, 0.955, 0.94);
   const double many_m = 2 * std::clamp(e.look_alikes - 7, 0.0, 10.0);
   const double scattered = ramp(e.rmse_m, 0.112, 0.132);
   const double of_copies_m = std::max(differ * (60 + 40 * straight(e)), by_chance * (56 + 20 * straight(e) + many_m));

@@ -4,14 +4,13 @@
 #include <limits>
 
 #include "server/verification/overlap.hpp"
+#include "server/verification/ramp.hpp"
 #include "server/verification/verdict.hpp"
 
 namespace headframe {
 namespace {
 
 constexpr double most_tilt_rad = 0.1, most_moved_m = 8;  // of a first registration: else it went astray
-
-double ramp(double value, double none, double all) { return std::clamp((value - none) / (all - none), 0.0, 1.0); }
 
 /// How well the rock fits, whatever free space says, 0 to 1.
 double rock_fits(const ScreeningResult& result) {

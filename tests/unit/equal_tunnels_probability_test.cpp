@@ -143,14 +143,6 @@ TEST(Probability, OneDescriptorDoesNotTellACopy) {
   EXPECT_GT(of_a_tile(18.6, 2.34, 0.86, 2, 0.966, 0.062), 0.9);
 }
 
-TEST(Probability, AlongAStraightTunnelEvenDescriptorsThatAgreeWellMayBeChance) {
-  EXPECT_LT(of_a_tile(30.4, 7, 1, 6, 0.951, 0.0386), 0.5) << "a copy";
-  EXPECT_GT(of_a_tile(30.4, 7, 1, 6, 0.965, 0.0386), of_a_tile(30.4, 7, 1, 6, 0.951, 0.0386) + 0.4);
-  EXPECT_GT(of_a_tile(30.4, 7, 1, 6, 0.951, 0.05), 0.9);
-  EXPECT_LT(of_a_tile(31.3, 7, 1, 7, 0.956, 0.0386), 0.9);
-  EXPECT_GT(of_a_tile(31.3, 7, 0.28, 7, 0.956, 0.0386), 0.9) << "in tunnel-four, which shows few copies";
-}
-
 TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {
   EXPECT_LT(of_fifty_metres(8.8, 0.909, 0.093), 0.85);
   EXPECT_GT(of_fifty_metres(7, 0.909, 0.093, 56), 0.9);
