@@ -117,7 +117,7 @@ double short_in_mine_of_copies(const Evidence& e) {
 /// cave, 11 m, held by .104.
 double short_without_descriptors(const Evidence& e) {
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
-  const double loosely = std::clamp((held_firmly - e.weakest_hold) / 0.01, 0.0, 1.0);
+  const double loosely = ramp(e.weakest_hold, held_firmly, 0.06);
   const double doubt = std::max({looks_like_itself(e), ramp(e.look_alikes, 0.4, 1), loosely * held_place_disagrees(e)});
   const double many = ramp(e.look_alikes, 2, 3) * ramp(e.weakest_hold, 0.08, 0.07);
   const double asked_m = 28 + 32 * loosely + 15 * many;

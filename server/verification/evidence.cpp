@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "server/verification/ramp.hpp"
+
 namespace headframe {
 namespace {
 
@@ -47,11 +49,7 @@ constexpr std::array<EvidenceField, 34> fields{{
 }  // namespace
 
 double excused_by_changes(const Evidence& e) {
-  const auto none_of = [](double value, double some, double many) {
-    return std::clamp((many - value) / (many - some), 0.0, 1.0);
-  };
-  return none_of(e.aliases, 0, 1) * none_of(e.repetition, copies_known / 2, copies_known) *
-         none_of(e.look_alikes, 0.5, 1);
+  return ramp(e.aliases, 1, 0) * ramp(e.repetition, copies_known, copies_known / 2) * ramp(e.look_alikes, 1, 0.5);
 }
 
 double freespace_contradiction(const Evidence& e) {
@@ -88,12 +86,12 @@ double asked_among_look_alikes_m(const Evidence& e) {
 }
 
 double counted_aliases(const Evidence& e) {
-  const double unlike = std::clamp((0.76 - e.descriptors_alike) / 0.04, 0.0, 1.0);
+  const double unlike = ramp(e.descriptors_alike, 0.76, 0.72);
   return e.aliases * (1 + unlike * std::min(1.0, e.descriptors_compared / 6));
 }
 
 double descriptors_leave_doubt(const Evidence& e) {
-  return std::clamp((0.97 - e.descriptors_alike) / 0.09, 0.0, 1.0) * std::min(1.0, e.descriptors_compared / 4);
+  return ramp(e.descriptors_alike, 0.97, 0.88) * std::min(1.0, e.descriptors_compared / 4);
 }
 
 double asked_overlap_m(const Evidence& e) {

@@ -36,7 +36,7 @@ struct Evidence {
   /// equal tunnels.
   double look_alikes = 0;
   double mine_look_alikes = 0;  // those that all sessions of the database show of themselves, per 100 m of their path
-  double similar_places = 0;    // the same with more contradiction (resemblance()): more of them, and fewer copies
+  double similar_places = 0;    // the same, with up to 1.2 % contradicted (resemblance())
   double overlap_a = 0;         // share of a's points near the overlap that b's rays met
   double overlap_b = 0;         // the same for b's points and a's rays
   double seen_points = 0;       // points that support the placement, both ways
@@ -53,7 +53,7 @@ struct Evidence {
   double tilt_deg = 0;               // disagreement about gravity after registration
   double support = 0;                // wall map score of the hypothesis it came from
   double runner_up = 0;              // probability of the best different placement
-  double probability_if_unique = 0;  // what it would be if nothing looked like another place
+  double probability_if_unique = 0;  // what it would be if no place looked like another
 };
 
 /// held_well: weakest hold from which on nothing slides along a tunnel. ends_meet: end-on match from which on a place

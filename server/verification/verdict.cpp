@@ -6,6 +6,7 @@
 
 #include "server/verification/copy_demands.hpp"
 #include "server/verification/gates.hpp"
+#include "server/verification/ramp.hpp"
 #include "server/verification/told_weights.hpp"
 #include "server/verification/verdict_weights.hpp"
 
@@ -26,14 +27,14 @@ double halvings_below(double metres, const Evidence& e) {
 double shared_path(const Evidence& e) { return 0.5 * halvings_below(30, e); }
 
 /// 1 up to 8 m of shared path, 0 from 10 m on.
-double hardly_shared(const Evidence& e) { return std::clamp((10 - e.overlap_m) / 2, 0.0, 1.0); }
+double hardly_shared(const Evidence& e) { return ramp(e.overlap_m, 10, 8); }
 
 /// Below 10 m each halving costs 1 more; only half of it where no place looks like another. Where the walls hold a
 /// placement of hardly any path loosely (in full up to .045, not at all from .052 on), another 1.5: short pieces of
 /// tunnel fit at many places. Of those below 10 m, without descriptors, that reached .9, all four held by less than
 /// .045 were wrong. Not part of the fit, because the fitted bias would compensate for it.
 double hardly_any_path(const Evidence& e) {
-  const double loose = std::clamp((0.052 - e.weakest_hold) / 0.007, 0.0, 1.0);
+  const double loose = ramp(e.weakest_hold, 0.052, 0.045);
   return (0.5 + 0.5 * places_look_alike(e)) * std::min(0.0, halvings_below(10, e)) - 1.5 * loose * hardly_shared(e);
 }
 
@@ -64,7 +65,7 @@ double few_points_meet(const Evidence& e) {
 /// 2.8. At four wrong ones, for which all else spoke, 60 to 68 % matched. Right ones are not all better: of 74 of less
 /// than 10 m, 38 had 74 % and more. Not part of the fit.
 double surfaces_do_not_match(const Evidence& e) {
-  const double few_places = std::clamp((5 - e.places) / 2, 0.0, 1.0);
+  const double few_places = ramp(e.places, 5, 3);
   return -std::max({0.0, 12 * few_places * (0.72 - e.matched_share), 28 * hardly_shared(e) * (0.74 - e.matched_share)});
 }
 
@@ -92,11 +93,11 @@ double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e
 double walls_match(const Evidence& e) {
   const double costs =
       std::min(0.0, shared_path(e)) + few_points_meet(e) + surfaces_do_not_match(e) + hardly_any_path(e);
-  const double distinct = std::clamp((0.75 - e.look_alikes) / 0.5, 0.0, 1.0) *
-                          std::clamp((0.3 - e.mine_look_alikes) / 0.2, 0.0, 1.0) * std::clamp(1 - e.aliases, 0.0, 1.0);
-  const double held = std::clamp((e.weakest_hold - 0.05) / 0.03, 0.0, 1.0);
-  const double hardly = e.support > 0 ? hardly_shared(e) * std::clamp((100 - e.support) / 10, 0.0, 1.0) : 0;
-  return std::min(-costs, 4 * held * distinct * std::clamp((e.support - 100) / 50, 0.0, 1.0)) - hardly;
+  const double distinct =
+      ramp(e.look_alikes, 0.75, 0.25) * ramp(e.mine_look_alikes, 0.3, 0.1) * std::clamp(1 - e.aliases, 0.0, 1.0);
+  const double held = ramp(e.weakest_hold, 0.05, 0.08);
+  const double hardly = e.support > 0 ? hardly_shared(e) * ramp(e.support, 100, 90) : 0;
+  return std::min(-costs, 4 * held * distinct * ramp(e.support, 100, 150)) - hardly;
 }
 
 }  // namespace
@@ -108,7 +109,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& e) {
   const double least_alike = asked_alike(e);
   // At a crossing the robots look in different directions; if no place looks like another, three differing descriptors
   // say little.
-  const double crossing = std::clamp((8 - n) / 5, 0.0, 1.0) * (1 - places_look_alike(e));
+  const double crossing = ramp(n, 8, 3) * (1 - places_look_alike(e));
   const double telling = 1 - 0.75 * crossing;
   return {{
       {"free space contradicts", -std::log10((freespace_contradiction(e) + 1e-3) / 1e-3)},

@@ -70,30 +70,6 @@ TEST(Probability, WhereOnlyAThirdOfAPlaceResemblesAnotherPlacesOfAShortOverlapLi
     EXPECT_NEAR(of_similar_places(m, 0.36), of_similar_places(m + 0.001, 0.36), 0.05) << "no cliff";
 }
 
-/// Figures of a copy of a straight tunnel that was merged wrongly, and others.
-double of_a_straight_tunnel(double alike, double hold, double of_mine, double compared = 21, double overlap_m = 80) {
-  Evidence e = convincing();
-  e.overlap_m = overlap_m;
-  e.weakest_hold = hold;
-  e.end_on_match = 0.4;
-  e.look_alikes = 0.8;
-  e.mine_look_alikes = of_mine;
-  e.descriptors_compared = compared;
-  e.descriptors_alike = alike;
-  return probability(RegistrationStatus::converged, e);
-}
-
-TEST(Probability, ManyDescriptorsThatDifferAreADoubtAlongAStraightTunnel) {
-  EXPECT_LT(of_a_straight_tunnel(0.697, 0.04, 0.22), 0.9);
-  EXPECT_GT(of_a_straight_tunnel(0.76, 0.04, 0.22), 0.9);
-  EXPECT_GT(of_a_straight_tunnel(0.697, 0.05, 0.22), 0.9);
-  EXPECT_GT(of_a_straight_tunnel(0.697, 0.04, 0.1), 0.9) << "in a mine that shows no look-alikes";
-  EXPECT_GT(of_a_straight_tunnel(0.697, 0.04, 0.22, 4), 0.9) << "four say little";
-  EXPECT_GT(of_a_straight_tunnel(0.697, 0.04, 0.22, 21, 100), 0.9);
-  for (double alike = 0.7; alike < 0.78; alike += 0.0004)
-    EXPECT_NEAR(of_a_straight_tunnel(alike, 0.04, 0.22), of_a_straight_tunnel(alike + 0.0004, 0.04, 0.22), 0.05);
-}
-
 /// Figures of two copies of 50 m in a mine of equal tunnels, both of which were accepted once.
 double of_fifty_metres(double look_alikes, double alike, double rmse_m, double overlap_m = 50) {
   Evidence e = convincing();
@@ -116,8 +92,8 @@ TEST(Probability, AmongLookAlikesPointsThatScatterAreADoubt) {
     EXPECT_NEAR(of_fifty_metres(13.1, 0.959, m), of_fifty_metres(13.1, 0.959, m + 0.0002), 0.05) << "no cliff";
 }
 
-/// Figures of two copies of a tile or two that were accepted once.
-double of_a_tile(double overlap_m, double look_alikes, double of_mine, double compared, double alike, double hold) {
+/// Figures of copies of a tile or two, and of a longer piece, that were accepted once.
+double of_a_piece(double overlap_m, double look_alikes, double of_mine, double compared, double alike, double hold) {
   Evidence e = convincing();
   e.overlap_m = overlap_m;
   e.look_alikes = look_alikes;
@@ -129,18 +105,29 @@ double of_a_tile(double overlap_m, double look_alikes, double of_mine, double co
 }
 
 TEST(Probability, ALooselyHeldTileOrTwoMayBeACopyThatNobodySawTwice) {
-  EXPECT_LT(of_a_tile(13.7, 0.88, 0.32, 2, 0.86, 0.052), 0.5);
-  EXPECT_GT(of_a_tile(13.7, 0.88, 0.3, 2, 0.86, 0.11), 0.9) << "walls all around hold it";
-  EXPECT_GT(of_a_tile(25, 0.88, 0.3, 2, 0.86, 0.052), 0.9) << "longer than a tile";
-  EXPECT_GT(of_a_tile(13.7, 0.88, 0.1, 2, 0.86, 0.052), 0.9) << "in a mine that shows no copies";
+  EXPECT_LT(of_a_piece(13.7, 0.88, 0.32, 2, 0.86, 0.052), 0.5);
+  EXPECT_GT(of_a_piece(13.7, 0.88, 0.3, 2, 0.86, 0.11), 0.9) << "walls all around hold it";
+  EXPECT_GT(of_a_piece(25, 0.88, 0.3, 2, 0.86, 0.052), 0.9) << "longer than a tile";
+  EXPECT_GT(of_a_piece(13.7, 0.88, 0.1, 2, 0.86, 0.052), 0.9) << "in a mine that shows no copies";
   for (double m = 18; m < 27; m += 0.02)
-    EXPECT_NEAR(of_a_tile(m, 0.88, 0.3, 2, 0.86, 0.052), of_a_tile(m + 0.02, 0.88, 0.3, 2, 0.86, 0.052), 0.05);
+    EXPECT_NEAR(of_a_piece(m, 0.88, 0.3, 2, 0.86, 0.052), of_a_piece(m + 0.02, 0.88, 0.3, 2, 0.86, 0.052), 0.05);
 }
 
 TEST(Probability, OneDescriptorDoesNotTellACopy) {
-  EXPECT_LT(of_a_tile(18.6, 2.34, 0.86, 1, 0.966, 0.062), 0.5);
-  EXPECT_NEAR(of_a_tile(18.6, 2.34, 0.86, 1, 0.966, 0.062), of_a_tile(18.6, 2.34, 0.86, 0, 0, 0.062), 0.001);
-  EXPECT_GT(of_a_tile(18.6, 2.34, 0.86, 2, 0.966, 0.062), 0.9);
+  EXPECT_LT(of_a_piece(18.6, 2.34, 0.86, 1, 0.966, 0.062), 0.5);
+  EXPECT_NEAR(of_a_piece(18.6, 2.34, 0.86, 1, 0.966, 0.062), of_a_piece(18.6, 2.34, 0.86, 0, 0, 0.062), 0.001);
+  EXPECT_GT(of_a_piece(18.6, 2.34, 0.86, 2, 0.966, 0.062), 0.9);
+}
+
+TEST(Probability, ManyDescriptorsThatDifferAreADoubtAlongAStraightTunnel) {
+  EXPECT_LT(of_a_piece(80, 0.8, 0.22, 21, 0.697, 0.04), 0.9) << "a copy";
+  EXPECT_GT(of_a_piece(80, 0.8, 0.22, 21, 0.76, 0.04), 0.9);
+  EXPECT_GT(of_a_piece(80, 0.8, 0.22, 21, 0.697, 0.05), 0.9);
+  EXPECT_GT(of_a_piece(80, 0.8, 0.1, 21, 0.697, 0.04), 0.9) << "in a mine that shows no look-alikes";
+  EXPECT_GT(of_a_piece(80, 0.8, 0.22, 4, 0.697, 0.04), 0.9) << "four say little";
+  EXPECT_GT(of_a_piece(100, 0.8, 0.22, 21, 0.697, 0.04), 0.9);
+  for (double alike = 0.7; alike < 0.78; alike += 0.0004)
+    EXPECT_NEAR(of_a_piece(80, 0.8, 0.22, 21, alike, 0.04), of_a_piece(80, 0.8, 0.22, 21, alike + 0.0004, 0.04), 0.05);
 }
 
 TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {
