@@ -48,15 +48,19 @@ double held_loosely(const Evidence& e) { return ramp(e.weakest_hold, 0.11, 0.08)
 /// 1 for a straight tunnel, whose walls hardly hold the placement along it (up to .04, not from .05 on).
 double straight(const Evidence& e) { return ramp(e.weakest_hold, 0.05, 0.04); }
 
+/// 1 in a straight tunnel if the descriptors of eight keyframes and more (not of up to four) agree to .72 and less, not
+/// from .76 on.
+double straight_and_unlike(const Evidence& e) {
+  return straight(e) * ramp(e.descriptors_alike, 0.76, 0.72) * ramp(e.descriptors_compared, 4, 8);
+}
+
 /// How far a copy has to be reckoned with, 0 to 1: where copies were seen; over less than 25 m (in full 20) where the
-/// walls hold the placement loosely; and in a straight tunnel if the descriptors of eight keyframes and more agree to
-/// less than .76 (in full .72). Of placements over 8 to 25 m against which nothing else speaks, 25 of 77 held by .05 to
+/// walls hold the placement loosely; and in a straight tunnel whose descriptors differ (straight_and_unlike()). Of placements over 8 to 25 m against which nothing else speaks, 25 of 77 held by .05 to
 /// .08 are copies of a tile or two, and 3 of 126 held better. In a straight tunnel, two copies of 66 and 80 m agreed to
 /// .70; right ones to as little only where the mine shows no look-alikes.
 double copy_expected(const Evidence& e) {
   const double a_tile = held_loosely(e) * ramp(e.overlap_m, 25, 20);
-  const double unlike = ramp(e.descriptors_alike, 0.76, 0.72) * ramp(e.descriptors_compared, 4, 8);
-  return std::max({copies_shown(e), a_tile, straight(e) * unlike});
+  return std::max({copies_shown(e), a_tile, straight_and_unlike(e)});
 }
 
 /// Overlap that is missing where places lie apart among look-alikes though the walls hold the placement (fully from
@@ -72,7 +76,9 @@ double missing_where_look_alikes_lie_apart(const Evidence& e) {
 }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
-/// longest of these overlaps, and each metre missing costs 0.3:
+/// longest of these overlaps, and each metre missing costs 0.3. So does a straight tunnel whose descriptors differ,
+/// whatever looks alike, if what stands across it hardly matches (fully up to a share of .15, not from .25 on): at
+/// copies of 54 and 80 m, .13 and .15 did, at a right one of 83 m .25.
 /// - where a copy has to be reckoned with (copy_expected), 60 m if the descriptors agree to .90 or less, falling to
 ///   nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
 /// - there, and from four look-alikes on, or about one where all sessions together show some (fully from 0.38 per 100 m
@@ -101,24 +107,29 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double told_m = std::max(60 * held_place_disagrees(e), 60 * held_places_lie_apart(e));
   const double missing_m = std::max(
       {0.0, told_m - e.overlap_m, copy_expected(e) * (of_copies_m - e.overlap_m), scattered * (60 - e.overlap_m)});
-  return -0.3 * compared * std::max(looks_like_itself(e) * missing_m, missing_where_look_alikes_lie_apart(e));
+  const double ends_hardly_match = ramp(e.end_on_match, 0.25, 0.15);
+  const double copies_possible = std::max(looks_like_itself(e), ends_hardly_match * straight_and_unlike(e));
+  return -0.3 * compared * std::max(copies_possible * missing_m, missing_where_look_alikes_lie_apart(e));
 }
 
 /// If at most one descriptor was compared, which says little, only the length of the overlap and how well the walls
-/// hold it tell a copy from the place itself. Where places look alike (fully from one look-alike on, not up to 0.4) or
-/// the mine looks like itself, each metre below 28 m costs 0.3; below 60 m where the walls hold it loosely (fully up to
-/// .06, not from .07 on), there also if only a place disagrees; below 15 m more from three look-alikes on (not up to
-/// two) where it is held by .07 and less (not from .08 on). Below 15 m, whatever looks alike, each metre costs as much
-/// if places lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (held_loosely()):
-/// drift explains no such distance there. Set by hand on crossed drives through five worlds, of robots with descriptors
-/// of two families: eight copies of 17 to 58 m were accepted, all held by less than .07; at one of them nothing looked
-/// alike, but a place disagreed. A ninth, of 6 m and held by .071, had a tenth of a look-alike and places 0.24 m apart.
-/// Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1 m apart: in a
-/// cave, 11 m, held by .104.
+/// hold it tell a copy from the place itself. Where places look alike (fully from one look-alike on, not up to 0.4)
+/// and the walls do not hold it firmly (held_loosely()), or where the mine looks like itself, each metre below 28 m
+/// costs 0.3; below 60 m where the walls hold it loosely (fully up to .06, not from .07 on), there also if only a
+/// place disagrees; below 15 m more from three look-alikes on (not up to two) where it is held by .07 and less (not
+/// from .08 on). Below 15 m, whatever looks alike, each metre costs as much if places lie apart (fully from 0.2 m
+/// on, not up to 0.1) and the walls do not hold them firmly (held_loosely()): drift explains no such distance
+/// there. Set by hand on crossed drives through five worlds, of robots with descriptors of two families: eight
+/// copies of 17 to 58 m were accepted, all held by less than .07; at one of them nothing looked alike, but a place
+/// disagreed. A ninth, of 6 m and held by .071, had a tenth of a look-alike and places 0.24 m apart. Of the right
+/// ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1 m apart: in a cave, 11 m,
+/// held by .104. Of those held by .11 and more, with up to 1.3 look-alikes, 11 right ones of 6 to 23 m gain by
+/// that, and no copy.
 double short_without_descriptors(const Evidence& e) {
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
   const double loosely = ramp(e.weakest_hold, held_firmly, 0.06);
-  const double doubt = std::max({looks_like_itself(e), ramp(e.look_alikes, 0.4, 1), loosely * held_place_disagrees(e)});
+  const double alike = held_loosely(e) * ramp(e.look_alikes, 0.4, 1);
+  const double doubt = std::max({looks_like_itself(e), alike, loosely * held_place_disagrees(e)});
   const double many = ramp(e.look_alikes, 2, 3) * ramp(e.weakest_hold, 0.08, 0.07);
   const double asked_m = 28 + 32 * loosely + 15 * many;
   const double apart = ramp(e.spread_m, 0.1, 0.2) * held_loosely(e);

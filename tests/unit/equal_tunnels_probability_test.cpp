@@ -101,6 +101,7 @@ double of_a_piece(double overlap_m, double look_alikes, double of_mine, double c
   e.descriptors_compared = compared;
   e.descriptors_alike = alike;
   e.weakest_hold = hold;
+  e.end_on_match = 0.25;
   return probability(RegistrationStatus::converged, e);
 }
 
@@ -128,6 +129,25 @@ TEST(Probability, ManyDescriptorsThatDifferAreADoubtAlongAStraightTunnel) {
   EXPECT_GT(of_a_piece(100, 0.8, 0.22, 21, 0.697, 0.04), 0.9);
   for (double alike = 0.7; alike < 0.78; alike += 0.0004)
     EXPECT_NEAR(of_a_piece(80, 0.8, 0.22, 21, alike, 0.04), of_a_piece(80, 0.8, 0.22, 21, alike + 0.0004, 0.04), 0.05);
+}
+
+TEST(Probability, InAStraightTunnelWhoseEndsHardlyMatchDescriptorsThatDifferAreADoubtThoughNothingLooksAlike) {
+  const auto p = [](double alike, double hold, double end_on_match, double overlap_m = 54.5) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.weakest_hold = hold;
+    e.end_on_match = end_on_match;
+    e.descriptors_compared = 10;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.64, 0.03, 0.134), 0.1) << "a copy";
+  EXPECT_GT(p(0.64, 0.03, 0.25), 0.9) << "its ends tell";
+  EXPECT_GT(p(0.76, 0.03, 0.134), 0.9) << "the descriptors tell";
+  EXPECT_GT(p(0.64, 0.05, 0.134), 0.9) << "it is not straight";
+  EXPECT_GT(p(0.64, 0.03, 0.134, 100), 0.9) << "the overlap tells";
+  for (double end = 0.1; end < 0.3; end += 0.0003)
+    EXPECT_NEAR(p(0.64, 0.03, end), p(0.64, 0.03, end + 0.0003), 0.05);
 }
 
 TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {

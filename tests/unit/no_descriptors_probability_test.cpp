@@ -45,7 +45,9 @@ TEST(ProbabilityWithoutDescriptors, WhatTheWallsHoldFirmlyNeedsLess) {
   EXPECT_GT(p(1, 40, held_firmly), accepted);
   EXPECT_EQ(p(1, 40, held_firmly), p(1, 40, 0.2));
   EXPECT_EQ(p(1, 40, 0.06), p(1, 40, 0.045)) << "loosely is loosely";
-  EXPECT_LT(p(1, 18, 0.1), accepted) << "short even so";
+  EXPECT_LT(p(1, 18, 0.08), accepted) << "short even so";
+  EXPECT_GT(p(1, 14, 0.11), accepted) << "copies of a tile were held more loosely";
+  EXPECT_LT(p(1.8, 14, 0.11), accepted) << "a mine that looks like itself";
   EXPECT_GT(p(1, 28, 0.1), accepted);
 }
 
