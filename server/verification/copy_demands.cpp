@@ -54,10 +54,11 @@ double straight_and_unlike(const Evidence& e) {
   return straight(e) * ramp(e.descriptors_alike, 0.76, 0.72) * ramp(e.descriptors_compared, 4, 8);
 }
 
-/// How far a copy has to be reckoned with, 0 to 1: where copies were seen; over less than 25 m (in full 20) where the
-/// walls hold the placement loosely; and in a straight tunnel whose descriptors differ (straight_and_unlike()). Of placements over 8 to 25 m against which nothing else speaks, 25 of 77 held by .05 to
-/// .08 are copies of a tile or two, and 3 of 126 held better. In a straight tunnel, two copies of 66 and 80 m agreed to
-/// .70; right ones to as little only where the mine shows no look-alikes.
+/// How far a copy has to be reckoned with, 0 to 1: where copies were seen; over less than 25 m (in full 20) where
+/// the walls hold the placement loosely; and in a straight tunnel whose descriptors differ (straight_and_unlike()).
+/// Of placements over 8 to 25 m against which nothing else speaks, 25 of 77 held by .05 to .08 are copies of a tile
+/// or two, and 3 of 126 held better. In a straight tunnel, two copies of 66 and 80 m agreed to .70; right ones to
+/// as little only where the mine shows no look-alikes.
 double copy_expected(const Evidence& e) {
   const double a_tile = held_loosely(e) * ramp(e.overlap_m, 25, 20);
   return std::max({copies_shown(e), a_tile, straight_and_unlike(e)});
@@ -73,6 +74,29 @@ double missing_where_look_alikes_lie_apart(const Evidence& e) {
   return ramp(e.weakest_hold, 0.018, 0.023) *
          std::max({0.0, ramp(e.look_alikes, 1, 1.4) * ramp(e.spread_m, 0.2, 0.35) * (45 - e.overlap_m),
                    similar * ramp(e.spread_m, 0.36, 0.46) * (36 - e.overlap_m)});
+}
+
+/// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of
+/// a short overlap have to decide. Of 11 such right placements in six kinds of mines, with less than 36 m and at
+/// least four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was
+/// merged wrongly over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a
+/// quarter of a look-alike on: with half of that cost a copy of 28 m in equal tunnels, whose places lie 0.77 m
+/// apart, 0.69 from five, reached 0.91. Look-alikes count only where copies were seen or the walls hold the
+/// placement loosely: two right ones of rough tunnels, of 16 and 30 m, had a fifth of one. Three descriptors
+/// suffice where the walls hold it loosely (fully up to .06, not from .07 on) and what stands across hardly matches
+/// (fully up to a share of .2, not from .3 on), as at a copy of 31 m in rough tunnels; and, whatever looks alike,
+/// where places lie apart by 0.9 m and more (not up to 0.75): they then have to agree to .93 (nothing is told up to
+/// .9). A copy of 14 m in a straight tunnel lay 0.91 m apart, .89 alike; right ones of such length 0.8 m at most,
+/// .95 and more. Set by hand on these; not part of the fit.
+double descriptors_have_to_decide(const Evidence& e) {
+  const double few = ramp(e.descriptors_compared, 1, 3);
+  const double ends_hardly_match = ramp(e.weakest_hold, 0.07, 0.06) * ramp(e.end_on_match, 0.3, 0.2);
+  const double compared = std::max(ramp(e.descriptors_compared, 3, 5), few * ends_hardly_match);
+  const double alike = std::max(copies_shown(e), held_loosely(e)) * e.look_alikes / 0.25;
+  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, alike, held_places_lie_apart(e)}));
+  const double differ = likeness * compared * ramp(e.descriptors_alike, 0.83, 0.76);
+  const double differ_apart = few * ramp(e.spread_m, 0.75, 0.9) * ramp(e.descriptors_alike, 0.93, 0.9);
+  return -6 * ramp(e.overlap_m, 36, 26) * std::max(differ, differ_apart);
 }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
@@ -133,28 +157,15 @@ double short_without_descriptors(const Evidence& e) {
   const double many = ramp(e.look_alikes, 2, 3) * ramp(e.weakest_hold, 0.08, 0.07);
   const double asked_m = 28 + 32 * loosely + 15 * many;
   const double apart = ramp(e.spread_m, 0.1, 0.2) * held_loosely(e);
-  return -0.3 * absent *
-         std::max(doubt * std::max(0.0, asked_m - e.overlap_m), apart * std::max(0.0, 15 - e.overlap_m));
+  return -0.3 * absent * std::max({0.0, doubt * (asked_m - e.overlap_m), apart * (15 - e.overlap_m)});
 }
 
 }  // namespace
 
 double short_among_copies(const Evidence& e) { return std::min(missing_overlap(e), short_among_look_alikes(e)); }
 
-/// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of a
-/// short overlap have to decide. Of 11 such right placements in six kinds of mines, with less than 36 m and at least
-/// four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was merged wrongly
-/// over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a quarter of a look-
-/// alike on: with half of that cost a copy of 28 m in equal tunnels, whose places lie 0.77 m apart, 0.69 from five,
-/// reached 0.91. Look-alikes count only where copies were seen or the walls hold the placement loosely: two right ones
-/// of rough tunnels, of 16 and 30 m, had a fifth of one. Set by hand on these; not part of the fit.
 double hardly_told_apart(const Evidence& e) {
-  const double alike = std::max(copies_shown(e), held_loosely(e)) * e.look_alikes / 0.25;
-  const double likeness = std::min(1.0, std::max({e.aliases / 0.2, alike, held_places_lie_apart(e)})),
-               compared = ramp(e.descriptors_compared, 3, 5), is_short = ramp(e.overlap_m, 36, 26);
-  const double differ = ramp(e.descriptors_alike, 0.83, 0.76);
-  return std::min(
-      {-6 * likeness * compared * is_short * differ, short_in_mine_of_copies(e), short_without_descriptors(e)});
+  return std::min({descriptors_have_to_decide(e), short_in_mine_of_copies(e), short_without_descriptors(e)});
 }
 
 }  // namespace headframe

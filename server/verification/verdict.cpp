@@ -81,6 +81,20 @@ double places_lie_apart(const Evidence& e) {
 /// and 2 of 112 right ones. Each doubling beyond that costs 3. Not part of the fit.
 double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
+/// Without descriptors, walls farther off have to match (Evidence::support; 135 cells of half a metre and more, in
+/// vain up to 112) where points scatter (fully from .107 m on, not up to .095) and the walls do not hold the
+/// placement from all sides (fully up to .13, not from .16 on): else it costs 4 from 10 m (nothing below 8) to 20 m
+/// (nothing from 26 on). Of the placements of 10 to 30 m that reached .85 in mines of cave and rough tunnel tiles,
+/// seven copies had 90 to 126 cells, .105 to .142 m and a hold of .07 to .167; three of 252 right ones lay within
+/// these limits.
+double walls_hardly_match(const Evidence& e) {
+  if (e.support <= 0) return 0;  // the wall search did not propose it
+  const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
+  const double length = ramp(e.overlap_m, 8, 10) * ramp(e.overlap_m, 26, 20);
+  return 4 * absent * length * ramp(e.support, 135, 112) * ramp(e.rmse_m, 0.095, 0.107) *
+         ramp(e.weakest_hold, 0.16, 0.13);
+}
+
 /// Where the robots shared little path, walls farther off tell, too. The score of a piece of one session's wall map on
 /// the other's (Evidence::support; fully from 150 cells of half a metre on, not up to 100) covers more than the
 /// submaps. It takes back up to 4 of what a short overlap costs, unless places or the mine look alike, or the walls
@@ -97,7 +111,7 @@ double walls_match(const Evidence& e) {
       ramp(e.look_alikes, 0.75, 0.25) * ramp(e.mine_look_alikes, 0.3, 0.1) * std::clamp(1 - e.aliases, 0.0, 1.0);
   const double held = ramp(e.weakest_hold, 0.05, 0.08);
   const double hardly = e.support > 0 ? hardly_shared(e) * ramp(e.support, 100, 90) : 0;
-  return std::min(-costs, 4 * held * distinct * ramp(e.support, 100, 150)) - hardly;
+  return std::min(-costs, 4 * held * distinct * ramp(e.support, 100, 150)) - hardly - walls_hardly_match(e);
 }
 
 }  // namespace

@@ -146,8 +146,7 @@ TEST(Probability, InAStraightTunnelWhoseEndsHardlyMatchDescriptorsThatDifferAreA
   EXPECT_GT(p(0.76, 0.03, 0.134), 0.9) << "the descriptors tell";
   EXPECT_GT(p(0.64, 0.05, 0.134), 0.9) << "it is not straight";
   EXPECT_GT(p(0.64, 0.03, 0.134, 100), 0.9) << "the overlap tells";
-  for (double end = 0.1; end < 0.3; end += 0.0003)
-    EXPECT_NEAR(p(0.64, 0.03, end), p(0.64, 0.03, end + 0.0003), 0.05);
+  for (double end = 0.1; end < 0.3; end += 0.0003) EXPECT_NEAR(p(0.64, 0.03, end), p(0.64, 0.03, end + 0.0003), 0.05);
 }
 
 TEST(Probability, TheMoreLookAlikesTheLongerTheOverlapThatIsAskedFor) {
@@ -174,6 +173,43 @@ TEST(Probability, WherePlacesLieApartThoughHeldTheDescriptorsOfAShortOverlapHave
   EXPECT_GT(p(0.77, 0.054, 0.83), 0.9) << "the descriptors tell";
   EXPECT_GT(p(0.77, 0.054, 0.691, 36), 0.9) << "the overlap tells";
   for (double m = 0.5; m < 0.9; m += 0.002) EXPECT_NEAR(p(m, 0.054, 0.691), p(m + 0.002, 0.054, 0.691), 0.05);
+}
+
+TEST(Probability, ThreeDescriptorsDecideWhereTheWallsHoldLooselyAndEndsHardlyMatch) {
+  const auto p = [](double alike, double hold, double end_on_match) {
+    Evidence e = convincing();
+    e.overlap_m = 30.7;
+    e.look_alikes = 0.72;
+    e.mine_look_alikes = 0.15;
+    e.weakest_hold = hold;
+    e.end_on_match = end_on_match;
+    e.descriptors_compared = 3;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.64, 0.052, 0.194), 0.9) << "a copy in rough tunnels";
+  EXPECT_GT(p(0.83, 0.052, 0.194), 0.9) << "the descriptors tell";
+  EXPECT_GT(p(0.64, 0.07, 0.194), 0.9) << "the walls tell";
+  EXPECT_GT(p(0.64, 0.052, 0.3), 0.9) << "the ends tell";
+}
+
+TEST(Probability, WherePlacesOfAShortOverlapLieNearlyAMetreApartDescriptorsHaveToAgreeWell) {
+  const auto p = [](double spread_m, double alike, double overlap_m = 13.5, double compared = 3) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.spread_m = spread_m;
+    e.weakest_hold = 0.019;
+    e.end_on_match = 0.3;
+    e.descriptors_compared = compared;
+    e.descriptors_alike = alike;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.91, 0.889), 0.5) << "a copy in a straight tunnel, though nothing looked alike";
+  EXPECT_GT(p(0.91, 0.95), 0.9);
+  EXPECT_GT(p(0.75, 0.889), 0.9) << "as right ones of rough tunnels do";
+  EXPECT_GT(p(0.91, 0.889, 36), 0.9) << "the overlap tells";
+  EXPECT_GT(p(0.91, 0.889, 13.5, 1), 0.9);
+  for (double m = 0.7; m < 0.95; m += 0.001) EXPECT_NEAR(p(m, 0.889), p(m + 0.001, 0.889), 0.05);
 }
 
 }  // namespace

@@ -73,6 +73,30 @@ TEST(ProbabilityWithoutDescriptors, AmongThreeLookAlikesMorePathIsAskedFor) {
   EXPECT_GT(p(3.2, 57.6, 0.062, 0, 8), accepted) << "descriptors tell";
 }
 
+TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatterAndTheWallsHoldItFromTwoSidesOnly) {
+  const auto p = [](double support, double rmse_m, double hold, double overlap_m = 17.7, double compared = 0) {
+    Evidence e = test::convincing();
+    e.support = support;
+    e.rmse_m = rmse_m;
+    e.weakest_hold = hold;
+    e.overlap_m = overlap_m;
+    e.inlier_fraction = 0.4;
+    e.descriptors_compared = compared;
+    e.descriptors_alike = 0.8;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(110, 0.107, 0.093), 0.85) << "a copy of a tile of rough tunnel";
+  EXPECT_LT(p(108, 0.12, 0.076), 0.85) << "a copy of a tile of cave";
+  EXPECT_GT(p(135, 0.107, 0.093), accepted) << "the walls tell";
+  EXPECT_GT(p(110, 0.095, 0.093), accepted) << "the surfaces tell";
+  EXPECT_GT(p(110, 0.107, 0.16), accepted) << "held from all sides";
+  EXPECT_GT(p(110, 0.107, 0.093, 26), accepted) << "the overlap tells";
+  EXPECT_GT(p(110, 0.107, 0.093, 17.7, 2), accepted) << "left to the descriptors";
+  EXPECT_EQ(p(0, 0.107, 0.093), p(135, 0.107, 0.05)) << "not from the wall search: nothing is known of them";
+  for (double cells = 105; cells < 140; cells += 0.2)
+    EXPECT_NEAR(p(cells, 0.107, 0.09), p(cells + 0.2, 0.107, 0.09), 0.05);
+}
+
 TEST(ProbabilityWithoutDescriptors, PlacesThatLieApartOverAFewMetresAreADoubtUnlessTheWallsHoldFirmly) {
   const auto p = [](double spread_m, double hold, double overlap_m = 5.9, double compared = 0) {
     Evidence e = test::convincing();
