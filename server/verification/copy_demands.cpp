@@ -48,20 +48,16 @@ double held_loosely(const Evidence& e) { return ramp(e.weakest_hold, 0.11, 0.08)
 /// 1 for a straight tunnel, whose walls hardly hold the placement along it (up to .04, not from .05 on).
 double straight(const Evidence& e) { return ramp(e.weakest_hold, 0.05, 0.04); }
 
-/// 1 in a straight tunnel if the descriptors of eight keyframes and more (not of up to four) agree to .72 and less, not
-/// from .76 on.
-double straight_and_unlike(const Evidence& e) {
-  return straight(e) * ramp(e.descriptors_alike, 0.76, 0.72) * ramp(e.descriptors_compared, 4, 8);
-}
-
 /// How far a copy has to be reckoned with, 0 to 1: where copies were seen; over less than 25 m (in full 20) where
-/// the walls hold the placement loosely; and in a straight tunnel whose descriptors differ (straight_and_unlike()).
-/// Of placements over 8 to 25 m against which nothing else speaks, 25 of 77 held by .05 to .08 are copies of a tile
-/// or two, and 3 of 126 held better. In a straight tunnel, two copies of 66 and 80 m agreed to .70; right ones to
-/// as little only where the mine shows no look-alikes.
+/// the walls hold the placement loosely; and in a straight tunnel if the descriptors of eight keyframes and more
+/// (not of up to four) agree to .72 and less, not from .76 on. Of placements over 8 to 25 m against which nothing
+/// else speaks, 25 of 77 held by .05 to .08 are copies of a tile or two, and 3 of 126 held better. In a straight
+/// tunnel, two copies of 66 and 80 m agreed to .70; right ones to as little only where the mine shows no
+/// look-alikes.
 double copy_expected(const Evidence& e) {
   const double a_tile = held_loosely(e) * ramp(e.overlap_m, 25, 20);
-  return std::max({copies_shown(e), a_tile, straight_and_unlike(e)});
+  const double unlike = ramp(e.descriptors_alike, 0.76, 0.72) * ramp(e.descriptors_compared, 4, 8);
+  return std::max({copies_shown(e), a_tile, straight(e) * unlike});
 }
 
 /// Overlap that is missing where places lie apart among look-alikes though the walls hold the placement (fully from
@@ -77,32 +73,31 @@ double missing_where_look_alikes_lie_apart(const Evidence& e) {
 }
 
 /// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of
-/// a short overlap have to decide. Of 11 such right placements in six kinds of mines, with less than 36 m and at
-/// least four descriptors, 10 had a similarity of 0.85 and more, and one 0.77, over 32 m; a smooth tunnel was
-/// merged wrongly over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five or more descriptors, from a
-/// quarter of a look-alike on: with half of that cost a copy of 28 m in equal tunnels, whose places lie 0.77 m
-/// apart, 0.69 from five, reached 0.91. Look-alikes count only where copies were seen or the walls hold the
-/// placement loosely: two right ones of rough tunnels, of 16 and 30 m, had a fifth of one. Three descriptors
-/// suffice where the walls hold it loosely (fully up to .06, not from .07 on) and what stands across hardly matches
-/// (fully up to a share of .2, not from .3 on), as at a copy of 31 m in rough tunnels; and, whatever looks alike,
-/// where places lie apart by 0.9 m and more (not up to 0.75): they then have to agree to .93 (nothing is told up to
-/// .9). A copy of 14 m in a straight tunnel lay 0.91 m apart, .89 alike; right ones of such length 0.8 m at most,
-/// .95 and more. Set by hand on these; not part of the fit.
+/// a short overlap (fully up to 33 m, not from 45 m on) have to decide. Of 11 such right placements in six kinds of
+/// mines, with less than 36 m and at least four descriptors, 10 had a similarity of 0.85 and more, and one 0.77,
+/// over 32 m; a smooth tunnel was merged wrongly over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five
+/// or more descriptors, from a quarter of a look-alike on: with half of that cost a copy of 28 m in equal tunnels,
+/// whose places lie 0.77 m apart, 0.69 from five, reached 0.91. Look-alikes count only where copies were seen or
+/// the walls hold the placement loosely: two right ones of rough tunnels, of 16 and 30 m, had a fifth of one. A
+/// copy of 35 m in equal tunnels had .71 from eight. Set by hand on these; not part of the fit.
 double descriptors_have_to_decide(const Evidence& e) {
-  const double few = ramp(e.descriptors_compared, 1, 3);
-  const double ends_hardly_match = ramp(e.weakest_hold, 0.07, 0.06) * ramp(e.end_on_match, 0.3, 0.2);
-  const double compared = std::max(ramp(e.descriptors_compared, 3, 5), few * ends_hardly_match);
   const double alike = std::max(copies_shown(e), held_loosely(e)) * e.look_alikes / 0.25;
   const double likeness = std::min(1.0, std::max({e.aliases / 0.2, alike, held_places_lie_apart(e)}));
-  const double differ = likeness * compared * ramp(e.descriptors_alike, 0.83, 0.76);
-  const double differ_apart = few * ramp(e.spread_m, 0.75, 0.9) * ramp(e.descriptors_alike, 0.93, 0.9);
-  return -6 * ramp(e.overlap_m, 36, 26) * std::max(differ, differ_apart);
+  return -6 * likeness * ramp(e.descriptors_compared, 3, 5) * ramp(e.overlap_m, 45, 33) *
+         ramp(e.descriptors_alike, 0.83, 0.76);
+}
+
+/// Overlap that is missing, whatever looks alike, where the walls hold the placement loosely along the tunnel
+/// (fully up to .05, not from .06 on): 66 m if the descriptors agree to .89 or less, nothing from .92 on. Of 2560
+/// accepted right placements 19 lose by that; in one mine of rough tunnels, of which nothing had looked alike,
+/// three of four copies of 18 to 60 m are held back.
+double missing_where_nearly_straight(const Evidence& e) {
+  const double differ = ramp(e.descriptors_alike, 0.92, 0.89);
+  return ramp(e.weakest_hold, 0.06, 0.05) * differ * std::max(0.0, 66 - e.overlap_m);
 }
 
 /// In a mine that looks like itself, one pair of sessions cannot show how many copies there are. So it demands the
-/// longest of these overlaps, and each metre missing costs 0.3. So does a straight tunnel whose descriptors differ,
-/// whatever looks alike, if what stands across it hardly matches (fully up to a share of .15, not from .25 on): at
-/// copies of 54 and 80 m, .13 and .15 did, at a right one of 83 m .25.
+/// longest of these overlaps, and each metre missing costs 0.3:
 /// - where a copy has to be reckoned with (copy_expected), 60 m if the descriptors agree to .90 or less, falling to
 ///   nothing at .93; 40 m more if it is nearly straight (the walls hardly hold it along the tunnel);
 /// - there, and from four look-alikes on, or about one where all sessions together show some (fully from 0.38 per 100 m
@@ -114,10 +109,10 @@ double descriptors_have_to_decide(const Evidence& e) {
 ///   do not speak either, and two of 0.72 and 0.94 m that slide along a tunnel;
 /// - 60 m if points scatter (fully from .132 m on, not up to .112), as at an accepted copy of 50 m; at 86 accepted
 ///   right ones of 19 to 125 m among more than two look-alikes, by .112 m at most.
-/// Wherever look-alikes lie apart, each metre of missing_where_look_alikes_lie_apart() costs as much. Set by hand on
-/// worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44 were copies. With
-/// descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were accepted; and one of
-/// 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
+/// Each metre of missing_where_look_alikes_lie_apart() and missing_where_nearly_straight() costs as much. Set by hand
+/// on worlds of equal tunnels. Of the placements of 25 to 57 m there for which all else spoke, 21 of 44 were copies.
+/// With descriptors of .91 to .95, copies of 24, 36, 39, 41, 44, 44, 50, 53, 58, 66, 83 and 84 m were accepted; and one
+/// of 37 m, .96, where one place of six disagreed, as at none of the right ones that the walls hold.
 double short_in_mine_of_copies(const Evidence& e) {
   const double compared = std::min(1.0, e.descriptors_compared);
   const double differ = ramp(e.descriptors_alike, 0.93, 0.9);
@@ -131,9 +126,9 @@ double short_in_mine_of_copies(const Evidence& e) {
   const double told_m = std::max(60 * held_place_disagrees(e), 60 * held_places_lie_apart(e));
   const double missing_m = std::max(
       {0.0, told_m - e.overlap_m, copy_expected(e) * (of_copies_m - e.overlap_m), scattered * (60 - e.overlap_m)});
-  const double ends_hardly_match = ramp(e.end_on_match, 0.25, 0.15);
-  const double copies_possible = std::max(looks_like_itself(e), ends_hardly_match * straight_and_unlike(e));
-  return -0.3 * compared * std::max(copies_possible * missing_m, missing_where_look_alikes_lie_apart(e));
+  return -0.3 * compared *
+         std::max({looks_like_itself(e) * missing_m, missing_where_look_alikes_lie_apart(e),
+                   missing_where_nearly_straight(e)});
 }
 
 /// If at most one descriptor was compared, which says little, only the length of the overlap and how well the walls
@@ -141,14 +136,15 @@ double short_in_mine_of_copies(const Evidence& e) {
 /// and the walls do not hold it firmly (held_loosely()), or where the mine looks like itself, each metre below 28 m
 /// costs 0.3; below 60 m where the walls hold it loosely (fully up to .06, not from .07 on), there also if only a
 /// place disagrees; below 15 m more from three look-alikes on (not up to two) where it is held by .07 and less (not
-/// from .08 on). Below 15 m, whatever looks alike, each metre costs as much if places lie apart (fully from 0.2 m
-/// on, not up to 0.1) and the walls do not hold them firmly (held_loosely()): drift explains no such distance
-/// there. Set by hand on crossed drives through five worlds, of robots with descriptors of two families: eight
-/// copies of 17 to 58 m were accepted, all held by less than .07; at one of them nothing looked alike, but a place
-/// disagreed. A ninth, of 6 m and held by .071, had a tenth of a look-alike and places 0.24 m apart. Of the right
-/// ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1 m apart: in a cave, 11 m,
-/// held by .104. Of those held by .11 and more, with up to 1.3 look-alikes, 11 right ones of 6 to 23 m gain by
-/// that, and no copy.
+/// from .08 on); and below 40 m among similar places (fully from 2.6 on, not up to 1.6; a copy of 25 m among 3.5
+/// was accepted, right ones among up to 1.5). Below 15 m, whatever looks alike, each metre costs as much if places
+/// lie apart (fully from 0.2 m on, not up to 0.1) and the walls do not hold them firmly (held_loosely()): drift
+/// explains no such distance there. Set by hand on crossed drives through five worlds, of robots with descriptors
+/// of two families: eight copies of 17 to 58 m were accepted, all held by less than .07; at one of them nothing
+/// looked alike, but a place disagreed. A ninth, of 6 m and held by .071, had a tenth of a look-alike and places
+/// 0.24 m apart. Of the right ones below 15 m that reached .9, one is held by less than .11 and lies more than 0.1
+/// m apart: in a cave, 11 m, held by .104. Of those held by .11 and more, with up to 1.3 look-alikes, 11 right ones
+/// of 6 to 23 m gain by that, and no copy.
 double short_without_descriptors(const Evidence& e) {
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
   const double loosely = ramp(e.weakest_hold, held_firmly, 0.06);
@@ -157,7 +153,9 @@ double short_without_descriptors(const Evidence& e) {
   const double many = ramp(e.look_alikes, 2, 3) * ramp(e.weakest_hold, 0.08, 0.07);
   const double asked_m = 28 + 32 * loosely + 15 * many;
   const double apart = ramp(e.spread_m, 0.1, 0.2) * held_loosely(e);
-  return -0.3 * absent * std::max({0.0, doubt * (asked_m - e.overlap_m), apart * (15 - e.overlap_m)});
+  const double similar = ramp(e.similar_places, 1.6, 2.6);
+  return -0.3 * absent *
+         std::max({0.0, doubt * (asked_m - e.overlap_m), similar * (40 - e.overlap_m), apart * (15 - e.overlap_m)});
 }
 
 }  // namespace
