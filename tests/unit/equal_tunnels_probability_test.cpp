@@ -158,21 +158,24 @@ TEST(Probability, WherePlacesLieApartThoughHeldTheDescriptorsOfAShortOverlapHave
 }
 
 TEST(Probability, ANearlyStraightTunnelMayBeACopyThoughNothingLooksAlike) {
-  const auto p = [](double overlap_m, double hold, double compared, double alike, double spread_m = 0.1) {
+  const auto p = [](double overlap_m, double hold, double compared, double alike, double end_on_match = 0.3,
+                    double spread_m = 0.1) {
     Evidence e = convincing();
     e.overlap_m = overlap_m;
     e.weakest_hold = hold;
-    e.end_on_match = 0.3;
+    e.end_on_match = end_on_match;
     e.spread_m = spread_m;
     e.descriptors_compared = compared;
     e.descriptors_alike = alike;
     return probability(RegistrationStatus::converged, e);
   };
   EXPECT_LT(p(54.5, 0.03, 10, 0.64), 0.6) << "a copy of equal tunnels";
-  EXPECT_LT(p(13.5, 0.019, 3, 0.889, 0.91), 0.1) << "another";
+  EXPECT_LT(p(13.5, 0.019, 3, 0.889, 0.3, 0.91), 0.1) << "another";
   EXPECT_LT(p(44.5, 0.036, 9, 0.834), 0.5) << "one of rough tunnels";
   EXPECT_LT(p(30.7, 0.0524, 3, 0.64), 0.1) << "another";
   EXPECT_GT(p(44.5, 0.06, 9, 0.834), 0.9) << "the walls tell";
+  EXPECT_LT(p(60.3, 0.036, 11, 0.876, 0.4), 0.9);
+  EXPECT_GT(p(28.9, 0.036, 5, 0.878, 0.5), 0.9) << "between smooth pillars, whose ends tell";
   EXPECT_GT(p(44.5, 0.036, 9, 0.92), 0.9) << "the descriptors tell";
   EXPECT_LT(p(60.3, 0.0497, 11, 0.876), 0.9) << "three tiles";
   EXPECT_GT(p(75, 0.036, 9, 0.834), 0.9) << "the overlap tells";
