@@ -81,18 +81,20 @@ double places_lie_apart(const Evidence& e) {
 /// and 2 of 112 right ones. Each doubling beyond that costs 3. Not part of the fit.
 double leans(const Evidence& e) { return -3 * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5)); }
 
-/// Without descriptors, walls farther off have to match (Evidence::support; 145 cells of half a metre and more, in
-/// vain up to 120) where points scatter (fully from .107 m on, not up to .095) and the walls do not hold the
-/// placement from all sides (fully up to .13, not from .16 on): else it costs 4 from 8 m (nothing below 6) to 20 m
-/// (nothing from 26 on). Of the placements of 8 to 30 m that reached .85 in mines of cave and rough tunnel tiles,
-/// eight copies had 90 to 129 cells, .105 to .142 m and a hold of .07 to .167; of some 300 right ones four wait for
-/// it.
+/// Without descriptors, walls farther off have to match (Evidence::support, in cells of half a metre): else it
+/// costs 4. From 8 m (nothing below 6) to 13 m (nothing from 16 on), 150 cells are asked for (115 are too few)
+/// where the walls do not hold the placement from all sides (fully up to .115, not from .13 on); to 20 m (nothing
+/// from 26 on), 145 (120) where points scatter as well (fully from .107 m on, not up to .095; held by .13, .16). Of
+/// the placements of 7 to 30 m that reached .85 in mines of tiles of cave and rough tunnel, eleven copies had 70 to
+/// 129 cells and a hold of .07 to .167, eight of them with points that scatter by .105 to .142 m; of 366 right ones
+/// below 28 m, 19 wait for it.
 double walls_hardly_match(const Evidence& e) {
   if (e.support <= 0) return 0;  // the wall search did not propose it
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
-  const double length = ramp(e.overlap_m, 6, 8) * ramp(e.overlap_m, 26, 20);
-  return 4 * absent * length * ramp(e.support, 145, 120) * ramp(e.rmse_m, 0.095, 0.107) *
-         ramp(e.weakest_hold, 0.16, 0.13);
+  const double brief = ramp(e.overlap_m, 16, 13) * ramp(e.support, 150, 115) * ramp(e.weakest_hold, 0.13, 0.115);
+  const double scattered = ramp(e.overlap_m, 26, 20) * ramp(e.support, 145, 120) * ramp(e.weakest_hold, 0.16, 0.13) *
+                           ramp(e.rmse_m, 0.095, 0.107);
+  return 4 * absent * ramp(e.overlap_m, 6, 8) * std::max(brief, scattered);
 }
 
 /// Where the robots shared little path, walls farther off tell, too. The score of a piece of one session's wall map on

@@ -93,6 +93,10 @@ TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatter
   EXPECT_GT(p(110, 0.107, 0.16), accepted) << "held from all sides";
   EXPECT_GT(p(110, 0.107, 0.093, 26), accepted) << "the overlap tells";
   EXPECT_GT(p(110, 0.107, 0.093, 17.7, 2), accepted) << "left to the descriptors";
+  EXPECT_LT(p(122, 0.079, 0.102, 13), accepted) << "a copy of half a tile, though its surfaces match";
+  EXPECT_GT(p(150, 0.079, 0.102, 13), accepted);
+  EXPECT_GT(p(122, 0.079, 0.13, 13), accepted);
+  EXPECT_GT(p(122, 0.079, 0.102, 16), accepted);
   EXPECT_EQ(p(0, 0.107, 0.093), p(145, 0.107, 0.05)) << "not from the wall search: nothing is known of them";
   for (double cells = 110; cells < 150; cells += 0.2)
     EXPECT_NEAR(p(cells, 0.107, 0.09), p(cells + 0.2, 0.107, 0.09), 0.05);
