@@ -37,6 +37,12 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_EQ(with(&Evidence::tilt_deg, 0.5), p(good)) << "as level as sessions are";
   EXPECT_LT(with(&Evidence::tilt_deg, 1.2), 0.9) << "it leans";
   EXPECT_NEAR(with(&Evidence::tilt_deg, 0.99), with(&Evidence::tilt_deg, 1.01), 0.05) << "no cliff";
+  Evidence far = good;
+  far.tilt_deg = 1.2;
+  far.overlap_m = 55;
+  EXPECT_LT(p(far), 0.9);
+  far.overlap_m = 75;
+  EXPECT_GT(p(far), 0.9) << "odometry drifts out of level";
   EXPECT_LE(probability(RegistrationStatus::degenerate, good), 0.4) << "slides along the drift: at most a candidate";
   EXPECT_EQ(probability(RegistrationStatus::too_little_overlap, good), 0);
   Evidence longer = good;
