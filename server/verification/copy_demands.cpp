@@ -48,16 +48,13 @@ double held_loosely(const Evidence& e) { return ramp(e.weakest_hold, 0.11, 0.08)
 /// 1 for a straight tunnel, whose walls hardly hold the placement along it (up to .04, not from .05 on).
 double straight(const Evidence& e) { return ramp(e.weakest_hold, 0.05, 0.04); }
 
-/// How far a copy has to be reckoned with, 0 to 1: where copies were seen; over less than 25 m (in full 20) where
-/// the walls hold the placement loosely; and in a straight tunnel if the descriptors of eight keyframes and more
-/// (not of up to four) agree to .72 and less, not from .76 on. Of placements over 8 to 25 m against which nothing
-/// else speaks, 25 of 77 held by .05 to .08 are copies of a tile or two, and 3 of 126 held better. In a straight
-/// tunnel, two copies of 66 and 80 m agreed to .70; right ones to as little only where the mine shows no
+/// How far a copy has to be reckoned with, 0 to 1: where copies were seen, and in a straight tunnel if the
+/// descriptors of eight keyframes and more (not of up to four) agree to .72 and less, not from .76 on. Two copies
+/// of 66 and 80 m of a straight tunnel agreed to .70; right ones to as little only where the mine shows no
 /// look-alikes.
 double copy_expected(const Evidence& e) {
-  const double a_tile = held_loosely(e) * ramp(e.overlap_m, 25, 20);
   const double unlike = ramp(e.descriptors_alike, 0.76, 0.72) * ramp(e.descriptors_compared, 4, 8);
-  return std::max({copies_shown(e), a_tile, straight(e) * unlike});
+  return std::max(copies_shown(e), straight(e) * unlike);
 }
 
 /// Overlap that is missing where places lie apart among look-alikes though the walls hold the placement (fully from
