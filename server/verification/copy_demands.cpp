@@ -86,11 +86,12 @@ double descriptors_have_to_decide(const Evidence& e) {
 
 /// Overlap that is missing, whatever looks alike, where the walls hold the placement loosely along the tunnel
 /// (fully up to .05, not from .06 on) and what stands across it does not match well (fully up to a share of .4, not
-/// from .5 on): 75 m if the descriptors agree to .89 or less, nothing from .92 on. All four copies of 18 to 60 m
-/// that merged in a mine laid out anew of tiles of rough tunnels, of which nothing had looked alike, wait for it;
-/// at them .24 to .4 matched, at right ones between smooth pillars .44 to .68.
+/// from .5 on): 75 m if the descriptors of three keyframes and more (one tells nothing) agree to .89 or less,
+/// nothing from .92 on. All four copies of 18 to 60 m that merged in a mine laid out anew of tiles of rough
+/// tunnels, of which nothing had looked alike, wait for it; at them .24 to .4 matched, at right ones between smooth
+/// pillars .44 to .68.
 double missing_where_nearly_straight(const Evidence& e) {
-  const double differ = ramp(e.descriptors_alike, 0.92, 0.89);
+  const double differ = ramp(e.descriptors_compared, 1, 3) * ramp(e.descriptors_alike, 0.92, 0.89);
   const double open_along = ramp(e.weakest_hold, 0.06, 0.05) * ramp(e.end_on_match, 0.5, 0.4);
   return open_along * differ * std::max(0.0, 75 - e.overlap_m);
 }

@@ -170,6 +170,7 @@ TEST(Probability, ANearlyStraightTunnelMayBeACopyThoughNothingLooksAlike) {
   EXPECT_LT(p(13.5, 0.019, 3, 0.889, 0.3, 0.91), 0.1) << "another";
   EXPECT_LT(p(44.5, 0.036, 9, 0.834), 0.5) << "one of rough tunnels";
   EXPECT_LT(p(30.7, 0.0524, 3, 0.64), 0.1) << "another";
+  EXPECT_GT(p(30.7, 0.0524, 1, 0.64), 0.9) << "one descriptor says little";
   EXPECT_GT(p(44.5, 0.06, 9, 0.834), 0.9) << "the walls tell";
   EXPECT_LT(p(60.3, 0.036, 11, 0.876, 0.4), 0.9);
   EXPECT_GT(p(28.9, 0.036, 5, 0.878, 0.5), 0.9) << "between smooth pillars, whose ends tell";
