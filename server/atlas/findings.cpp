@@ -57,8 +57,9 @@ std::string told_apart(const Evidence& e) {
   return descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
          formatted(
              ", where places look alike (%.2f in 100 m of all that is known), resemble others (%.2f) or lie apart (by "
-             "%.2f m), or points scatter (by %.0f mm)",
-             e.mine_look_alikes, e.similar_places, e.spread_m, 1000 * e.rmse_m);
+             "%.2f m), points scatter (by %.0f mm), or the walls hold loosely (by %.3f; across the tunnel %.0f %% "
+             "meet)",
+             e.mine_look_alikes, e.similar_places, e.spread_m, 1000 * e.rmse_m, e.weakest_hold, 100 * e.end_on_match);
 }
 
 /// What a contribution means, in the order of LogOdds::contributions.
@@ -122,7 +123,7 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {&Evidence::matched_share, 1, "%.0f %% would suffice", 100},
            path,
            e.descriptors_compared > 0 ? alike : path,
-           {}}};
+           {&Evidence::support, 1000, "a score of %.0f would suffice"}}};
 }
 
 /// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even

@@ -1,7 +1,7 @@
 #pragma once
 // What the verdict demands where a placement may be a copy: exact copies pass every local test, so only the length of
 // the overlap, descriptors, and how well all its places agree can tell them from the place itself. Set by hand on
-// worlds of equal tunnels, generated mines and recordings; no part of the fit.
+// worlds of equal tunnels, mines laid out of third-party tiles, generated mines and recordings; no part of the fit.
 
 #include "server/verification/evidence.hpp"
 

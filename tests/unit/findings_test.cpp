@@ -55,6 +55,17 @@ TEST(Findings, WallsThatMatchFartherOffAreSaid) {
   EXPECT_NE(walls->text.find("match with a score of 140"), std::string::npos) << walls->text;
 }
 
+TEST(Findings, WallsThatDoNotMatchFartherOffSayWhatWouldSuffice) {
+  Evidence e = test::convincing();
+  e.overlap_m = 13;
+  e.support = 110;
+  e.descriptors_compared = 0;
+  const auto found = findings_of(e);
+  EXPECT_EQ(found.front().evidence, "walls farther off match");
+  EXPECT_LT(found.front().log_odds, 0);
+  EXPECT_EQ(found.front().would_suffice.rfind("a score of 1", 0), 0U) << found.front().would_suffice;
+}
+
 TEST(Findings, WithDescriptorsOnesThatAgreeWould) {
   const Finding f = first_finding(8);
   EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
