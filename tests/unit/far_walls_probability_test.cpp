@@ -15,7 +15,7 @@ Evidence one_hall() {
   e.places = e.places_agreeing = 3;
   e.matched_share = 0.64;
   e.inlier_fraction = 0.54;
-  e.weakest_hold = 0.13;  // from all sides
+  e.weakest_hold = 0.18;  // from all sides
   return e;
 }
 
@@ -50,7 +50,7 @@ TEST(ProbabilityOfFarWalls, ALowScoreIsADoubtWhereHardlyAnyPathIsShared) {
   gap.overlap_m = 6.3;
   gap.matched_share = 0.72;
   gap.inlier_fraction = 0.39;
-  gap.weakest_hold = 0.13;
+  gap.weakest_hold = 0.18;
   EXPECT_GT(with_score(gap, 100), 0.9);
   EXPECT_LT(with_score(gap, 90), 0.9);
   EXPECT_EQ(with_score(gap, 90), with_score(gap, 1));

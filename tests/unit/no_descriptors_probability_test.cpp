@@ -96,7 +96,11 @@ TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatter
   EXPECT_LT(p(122, 0.079, 0.102, 13), accepted) << "a copy of half a tile, though its surfaces match";
   EXPECT_GT(p(150, 0.079, 0.102, 13), accepted);
   EXPECT_GT(p(122, 0.079, 0.13, 13), accepted);
+  EXPECT_LT(p(96, 0.072, 0.156, 8.7), accepted) << "another, held better, but by walls near the paths only";
+  EXPECT_GT(p(96, 0.072, 0.18, 8.7), accepted);
   EXPECT_GT(p(122, 0.079, 0.102, 16), accepted);
+  for (double cells = 80; cells < 160; ++cells)
+    EXPECT_NEAR(p(cells, 0.079, 0.102, 10), p(cells + 1, 0.079, 0.102, 10), 0.05);
   EXPECT_EQ(p(0, 0.107, 0.093), p(145, 0.107, 0.05)) << "not from the wall search: nothing is known of them";
   for (double cells = 110; cells < 150; cells += 0.2)
     EXPECT_NEAR(p(cells, 0.107, 0.09), p(cells + 0.2, 0.107, 0.09), 0.05);
