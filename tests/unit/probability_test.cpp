@@ -76,6 +76,9 @@ TEST(Probability, WhatIsContradictedFartherOffIsBelievedLess) {
     weigh(j);
     return j.evidence.probability;
   };
+  EXPECT_EQ(p(0.0018), p(0));
+  EXPECT_LT(p(0.0027), p(0) - 0.05) << "drift excuses little over a short overlap";
+  j.evidence.overlap_m = 60;
   const double believed = p(0);
   EXPECT_EQ(p(0.002), believed);
   const double contradicted_farther = 0.003;
