@@ -90,11 +90,11 @@ double leans(const Evidence& e) {
 
 /// Without descriptors, walls farther off have to match (Evidence::support, in cells of half a metre): else it
 /// costs 4. From 8 m (nothing below 6) to 13 m (nothing from 16 on), 150 cells are asked for (115 are too few)
-/// where the walls do not hold the placement from all sides (fully up to .115, not from .13 on), and 125 (90)
-/// where they hold it by .16 and less (not from .18 on); to 20 m (nothing from 26 on), 145 (120) where points
-/// scatter as well (fully from .107 m on, not up to .095; held by .13, .16). Of the placements of 7 to 30 m that
-/// reached .85 in mines of tiles of cave and rough tunnel, twelve copies had 70 to 129 cells and a hold of .07 to
-/// .167, eight of them with points that scatter by .105 to .142 m; of 366 right ones below 28 m, 22 wait for it.
+/// where the walls do not hold the placement from all sides (fully up to .115, not from .13 on), and 125 (90) where
+/// they hold it by .16 and less (not from .18 on); to 20 m (nothing from 26 on), 145 (120) where points scatter as
+/// well (fully from .107 m on, not up to .095; held by .13, .16). Without it nine copies of 7 to 18 m would be
+/// accepted in mines of tiles of cave and rough tunnel (70 to 129 cells, held by .07 to .16), and 24 right
+/// placements.
 double walls_hardly_match(const Evidence& e) {
   if (e.support <= 0) return 0;  // the wall search did not propose it
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
