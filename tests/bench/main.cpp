@@ -19,6 +19,7 @@
 #include "tests/bench/one_map.hpp"
 #include "tests/bench/pose_graph.hpp"
 #include "tests/bench/registration.hpp"
+#include "tests/bench/rejudge.hpp"
 #include "tests/bench/stages.hpp"
 #include "tests/bench/years/partners.hpp"
 #include "tests/bench/years/years.hpp"
@@ -54,6 +55,7 @@ struct Options {
   std::filesystem::path recordings = "../shared/data", out = "build/bench";
   std::optional<int> mines;
   std::vector<std::filesystem::path> sets;                                  // of stages
+  std::vector<std::filesystem::path> rows;                                  // of rejudge
   bool crossed = false;                                                     // sessions of different sets
   double days_apart = 0;                                                    // sessions of stages
   std::vector<std::string> set_families{std::string(default_family_name)};  // the robots take them in turn
@@ -153,6 +155,7 @@ int run(const Options& options) {
     }
     return figures;
   });
+  part("rejudge", false, [&] { return rejudge(options.rows); });
   part("partners", false, [&] { return partners(options.sets); });
   part("one-map", false, [&] { return one_map(options.sets); });
   part("pose-graph", false, [&] { return pose_graph_of(options); });
@@ -163,7 +166,7 @@ int run(const Options& options) {
   return fail(
       "no bench '" + options.what +
           "'; there are: registration, places, all; minutes each: basin, merges, drawn-mines, merges-on-request, "
-          "recordings, merge-times, stages, localize, coverage, live, years, partners, one-map, pose-graph, "
+          "recordings, merge-times, stages, rejudge, localize, coverage, live, years, partners, one-map, pose-graph, "
           "pose-graph-scale, descriptors, link",
       2);
 }
@@ -194,6 +197,9 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   stages->add_option("--days-apart", options.days_apart, "so many days lie between the drives, by their stamps");
   stages->callback([&options] { options.what = "stages"; });
+  auto* rejudge = app.add_subcommand("rejudge", "placements that were judged before, with the verdict of this build");
+  rejudge->add_option("ROWS", options.rows, "verdict*.csv of stages, merges, recordings or drawn-mines")->required();
+  rejudge->callback([&options] { options.what = "rejudge"; });
   auto* localize = app.add_subcommand("localize", "robots wake up in a mapped mine and ask where they are");
   localize->add_option("DIR", options.localize.sets, "data sets (as of stages), or folders of them")->required();
   localize->add_option("--starts", options.localize.starts, "along each drive")->check(CLI::Range(1, 1000));
