@@ -103,7 +103,8 @@ double walls_hardly_match(const Evidence& e) {
                                            ramp(e.support, 125, 90) * ramp(e.weakest_hold, 0.18, 0.16));
   const double scattered = ramp(e.overlap_m, 26, 20) * ramp(e.support, 145, 120) * ramp(e.weakest_hold, 0.16, 0.13) *
                            ramp(e.rmse_m, 0.095, 0.107);
-  return 4 * absent * ramp(e.overlap_m, 6, 8) * std::max(brief, scattered);
+  const double poor = ramp(e.overlap_m, 26, 20) * ramp(e.support, 125, 100);
+  return 4 * absent * ramp(e.overlap_m, 6, 8) * std::max({brief, scattered, poor});
 }
 
 /// Where the robots shared little path, walls farther off tell, too. The score of a piece of one session's wall map on

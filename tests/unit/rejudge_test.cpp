@@ -1,0 +1,86 @@
+#include "tests/bench/rejudge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "server/verification/verdict.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace headframe::bench {
+namespace {
+
+/// Accepted whatever its recorded probability was: long, held from all sides, contradicted by nothing.
+Evidence convincing() {
+  Evidence e;
+  e.pairs = 20, e.places = e.places_agreeing = 6;
+  e.inlier_fraction = 0.8, e.matched_share = 0.9, e.rmse_m = 0.08, e.residual_m = 0.03, e.spread_m = 0.05;
+  e.overlap_m = 80, e.weakest_hold = 0.2, e.end_on_match = 0.5, e.descriptors_compared = 15, e.descriptors_alike = 0.95;
+  return e;
+}
+
+struct Rows {
+  TempDir folder;
+  std::filesystem::path file = folder.path() / "verdict.csv";
+  std::ofstream csv{file};
+
+  Rows() {
+    csv << "source,kind,mine,a,b,right,status";
+    for (const auto& field : evidence_fields()) csv << ',' << field.name;
+    csv << '\n';
+  }
+  void add(const char* source, const char* kind, bool right, const Evidence& e, const char* status = "converged") {
+    csv << source << ',' << kind << ',' << kind << "-1,a,b," << right << ',' << status;
+    for (const auto& field : evidence_fields()) csv << ',' << e.*field.member;
+    csv << '\n' << std::flush;
+  }
+};
+
+TEST(Rejudge, CountsWhatIsAcceptedNowAndWasBefore) {
+  Rows rows;
+  Evidence e = convincing();
+  ASSERT_GT(probability(RegistrationStatus::converged, e), 0.9);
+  e.probability = 0.1;
+  rows.add("judged", "cave", true, e);
+  rows.add("judged", "cave", true, e, "degenerate");
+  rows.add("oracle", "cave", true, e);  // only what attempts found is counted
+  e.probability = 0.95, e.freespace_violation = e.worst_place_violation = 0.1;
+  rows.add("judged", "rough", false, e);
+  const nlohmann::json figures = rejudge({rows.file, rows.file});
+  EXPECT_EQ(figures.at("cave"), (nlohmann::json{{"right", 4},
+                                                {"wrong", 0},
+                                                {"accepted_right", 2},
+                                                {"accepted_wrong", 0},
+                                                {"before_right", 0},
+                                                {"before_wrong", 0}}));
+  EXPECT_EQ(figures.at("all").at("before_wrong"), 2);
+  EXPECT_EQ(figures.at("all").at("accepted_wrong"), 0);
+}
+
+TEST(Rejudge, ARunnerUpHoldsAPlacementBack) {
+  Rows rows;
+  Evidence e = convincing();
+  e.probability = 0.95, e.runner_up = 0.99;
+  rows.add("judged", "cave", true, e);
+  EXPECT_EQ(rejudge({rows.file}).at("all").at("accepted_right"), 0);
+}
+
+TEST(Rejudge, RefusesWhatIsNoSuchFile) {
+  Rows rows;
+  rows.csv << "judged,cave,cave-1,a\n" << std::flush;
+  std::ofstream(rows.folder.path() / "other.csv") << "set,a,b\n";
+  const auto message = [](const std::filesystem::path& file) -> std::string {
+    try {
+      rejudge({file});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message(rows.file).find("line 2"), std::string::npos);
+  EXPECT_NE(message(rows.folder.path() / "other.csv").find("no column source"), std::string::npos);
+  EXPECT_NE(message(rows.folder.path() / "missing.csv").find("cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace headframe::bench
