@@ -170,10 +170,8 @@ nlohmann::json run_campaign(const Campaign& campaign) {
   Sent sent;
   std::vector<PairResult> results;
   VerdictRows evidence(campaign.out / "verdict.csv");
-  static constexpr std::array kinds{mine::Kind::junctions, mine::Kind::grid,     mine::Kind::room_and_pillar,
-                                    mine::Kind::ramp,      mine::Kind::straight, mine::Kind::look_alike};
   for (int m = 0; m + 1 < campaign.mines; m += 2) {
-    const auto kind = kinds[static_cast<std::size_t>(m / 2) % kinds.size()];
+    const auto kind = campaign.kinds[static_cast<std::size_t>(m / 2) % campaign.kinds.size()];
     std::fprintf(stderr, "\rmines %d of %d, %zu pairs", m + 2, campaign.mines, results.size());
     const Sent more = run_batch(campaign, kind, static_cast<std::uint64_t>(m), results, evidence);
     sent.clouds += more.clouds;
@@ -187,7 +185,7 @@ nlohmann::json run_campaign(const Campaign& campaign) {
   const auto add = [&](const std::string& name, auto&& belongs) {
     out["rows"][name] = print_row(name, row_of(results, belongs));
   };
-  for (const auto kind : kinds) {
+  for (const auto kind : campaign.kinds) {
     const std::string name(to_string(kind));
     add(name + ", overlap >= 18 %", [&](const auto& r) { return r.kind == name && r.overlap_pct >= bar_overlap_pct; });
     add(name + ", nothing shared", [&](const auto& r) { return r.kind == name && r.overlap_pct == 0; });

@@ -61,6 +61,7 @@ struct Options {
   std::vector<std::string> set_families{std::string(default_family_name)};  // the robots take them in turn
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
   std::optional<std::uint64_t> first_seed;
+  std::vector<std::string> mine_kinds;  // of drawn-mines
   LiveBench live = {};
   YearsBench years = {};
   bool years_graph = false;
@@ -80,8 +81,17 @@ int fail(const std::string& message, int status) {
 }
 
 nlohmann::json drawn_mines(const Options& options, Clouds clouds, const char* folder) {
-  return run_campaign({options.mines.value_or(Campaign{}.mines), clouds, options.out / folder,
-                       options.first_seed.value_or(Campaign{}.first_seed)});
+  Campaign campaign{.mines = options.mines.value_or(Campaign{}.mines),
+                    .clouds = clouds,
+                    .out = options.out / folder,
+                    .first_seed = options.first_seed.value_or(Campaign{}.first_seed)};
+  if (!options.mine_kinds.empty()) campaign.kinds.clear();
+  for (const std::string& name : options.mine_kinds) {
+    const auto kind = mine::kind_of(name);
+    if (!kind) throw std::runtime_error("there is no kind of mine '" + name + "'; see tests/mine/README.md");
+    campaign.kinds.push_back(*kind);
+  }
+  return run_campaign(campaign);
 }
 
 nlohmann::json merges(const Options& options) {
@@ -186,6 +196,8 @@ int main(int argc, char** argv) {
   app.add_option("MINES", options.mines, "of merges: mines in all; of descriptors: of each kind")
       ->check(CLI::Range(1, 1000));
   app.add_option("--first-seed", options.first_seed, "of the drawn mines; others than those reported, to set weights");
+  app.add_option("--kinds", options.mine_kinds, "of the drawn mines: comma separated; none: the first six")
+      ->delimiter(',');
   app.add_option("--families", options.families, "of descriptors: comma separated, as robots take them")
       ->delimiter(',');
   auto* stages = app.add_subcommand("stages", "at which stage pairs of sessions are lost");

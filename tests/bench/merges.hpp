@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "tests/bench/pipeline_run.hpp"
+#include "tests/mine/plan.hpp"
 
 namespace headframe::bench {
 
@@ -13,6 +15,8 @@ struct Campaign {
   Clouds clouds = Clouds::at_once;
   std::filesystem::path out;         // pictures, and the evidence of all that was judged
   std::uint64_t first_seed = 90000;  // of the first mine: from here on none was used to set a weight
+  std::vector<mine::Kind> kinds{mine::Kind::junctions, mine::Kind::grid,     mine::Kind::room_and_pillar,
+                                mine::Kind::ramp,      mine::Kind::straight, mine::Kind::look_alike};
 };
 
 /// Pairs of sessions in simulated mines: what was merged, what should have been, how far off, and how many clouds were

@@ -34,7 +34,8 @@ int run(int argc, char** argv) {
   CLI::App app{"Records simulated robots in a procedural mine as session folders"};
   Request request;
   std::string kind_name, dir, picture_file;
-  app.add_option("--kind", kind_name, "junctions, grid, room_and_pillar, ramp, straight, look_alike or varied")
+  app.add_option("--kind", kind_name,
+                 "junctions, grid, room_and_pillar, ramp, straight, look_alike, varied or tiled_cave")
       ->required();
   app.add_option("--seed", request.seed, "same seed, same mine");
   app.add_option("--robots", request.robots, "number of drives");
@@ -52,7 +53,7 @@ int run(int argc, char** argv) {
   const auto kind = kind_of(kind_name);
   if (!kind)
     return fail("no kind '" + kind_name +
-                "'; there are junctions, grid, room_and_pillar, ramp, straight, look_alike, varied");
+                "'; there are junctions, grid, room_and_pillar, ramp, straight, look_alike, varied, tiled_cave");
   request.kind = *kind;
   return generate(request, dir, picture_file);
 }

@@ -9,13 +9,14 @@
 namespace headframe::mine {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Kind>, 7> kind_names{{{"junctions", Kind::junctions},
+constexpr std::array<std::pair<std::string_view, Kind>, 8> kind_names{{{"junctions", Kind::junctions},
                                                                        {"grid", Kind::grid},
                                                                        {"room_and_pillar", Kind::room_and_pillar},
                                                                        {"ramp", Kind::ramp},
                                                                        {"straight", Kind::straight},
                                                                        {"look_alike", Kind::look_alike},
-                                                                       {"varied", Kind::varied}}};
+                                                                       {"varied", Kind::varied},
+                                                                       {"tiled_cave", Kind::tiled_cave}}};
 
 Plan junctions_plan(Rng rng) {
   return lattice_plan({.columns = 6,
@@ -145,7 +146,7 @@ Plan look_alike_plan(Rng rng) {
                             .width_m = {5, 5},
                             .height_m = {3.6, 3.6}},
                            rng);
-  Tiling tiling{.columns = 9, .open = std::vector<std::uint8_t>(81, 0)};
+  Tiling tiling{.columns = 9, .open = std::vector<std::uint8_t>(81, 0), .pieces = {}};
   for (const Drift& drift : plan.drifts) {  // a is left of b or below it
     const bool upward = drift.b - drift.a != 1;
     tiling.open[drift.a] |= upward ? 2 : 1;
@@ -153,6 +154,40 @@ Plan look_alike_plan(Rng rng) {
   }
   plan.tiling = tiling;
   plan.roughness = 0.8;
+  return plan;
+}
+
+/// Widens the tunnels about a tile's centre into rooms, with gravel at their walls: the same for every tile of a piece.
+void add_rooms(Plan& plan, const Eigen::Vector3d& centre, const TilePiece& piece) {
+  Rng own(mix_bits(piece_seed + piece.number));
+  for (int i = 0; i < 3; ++i) {
+    const double axis_rad = 0.5 * std::numbers::pi * static_cast<double>(piece.quarter_turns + own.index(2));
+    const Eigen::Vector3d along(std::cos(axis_rad), std::sin(axis_rad), 0), left(-along.y(), along.x(), 0);
+    const Eigen::Vector3d half_size(own.uniform(2, 4), own.uniform(2.4, 4), own.uniform(1.2, 1.9));
+    const Eigen::Vector3d foot = centre + own.uniform(-5, 5) * along + own.uniform(-1, 1) * left;
+    plan.niches.push_back({foot + Eigen::Vector3d(0, 0, half_size.z()), half_size, axis_rad + own.uniform(-0.3, 0.3)});
+    const double radius_m = own.uniform(0.7, 1.5), side = own.chance(0.5) ? 1 : -1;
+    plan.piles.push_back({foot + side * 3 * left, radius_m, radius_m * own.uniform(0.5, 0.9)});
+  }
+}
+
+/// A natural cave as a robot competition builds it: pieces of 20 m, open to all sides, any of them at any heading.
+Plan tiled_cave_plan(Rng rng) {
+  constexpr std::size_t side = 8, pieces = 7;
+  Plan plan = lattice_plan({.columns = side,
+                            .rows = side,
+                            .column_gap_m = {20, 20},
+                            .row_gap_m = {20, 20},
+                            .keep = 1,
+                            .width_m = {4.5, 4.5},
+                            .height_m = {3.6, 3.6}},
+                           rng);
+  Tiling tiling{.columns = side, .open = std::vector<std::uint8_t>(side * side, 15), .pieces = {}};
+  for (const auto& node : plan.nodes) {
+    tiling.pieces.push_back({static_cast<std::uint8_t>(rng.index(pieces)), static_cast<std::uint8_t>(rng.index(4))});
+    add_rooms(plan, node, tiling.pieces.back());
+  }
+  plan.tiling = std::move(tiling);
   return plan;
 }
 
@@ -181,12 +216,13 @@ Plan make_plan(Kind kind, std::uint64_t seed) {
       case Kind::straight: return straight_plan(rng);
       case Kind::look_alike: return look_alike_plan(rng);
       case Kind::varied: return varied_plan(rng);
+      case Kind::tiled_cave: return tiled_cave_plan(rng);
     }
     return Plan{};
   };
   Plan plan = build();
   plan.rock_seed = mix_bits(seed);
-  if (kind != Kind::look_alike) furnish(plan, rng.fork(99));
+  if (!plan.tiling) furnish(plan, rng.fork(99));
   return plan;
 }
 

@@ -39,12 +39,22 @@ struct Pipe {
   double radius_m = 0.15;
 };
 
-/// Walls that repeat: the mine is laid out on square tiles, and every tile of one shape is rough in the same way.
+/// One of several pieces that a tile may be a copy of, turned by so many quarter turns.
+struct TilePiece {
+  std::uint8_t number = 0, quarter_turns = 0;
+};
+
+/// The pieces' roughness is drawn from seeds from here on, which no shape of a tile has.
+inline constexpr std::uint64_t piece_seed = 100;
+
+/// Walls that repeat: the mine is laid out on square tiles, and every tile of one shape, or of one piece where pieces
+/// are named, is rough in the same way.
 struct Tiling {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // the centre of tile (0, 0)
   double tile_m = 20;
   std::size_t columns = 0;
   std::vector<std::uint8_t> open;  // per tile, row by row: bit k is set when it opens towards k * 90 deg; 0: no tile
+  std::vector<TilePiece> pieces;   // per tile: which piece it is; empty: its shape tells
 };
 
 struct Plan {
@@ -60,14 +70,14 @@ struct Plan {
   std::uint64_t rock_seed = 1;  // of the walls' roughness
 };
 
-enum class Kind { junctions, grid, room_and_pillar, ramp, straight, look_alike, varied };
+enum class Kind { junctions, grid, room_and_pillar, ramp, straight, look_alike, varied, tiled_cave };
 
 /// The kind of that name (as the enumerator is spelled), or nothing.
 std::optional<Kind> kind_of(std::string_view name);
 std::string_view to_string(Kind kind);
 
 /// A mine of about 150 m by 150 m, connected, with dead ends and loops as its kind has them. The same seed gives the
-/// same mine. Two seeds of `look_alike` are laid out differently from the same tiles.
+/// same mine. Two seeds of `look_alike`, or of `tiled_cave`, are laid out differently from the same tiles.
 Plan make_plan(Kind kind, std::uint64_t seed);
 
 /// Puts pipes, vehicles, niches and gravel along the drifts. Their middle stays free for a robot.

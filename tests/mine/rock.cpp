@@ -54,24 +54,32 @@ struct TilePlace {
   double fade;  // 1 within the tile, 0 at its border, so that neighbours fit
 };
 
+/// By how many quarter turns a tile is turned, and what it is a copy of.
+std::pair<unsigned, std::uint64_t> turned_shape(const Tiling& tiling, std::size_t tile) {
+  if (!tiling.pieces.empty()) return {tiling.pieces[tile].quarter_turns, piece_seed + tiling.pieces[tile].number};
+  const unsigned open = tiling.open[tile];
+  unsigned best = open, turns = 0;
+  for (unsigned k = 1; k < 4; ++k) {
+    const unsigned turned = ((open >> k) | (open << (4 - k))) & 15U;
+    if (turned < best) best = turned, turns = k;
+  }
+  return {turns, best};
+}
+
 TilePlace tile_place(const Tiling& tiling, const Eigen::Vector3d& p) {
   const Eigen::Vector3d q = (p - tiling.origin) / tiling.tile_m;
   const double i = std::round(q.x()), j = std::round(q.y());
   const std::size_t row_count = tiling.open.size() / tiling.columns;
   const auto rows = static_cast<double>(row_count);
   if (i < 0 || j < 0 || i >= static_cast<double>(tiling.columns) || j >= rows) return {p, 0, 0};
-  const unsigned open = tiling.open[static_cast<std::size_t>(j) * tiling.columns + static_cast<std::size_t>(i)];
-  unsigned best = open, turns = 0;
-  for (unsigned k = 1; k < 4; ++k) {
-    const unsigned turned = ((open >> k) | (open << (4 - k))) & 15U;
-    if (turned < best) best = turned, turns = k;
-  }
+  const auto [turns, shape] =
+      turned_shape(tiling, static_cast<std::size_t>(j) * tiling.columns + static_cast<std::size_t>(i));
   const double angle = -0.5 * std::numbers::pi * turns;
   const Eigen::Vector3d local = p - tiling.origin - tiling.tile_m * Eigen::Vector3d(i, j, 0);
   const Eigen::Vector3d own(std::cos(angle) * local.x() - std::sin(angle) * local.y(),
                             std::sin(angle) * local.x() + std::cos(angle) * local.y(), local.z());
   const double to_border_m = 0.5 * tiling.tile_m - own.head<2>().cwiseAbs().maxCoeff();
-  return {own, best, std::clamp(to_border_m / 2.0, 0.0, 1.0)};
+  return {own, shape, std::clamp(to_border_m / 2.0, 0.0, 1.0)};
 }
 
 double wall_octaves_m(const Eigen::Vector3d& p, std::uint64_t seed) {

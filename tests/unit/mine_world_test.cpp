@@ -61,7 +61,7 @@ TEST(World, MeshesAreClosed) {
 
 TEST(World, EveryKindIsConnectedAndOpenAlongItsDrifts) {
   for (const Kind kind : {Kind::junctions, Kind::grid, Kind::room_and_pillar, Kind::ramp, Kind::straight,
-                          Kind::look_alike, Kind::varied}) {
+                          Kind::look_alike, Kind::varied, Kind::tiled_cave}) {
     const Plan plan = make_plan(kind, 2);
     std::set<std::size_t> reached{0};
     for (std::size_t before = 0; before != reached.size();) {
@@ -76,6 +76,29 @@ TEST(World, EveryKindIsConnectedAndOpenAlongItsDrifts) {
         EXPECT_LT(rock.depth_m(p + Eigen::Vector3d(0, 0, 0.6 * drift.height_m)), -0.3)
             << to_string(kind) << " at " << p.transpose();
   }
+}
+
+TEST(World, TilesOfOnePieceAreCopiesAtAnyHeading) {
+  const Plan plan = make_plan(Kind::tiled_cave, 3);
+  const Rock rock(plan);
+  const auto& pieces = plan.tiling->pieces;
+  const auto at = [&](std::size_t tile, Eigen::Vector3d own) {  // a place in the tile's own axes
+    for (int k = 0; k < pieces[tile].quarter_turns; ++k) own = Eigen::Vector3d(-own.y(), own.x(), own.z());
+    return rock.depth_m(plan.nodes[tile] + own);
+  };
+  Rng rng(1);
+  double other_pieces = 0;
+  for (std::size_t tile = 10; tile < 14; ++tile)  // none of them at the mine's edge, where a tunnel ends
+    for (std::size_t other = 17; other < 22; ++other)
+      for (int i = 0; i < 50; ++i) {
+        const Eigen::Vector3d own(rng.uniform(-6, 6), rng.uniform(-6, 6), rng.uniform(0.5, 3));
+        const double differ = std::abs(at(tile, own) - at(other, own));
+        if (pieces[tile].number == pieces[other].number)
+          EXPECT_LT(differ, 0.09);
+        else
+          other_pieces = std::max(other_pieces, differ);
+      }
+  EXPECT_GT(other_pieces, 1);
 }
 
 TEST(World, KindsAreKnownByName) {
