@@ -94,7 +94,9 @@ double leans(const Evidence& e) {
 /// they hold it by .16 and less (not from .18 on); to 20 m (nothing from 26 on), 145 (120) where points scatter as
 /// well (fully from .107 m on, not up to .095; held by .13, .16). Without it nine copies of 7 to 18 m would be
 /// accepted in mines of tiles of cave and rough tunnel (70 to 129 cells, held by .07 to .16), and 24 right
-/// placements.
+/// placements. However firmly they hold it, 135 cells (100 are too few) are asked for up to 20 m (nothing from 26 on)
+/// where points scatter (fully from .092 m on, not up to .08): four copies of 10 to 15 m of caves had 75 to 101, right
+/// ones that scatter 124 and more. Three right ones among pillars had 5 to 70, but scatter by .063 to .082 m.
 double walls_hardly_match(const Evidence& e) {
   if (e.support <= 0) return 0;  // the wall search did not propose it
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
@@ -103,7 +105,7 @@ double walls_hardly_match(const Evidence& e) {
                                            ramp(e.support, 125, 90) * ramp(e.weakest_hold, 0.18, 0.16));
   const double scattered = ramp(e.overlap_m, 26, 20) * ramp(e.support, 145, 120) * ramp(e.weakest_hold, 0.16, 0.13) *
                            ramp(e.rmse_m, 0.095, 0.107);
-  const double poor = ramp(e.overlap_m, 26, 20) * ramp(e.support, 125, 100);
+  const double poor = ramp(e.overlap_m, 26, 20) * ramp(e.support, 135, 100) * ramp(e.rmse_m, 0.08, 0.092);
   return 4 * absent * ramp(e.overlap_m, 6, 8) * std::max({brief, scattered, poor});
 }
 

@@ -106,6 +106,46 @@ TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatter
     EXPECT_NEAR(p(cells, 0.107, 0.09), p(cells + 0.2, 0.107, 0.09), 0.05);
 }
 
+TEST(ProbabilityWithoutDescriptors, WallsThatMatchPoorlyAreADoubtHoweverFirmlyTheyHold) {
+  const auto p = [](double support, double rmse_m = 0.103, double overlap_m = 13.2, double compared = 0) {
+    Evidence e = test::convincing();
+    e.support = support;
+    e.rmse_m = rmse_m;
+    e.weakest_hold = 0.2;
+    e.overlap_m = overlap_m;
+    e.inlier_fraction = 0.4;
+    e.descriptors_compared = compared;
+    e.descriptors_alike = 0.8;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(93), 0.85) << "a copy of two tiles of cave";
+  EXPECT_LT(p(100, 0.092, 20), accepted);
+  EXPECT_EQ(p(100), p(1));
+  EXPECT_GT(p(135), accepted) << "the walls tell";
+  EXPECT_GT(p(93, 0.08), accepted) << "the surfaces tell";
+  EXPECT_GT(p(93, 0.103, 26), accepted) << "the overlap tells";
+  EXPECT_GT(p(93, 0.103, 13.2, 2), accepted) << "left to the descriptors";
+  for (double cells = 90; cells < 160; ++cells) EXPECT_NEAR(p(cells), p(cells + 1), 0.05);
+}
+
+TEST(ProbabilityWithoutDescriptors, APlaceThatIsContradictedALittleIsADoubt) {
+  const auto p = [](double violation, double overlap_m = 15.5, double compared = 0) {
+    Evidence e = test::convincing();
+    e.support = 238;
+    e.overlap_m = overlap_m;
+    e.worst_place_violation = violation;
+    e.descriptors_compared = compared;
+    e.descriptors_alike = 0.85;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.00135), accepted - 0.1) << "a copy of rough tunnel";
+  EXPECT_GT(p(0.0003), accepted);
+  EXPECT_GT(p(0.00135, 36), accepted) << "the overlap tells";
+  EXPECT_GT(p(0.00135, 15.5, 2), accepted) << "left to the descriptors";
+  for (double violation = 0.0002; violation < 0.002; violation += 2e-5)
+    EXPECT_NEAR(p(violation), p(violation + 2e-5), 0.05);
+}
+
 TEST(ProbabilityWithoutDescriptors, PlacesThatLieApartOverAFewMetresAreADoubtUnlessTheWallsHoldFirmly) {
   const auto p = [](double spread_m, double hold, double overlap_m = 5.9, double compared = 0) {
     Evidence e = test::convincing();
