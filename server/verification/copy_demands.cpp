@@ -72,15 +72,15 @@ double missing_where_look_alikes_lie_apart(const Evidence& e) {
 /// If another placement fits, places look alike, or places lie apart though the walls hold them, the descriptors of
 /// a short overlap (fully up to 26 m, not from 36 m on) have to decide. Of 11 such right placements in six kinds of
 /// mines, with less than 36 m and at least four descriptors, 10 had a similarity of 0.85 and more, and one 0.77,
-/// over 32 m; a smooth tunnel was merged wrongly over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with five
-/// or more descriptors, from a quarter of a look-alike on: with half of that cost a copy of 28 m in equal tunnels,
-/// whose places lie 0.77 m apart, 0.69 from five, reached 0.91. Look-alikes count only where copies were seen or
-/// the walls hold the placement loosely: two right ones of rough tunnels, of 16 and 30 m, had a fifth of one. Set
-/// by hand on these; not part of the fit.
+/// over 32 m; a smooth tunnel was merged wrongly over 23 m, with 0.76 to 0.78 from five. Costs 6 at most, with four
+/// or more descriptors (nothing with two; a copy of 13 m of mixed tunnels had three of .58), from a quarter of a
+/// look-alike on: with half of that cost a copy of 28 m in equal tunnels, whose places lie 0.77 m apart, 0.69 from
+/// five, reached 0.91. Look-alikes count only where copies were seen or the walls hold the placement loosely: two right
+/// ones of rough tunnels, of 16 and 30 m, had a fifth of one. Set by hand on these; not part of the fit.
 double descriptors_have_to_decide(const Evidence& e) {
   const double alike = std::max(copies_shown(e), held_loosely(e)) * e.look_alikes / 0.25;
   const double likeness = std::min(1.0, std::max({e.aliases / 0.2, alike, held_places_lie_apart(e)}));
-  return -6 * likeness * ramp(e.descriptors_compared, 3, 5) * ramp(e.overlap_m, 36, 26) *
+  return -6 * likeness * ramp(e.descriptors_compared, 2, 3.5) * ramp(e.overlap_m, 36, 26) *
          ramp(e.descriptors_alike, 0.83, 0.76);
 }
 

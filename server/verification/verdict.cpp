@@ -83,13 +83,18 @@ double places_lie_apart(const Evidence& e) {
 /// worlds without copies 12 of 32 wrong placements that almost nothing contradicted were tilted by more than half a
 /// degree, and 2 of 112 right ones. Each doubling beyond that costs 3; nothing over a long overlap (from 75 m on,
 /// fully up to 55), because odometry drifts out of level, too: of seven tilted placements over more than 66 m for
-/// which all else spoke, none was wrong. Not part of the fit.
+/// which all else spoke, none was wrong. Where points scatter as well (fully from .125 m on, not up to .11), more than
+/// .35 deg costs, and 8 for each doubling: a copy of 31 m of rough tunnel was tilted by .498 deg. Not part of the fit.
 double leans(const Evidence& e) {
-  return -3 * ramp(e.overlap_m, 75, 55) * std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / 0.5));
+  const double scattered = ramp(e.rmse_m, 0.11, 0.125);
+  const double most_deg = 0.5 - 0.15 * scattered;
+  return -(3 + 5 * scattered) * ramp(e.overlap_m, 75, 55) *
+         std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / most_deg));
 }
 
 /// Without descriptors, walls farther off have to match (Evidence::support, in cells of half a metre): else it
-/// costs 4. From 8 m (nothing below 6) to 13 m (nothing from 16 on), 150 cells are asked for (115 are too few)
+/// costs 4. From 8 m (nothing below 6) to 13 m (nothing from 16 on), 150 cells are asked for (115 are too few), 20
+/// more where points scatter (fully from .11 m on, not up to .1; a copy of 13 m of mixed tunnels had 137),
 /// where the walls do not hold the placement from all sides (fully up to .115, not from .13 on), and 125 (90) where
 /// they hold it by .16 and less (not from .18 on); to 20 m (nothing from 26 on), 145 (120) where points scatter as
 /// well (fully from .107 m on, not up to .095; held by .13, .16). Without it nine copies of 7 to 18 m would be
@@ -100,8 +105,9 @@ double leans(const Evidence& e) {
 double walls_hardly_match(const Evidence& e) {
   if (e.support <= 0) return 0;  // the wall search did not propose it
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
+  const double more = 20 * ramp(e.rmse_m, 0.1, 0.11);
   const double brief =
-      ramp(e.overlap_m, 16, 13) * std::max(ramp(e.support, 150, 115) * ramp(e.weakest_hold, 0.13, 0.115),
+      ramp(e.overlap_m, 16, 13) * std::max(ramp(e.support, 150 + more, 115 + more) * ramp(e.weakest_hold, 0.13, 0.115),
                                            ramp(e.support, 125, 90) * ramp(e.weakest_hold, 0.18, 0.16));
   const double scattered = ramp(e.overlap_m, 26, 20) * ramp(e.support, 145, 120) * ramp(e.weakest_hold, 0.16, 0.13) *
                            ramp(e.rmse_m, 0.095, 0.107);

@@ -95,6 +95,8 @@ TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatter
   EXPECT_GT(p(110, 0.107, 0.093, 17.7, 2), accepted) << "left to the descriptors";
   EXPECT_LT(p(122, 0.079, 0.102, 13), accepted) << "a copy of half a tile, though its surfaces match";
   EXPECT_GT(p(150, 0.079, 0.102, 13), accepted);
+  EXPECT_LT(p(137, 0.11, 0.0787, 13), 0.85) << "a copy of mixed tunnels, whose points scatter";
+  EXPECT_GT(p(170, 0.11, 0.0787, 13), accepted);
   EXPECT_GT(p(122, 0.079, 0.13, 13), accepted);
   EXPECT_LT(p(96, 0.072, 0.156, 8.7), accepted) << "another, held better, but by walls near the paths only";
   EXPECT_GT(p(96, 0.072, 0.18, 8.7), accepted);

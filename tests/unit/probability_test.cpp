@@ -51,6 +51,22 @@ TEST(Probability, EveryKindOfEvidenceCounts) {
   EXPECT_GT(p(longer), 0.98) << "a longer overlap makes up for copies";
 }
 
+TEST(Probability, WherePointsScatterAsWellALittleTiltIsADoubt) {
+  const auto p = [](double tilt_deg, double rmse_m, double overlap_m = 31) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.tilt_deg = tilt_deg;
+    e.rmse_m = rmse_m;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.498, 0.127), 0.85) << "a copy of rough tunnel";
+  EXPECT_EQ(p(0.35, 0.127), p(0, 0.127));
+  EXPECT_EQ(p(0.498, 0.11), p(0, 0.11)) << "the surfaces tell";
+  EXPECT_EQ(p(0.498, 0.127, 75), p(0, 0.127, 75)) << "odometry drifts out of level";
+  for (double tilt_deg = 0.3; tilt_deg < 1; tilt_deg += 0.005)
+    EXPECT_NEAR(p(tilt_deg, 0.127), p(tilt_deg + 0.005, 0.127), 0.05);
+}
+
 TEST(Probability, ALongOverlapOnWhichAllAgreeCounts) {
   const auto p = [](double overlap_m, double agreeing = 6, double hold = 0.1) {
     Evidence e = convincing();
