@@ -92,7 +92,7 @@ double leans(const Evidence& e) {
          std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / most_deg));
 }
 
-/// Without descriptors, walls farther off have to match (Evidence::support, in cells of half a metre): else it
+/// With few descriptors or none, walls farther off have to match (Evidence::support, in cells of half a metre): else it
 /// costs 4. From 8 m (nothing below 6) to 13 m (nothing from 16 on), 150 cells are asked for (115 are too few), 20
 /// more where points scatter (fully from .11 m on, not up to .1; a copy of 13 m of mixed tunnels had 137),
 /// where the walls do not hold the placement from all sides (fully up to .115, not from .13 on), and 125 (90) where
@@ -102,6 +102,9 @@ double leans(const Evidence& e) {
 /// placements. However firmly they hold it, 135 cells (100 are too few) are asked for up to 20 m (nothing from 26 on)
 /// where points scatter (fully from .092 m on, not up to .08): four copies of 10 to 15 m of caves had 75 to 101, right
 /// ones that scatter 124 and more. Three right ones among pillars had 5 to 70, but scatter by .063 to .082 m.
+/// Also with few descriptors (fully up to four, not from six on), 175 cells (140 are too few) are asked for where
+/// points scatter more (fully from .115 m on, not up to .1): copies of 12 and 18 m of rough tunnel had 130 and 135, all
+/// seven right ones of mines of tiles 177 and more.
 double walls_hardly_match(const Evidence& e) {
   if (e.support <= 0) return 0;  // the wall search did not propose it
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
@@ -112,7 +115,9 @@ double walls_hardly_match(const Evidence& e) {
   const double scattered = ramp(e.overlap_m, 26, 20) * ramp(e.support, 145, 120) * ramp(e.weakest_hold, 0.16, 0.13) *
                            ramp(e.rmse_m, 0.095, 0.107);
   const double poor = ramp(e.overlap_m, 26, 20) * ramp(e.support, 135, 100) * ramp(e.rmse_m, 0.08, 0.092);
-  return 4 * absent * ramp(e.overlap_m, 6, 8) * std::max({brief, scattered, poor});
+  const double few = ramp(e.descriptors_compared, 6, 4) * ramp(e.overlap_m, 26, 20) * ramp(e.support, 175, 140) *
+                     ramp(e.rmse_m, 0.1, 0.115);
+  return 4 * ramp(e.overlap_m, 6, 8) * std::max(absent * std::max({brief, scattered, poor}), few);
 }
 
 /// Where the robots shared little path, walls farther off tell, too. The score of a piece of one session's wall map on
