@@ -100,13 +100,13 @@ double leans(const Evidence& e) {
 /// well (fully from .107 m on, not up to .095; held by .13, .16). Without it nine copies of 7 to 18 m would be
 /// accepted in mines of tiles of cave and rough tunnel (70 to 129 cells, held by .07 to .16), and 24 right
 /// placements. However firmly they hold it, 135 cells (100 are too few) are asked for up to 20 m (nothing from 26 on)
-/// where points scatter (fully from .092 m on, not up to .08): four copies of 10 to 15 m of caves had 75 to 101, right
-/// ones that scatter 124 and more. Three right ones among pillars had 5 to 70, but scatter by .063 to .082 m.
-/// Also with few descriptors (fully up to four, not from six on), 175 cells (140 are too few) are asked for where
-/// points scatter more (fully from .115 m on, not up to .1): copies of 12 and 18 m of rough tunnel had 130 and 135, all
-/// seven right ones of mines of tiles 177 and more.
+/// where points scatter (fully from .092 m on, not up to .08): four copies of 10 to 15 m of caves had 75 to 101,
+/// accepted right ones that scatter 124 and more. Three right ones among pillars had 5 to 70, but scatter by .063 to
+/// .082 m. Also with few descriptors (fully up to four, not from six on), 175 cells (140 are too few) are asked for
+/// where points scatter more (fully from .115 m on, not up to .1): copies of 12 and 18 m of rough tunnel had 130 and
+/// 135, all six accepted right ones with two to five descriptors 177 and more.
 double walls_hardly_match(const Evidence& e) {
-  if (e.support <= 0) return 0;  // the wall search did not propose it
+  if (e.support <= 0) return 0;  // not from the wall search, or its walls contradict more than they match
   const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
   const double more = 20 * ramp(e.rmse_m, 0.1, 0.11);
   const double brief =

@@ -94,7 +94,12 @@ def main(arguments):
     if laid_out is None:
         print(__doc__ if len(arguments) != 2 else f"lay_out_mine: there is no kind '{arguments[0]}', but: cave, few_kinds, rough, smooth, mixed", file=sys.stderr)
         return 2
-    print(laid_out, end="")
+    try:
+        print(laid_out, end="", flush=True)
+    except OSError as error:  # as when the disk is full
+        print(f"lay_out_mine: the world cannot be written: {error.strerror}", file=sys.stderr)
+        sys.stdout = None  # what is left in its buffer cannot be written either
+        return 1
     return 0
 
 

@@ -88,7 +88,7 @@ nlohmann::json drawn_mines(const Options& options, Clouds clouds, const char* fo
   if (!options.mine_kinds.empty()) campaign.kinds.clear();
   for (const std::string& name : options.mine_kinds) {
     const auto kind = mine::kind_of(name);
-    if (!kind) throw std::runtime_error("there is no kind of mine '" + name + "'; see tests/mine/README.md");
+    if (!kind) throw std::runtime_error("there is no kind of mine '" + name + "'; there are " + mine::kind_list());
     campaign.kinds.push_back(*kind);
   }
   return run_campaign(campaign);
@@ -196,7 +196,8 @@ int main(int argc, char** argv) {
   app.add_option("MINES", options.mines, "of merges: mines in all; of descriptors: of each kind")
       ->check(CLI::Range(1, 1000));
   app.add_option("--first-seed", options.first_seed, "of the drawn mines; others than those reported, to set weights");
-  app.add_option("--kinds", options.mine_kinds, "of the drawn mines: comma separated; none: the first six")
+  app.add_option("--kinds", options.mine_kinds,
+                 "of the drawn mines: comma separated; none: all but varied and tiled_cave")
       ->delimiter(',');
   app.add_option("--families", options.families, "of descriptors: comma separated, as robots take them")
       ->delimiter(',');

@@ -46,6 +46,13 @@ RegistrationStatus status_of(const std::string& name) {
   return RegistrationStatus::not_converged;
 }
 
+double number_of(const std::string& cell) {
+  char* end = nullptr;
+  const double value = std::strtod(cell.c_str(), &end);
+  if (cell.empty() || *end != '\0') throw std::invalid_argument("'" + cell + "' is no number");
+  return value;
+}
+
 /// Which column holds what; throws if one is missing.
 struct Columns {
   Columns(const Cells& head, const std::string& file) {
@@ -63,7 +70,7 @@ struct Columns {
   Row row(const Cells& cells) const {
     Row row{cells[kind], cells[mine], cells[a], cells[b], cells[right] == "1", status_of(cells[status]), {}};
     for (std::size_t i = 0; const auto& field : evidence_fields())
-      row.evidence.*field.member = std::strtod(cells[fields[i++]].c_str(), nullptr);
+      row.evidence.*field.member = number_of(cells[fields[i++]]);
     return row;
   }
   std::size_t source, kind, mine, a, b, right, status;
@@ -79,10 +86,13 @@ std::vector<Row> read_judged(const std::filesystem::path& file) {
   std::vector<Row> rows;
   for (int number = 2; std::getline(in, line); ++number) {
     const Cells cells = cells_of(line);
-    if (cells.size() != head.size())
-      throw std::runtime_error(file.string() + " is cut short in line " + std::to_string(number) +
-                               ": run the bench again");
-    if (cells[columns.source] == "judged") rows.push_back(columns.row(cells));
+    try {
+      if (cells.size() != head.size() || in.eof()) throw std::invalid_argument("it is cut short");
+      if (cells[columns.source] == "judged") rows.push_back(columns.row(cells));
+    } catch (const std::invalid_argument& damage) {
+      throw std::runtime_error(file.string() + " is damaged in line " + std::to_string(number) + " (" + damage.what() +
+                               "): run the bench again");
+    }
   }
   return rows;
 }

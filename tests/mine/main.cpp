@@ -34,9 +34,7 @@ int run(int argc, char** argv) {
   CLI::App app{"Records simulated robots in a procedural mine as session folders"};
   Request request;
   std::string kind_name, dir, picture_file;
-  app.add_option("--kind", kind_name,
-                 "junctions, grid, room_and_pillar, ramp, straight, look_alike, varied or tiled_cave")
-      ->required();
+  app.add_option("--kind", kind_name, "one of " + kind_list())->required();
   app.add_option("--seed", request.seed, "same seed, same mine");
   app.add_option("--robots", request.robots, "number of drives");
   app.add_option("--overlap", request.overlap_pct,
@@ -51,9 +49,7 @@ int run(int argc, char** argv) {
   app.add_option("--picture", picture_file, "also draw the maps from above into this PNG file");
   CLI11_PARSE(app, argc, argv);
   const auto kind = kind_of(kind_name);
-  if (!kind)
-    return fail("no kind '" + kind_name +
-                "'; there are junctions, grid, room_and_pillar, ramp, straight, look_alike, varied, tiled_cave");
+  if (!kind) return fail("no kind '" + kind_name + "'; there are " + kind_list());
   request.kind = *kind;
   return generate(request, dir, picture_file);
 }

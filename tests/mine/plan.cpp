@@ -205,6 +205,12 @@ std::string_view to_string(Kind kind) {
   return "unknown";
 }
 
+std::string kind_list() {
+  std::string names;
+  for (const auto& [name, kind] : kind_names) (names += names.empty() ? "" : ", ") += name;
+  return names;
+}
+
 Plan make_plan(Kind kind, std::uint64_t seed) {
   const Rng rng = Rng(seed).fork(static_cast<std::uint64_t>(kind));
   const auto build = [&] {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -75,6 +76,8 @@ enum class Kind { junctions, grid, room_and_pillar, ramp, straight, look_alike, 
 /// The kind of that name (as the enumerator is spelled), or nothing.
 std::optional<Kind> kind_of(std::string_view name);
 std::string_view to_string(Kind kind);
+/// All names, comma separated, for messages and help.
+std::string kind_list();
 
 /// A mine of about 150 m by 150 m, connected, with dead ends and loops as its kind has them. The same seed gives the
 /// same mine. Two seeds of `look_alike`, or of `tiled_cave`, are laid out differently from the same tiles.

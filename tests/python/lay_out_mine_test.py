@@ -60,6 +60,13 @@ class LayOutMine(unittest.TestCase):
         self.assertIn("few_kinds", refused.stderr)
         self.assertEqual(subprocess.run([sys.executable, TOOL], capture_output=True).returncode, 2)
 
+    def test_a_full_disk_gets_one_line(self):
+        with open("/dev/full", "w") as full:
+            failed = subprocess.run([sys.executable, TOOL, "cave", "5"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(failed.returncode, 1)
+        self.assertEqual(failed.stderr.count("\n"), 1, failed.stderr)
+        self.assertIn("cannot be written", failed.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

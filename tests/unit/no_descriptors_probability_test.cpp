@@ -73,17 +73,25 @@ TEST(ProbabilityWithoutDescriptors, AmongThreeLookAlikesMorePathIsAskedFor) {
   EXPECT_GT(p(3.2, 57.6, 0.062, 0, 8), accepted) << "descriptors tell";
 }
 
+struct Walls {
+  double support, rmse_m, hold, overlap_m, compared, alike = 0.8;
+};
+
+double p_of_walls(const Walls& walls) {
+  Evidence e = test::convincing();
+  e.support = walls.support;
+  e.rmse_m = walls.rmse_m;
+  e.weakest_hold = walls.hold;
+  e.overlap_m = walls.overlap_m;
+  e.inlier_fraction = 0.4;
+  e.descriptors_compared = walls.compared;
+  e.descriptors_alike = walls.alike;
+  return probability(RegistrationStatus::converged, e);
+}
+
 TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatterAndTheWallsHoldItFromTwoSidesOnly) {
   const auto p = [](double support, double rmse_m, double hold, double overlap_m = 17.7, double compared = 0) {
-    Evidence e = test::convincing();
-    e.support = support;
-    e.rmse_m = rmse_m;
-    e.weakest_hold = hold;
-    e.overlap_m = overlap_m;
-    e.inlier_fraction = 0.4;
-    e.descriptors_compared = compared;
-    e.descriptors_alike = 0.8;
-    return probability(RegistrationStatus::converged, e);
+    return p_of_walls({support, rmse_m, hold, overlap_m, compared});
   };
   EXPECT_LT(p(110, 0.107, 0.093), 0.85) << "a copy of a tile of rough tunnel";
   EXPECT_LT(p(108, 0.12, 0.076), 0.85) << "a copy of a tile of cave";
@@ -110,15 +118,7 @@ TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatter
 
 TEST(ProbabilityWithoutDescriptors, WallsThatMatchPoorlyAreADoubtHoweverFirmlyTheyHold) {
   const auto p = [](double support, double rmse_m = 0.103, double overlap_m = 13.2, double compared = 0) {
-    Evidence e = test::convincing();
-    e.support = support;
-    e.rmse_m = rmse_m;
-    e.weakest_hold = 0.2;
-    e.overlap_m = overlap_m;
-    e.inlier_fraction = 0.4;
-    e.descriptors_compared = compared;
-    e.descriptors_alike = 0.8;
-    return probability(RegistrationStatus::converged, e);
+    return p_of_walls({support, rmse_m, 0.2, overlap_m, compared});
   };
   EXPECT_LT(p(93), 0.85) << "a copy of two tiles of cave";
   EXPECT_LT(p(100, 0.092, 20), accepted);
@@ -132,13 +132,7 @@ TEST(ProbabilityWithoutDescriptors, WallsThatMatchPoorlyAreADoubtHoweverFirmlyTh
 
 TEST(ProbabilityWithoutDescriptors, WithFewTheWallsFartherOffHaveToMatchWherePointsScatter) {
   const auto p = [](double support, double rmse_m = 0.117, double overlap_m = 17.7, double compared = 4) {
-    Evidence e = test::convincing();
-    e.support = support;
-    e.rmse_m = rmse_m;
-    e.overlap_m = overlap_m;
-    e.descriptors_compared = compared;
-    e.descriptors_alike = 0.88;
-    return probability(RegistrationStatus::converged, e);
+    return p_of_walls({support, rmse_m, 0.2, overlap_m, compared, 0.88});
   };
   EXPECT_LT(p(135), accepted - 0.02) << "a copy of rough tunnel, were it as convincing as this";
   EXPECT_LT(p(140), accepted);

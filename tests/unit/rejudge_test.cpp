@@ -65,21 +65,38 @@ TEST(Rejudge, ARunnerUpHoldsAPlacementBack) {
   EXPECT_EQ(rejudge({rows.file}).at("all").at("accepted_right"), 0);
 }
 
+std::string refusal(const std::filesystem::path& file) {
+  try {
+    rejudge({file});
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(Rejudge, RefusesWhatIsNoSuchFile) {
   Rows rows;
-  rows.csv << "judged,cave,cave-1,a\n" << std::flush;
   std::ofstream(rows.folder.path() / "other.csv") << "set,a,b\n";
-  const auto message = [](const std::filesystem::path& file) -> std::string {
-    try {
-      rejudge({file});
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_NE(message(rows.file).find("line 2"), std::string::npos);
-  EXPECT_NE(message(rows.folder.path() / "other.csv").find("no column source"), std::string::npos);
-  EXPECT_NE(message(rows.folder.path() / "missing.csv").find("cannot be read"), std::string::npos);
+  EXPECT_NE(refusal(rows.folder.path() / "other.csv").find("no column source"), std::string::npos);
+  EXPECT_NE(refusal(rows.folder.path() / "missing.csv").find("cannot be read"), std::string::npos);
+}
+
+TEST(Rejudge, RefusesADamagedLineByItsNumber) {
+  Rows cut;
+  cut.csv << "judged,cave,cave-1,a\n" << std::flush;
+  EXPECT_NE(refusal(cut.file).find("line 2 (it is cut short)"), std::string::npos);
+
+  Rows rows;
+  rows.add("judged", "cave", true, convincing());
+  EXPECT_EQ(refusal(rows.file), "");
+  std::filesystem::resize_file(rows.file, std::filesystem::file_size(rows.file) - 1);
+  EXPECT_NE(refusal(rows.file).find("line 2 (it is cut short)"), std::string::npos) << "in its last cell";
+
+  Rows garbled;
+  garbled.csv << "judged,cave,cave-1,a,b,1,converged";
+  for (std::size_t i = 0; i < evidence_fields().size(); ++i) garbled.csv << (i == 3 ? ",0.5x" : ",0.5");
+  garbled.csv << std::endl;
+  EXPECT_NE(refusal(garbled.file).find("line 2 ('0.5x' is no number)"), std::string::npos);
 }
 
 }  // namespace
