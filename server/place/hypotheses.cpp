@@ -9,6 +9,7 @@
 #include "common/descriptor/circular.hpp"
 #include "server/place/descriptor_agreement.hpp"
 #include "server/place/leads.hpp"
+#include "server/place/likely_height.hpp"
 
 #include "server/session/same_placement.hpp"
 #include "server/support/parallel.hpp"
@@ -19,21 +20,6 @@ namespace {
 /// For searches that have to be fast, and for a session on itself: how alike its places are was measured with it.
 WallSearchSteps rough(const WallSearchSteps& steps) {
   return {std::max(1.5F, steps.cell_m), steps.quarter_turns, 2 * steps.peaks, 3};
-}
-
-/// Height of b's frame in a's, from the two keyframes that the placement brings nearest to each other.
-double height_m(std::span<const Keyframe> a, std::span<const Keyframe> b, const Pose& T_a_b) {
-  double nearest = std::numeric_limits<double>::max(), height = 0;
-  for (const Keyframe& k : b) {
-    const Eigen::Vector3d p = T_a_b * position(k);
-    for (const Keyframe& l : a) {
-      const Eigen::Vector3d d = position(l) - p;
-      if (d.head<2>().squaredNorm() >= nearest) continue;
-      nearest = d.head<2>().squaredNorm();
-      height = d.z();
-    }
-  }
-  return height;
 }
 
 bool has_walls(const WallProfile& walls) {
@@ -111,7 +97,7 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
     Hypothesis h{flat_placement(lead.match), lead.fit.score(),
                  itself ? position(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
     h.source = lead.source;
-    h.T_a_b.translation().z() = height_m(part_a, part_b, h.T_a_b);
+    h.T_a_b.translation().z() = likely_height_m(part_a, part_b, h.T_a_b, lead.height_m);
     if (std::any_of(out.begin(), out.end(),
                     [&](const auto& g) { return same_placement(g.T_a_b, h.T_a_b, h.place_b, same_hypothesis); }))
       continue;

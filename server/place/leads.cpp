@@ -183,7 +183,7 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
     const auto* part = part_with(b, pair.b);
     if (!level || !part) continue;
     const Surroundings here{position(of_b[pair.b]).head<2>(), place_radius_m};
-    found.push_back({level, part, flat(pair.T_a_b), {}, ProposalSource::places, 0, here});
+    found.push_back({level, part, flat(pair.T_a_b), {}, ProposalSource::places, 0, here, pair.T_a_b.translation().z()});
   }
   refine(found, WallField::Step::coarse, agreement, threads);
   Leads best = best_of(found, seats.spare * seats.places, by_coherence);

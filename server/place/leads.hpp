@@ -30,6 +30,7 @@ struct Lead {
   ProposalSource source = ProposalSource::walls;
   double promise = 0;  // fit.score(), weighted by the similarity of the descriptors along both paths
   std::optional<Surroundings> around = std::nullopt;  // for source `places`: the walls used to refine and score it
+  std::optional<double> height_m = std::nullopt;      // for source `places`: of b's frame in a's, by the two keyframes
 };
 
 /// How many proposals of each method are passed on.
