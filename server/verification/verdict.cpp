@@ -92,34 +92,6 @@ double leans(const Evidence& e) {
          std::max(0.0, std::log2(std::max(e.tilt_deg, 1e-3) / most_deg));
 }
 
-/// With few descriptors or none, walls farther off have to match (Evidence::support, in cells of half a metre): else it
-/// costs 4. From 8 m (nothing below 6) to 13 m (nothing from 16 on), 150 cells are asked for (115 are too few), 20
-/// more where points scatter (fully from .11 m on, not up to .1; a copy of 13 m of mixed tunnels had 137),
-/// where the walls do not hold the placement from all sides (fully up to .115, not from .13 on), and 125 (90) where
-/// they hold it by .16 and less (not from .18 on); to 20 m (nothing from 26 on), 145 (120) where points scatter as
-/// well (fully from .107 m on, not up to .095; held by .13, .16). Without it nine copies of 7 to 18 m would be
-/// accepted in mines of tiles of cave and rough tunnel (70 to 129 cells, held by .07 to .16), and 24 right
-/// placements. However firmly they hold it, 135 cells (100 are too few) are asked for up to 20 m (nothing from 26 on)
-/// where points scatter (fully from .092 m on, not up to .08): four copies of 10 to 15 m of caves had 75 to 101,
-/// accepted right ones that scatter 124 and more. Three right ones among pillars had 5 to 70, but scatter by .063 to
-/// .082 m. Also with few descriptors (fully up to four, not from six on), 175 cells (140 are too few) are asked for
-/// where points scatter more (fully from .115 m on, not up to .1): copies of 12 and 18 m of rough tunnel had 130 and
-/// 135, all six accepted right ones with two to five descriptors 177 and more.
-double walls_hardly_match(const Evidence& e) {
-  if (e.support <= 0) return 0;  // not from the wall search, or its walls contradict more than they match
-  const double absent = std::clamp(2 - e.descriptors_compared, 0.0, 1.0);
-  const double more = 20 * ramp(e.rmse_m, 0.1, 0.11);
-  const double brief =
-      ramp(e.overlap_m, 16, 13) * std::max(ramp(e.support, 150 + more, 115 + more) * ramp(e.weakest_hold, 0.13, 0.115),
-                                           ramp(e.support, 125, 90) * ramp(e.weakest_hold, 0.18, 0.16));
-  const double scattered = ramp(e.overlap_m, 26, 20) * ramp(e.support, 145, 120) * ramp(e.weakest_hold, 0.16, 0.13) *
-                           ramp(e.rmse_m, 0.095, 0.107);
-  const double poor = ramp(e.overlap_m, 26, 20) * ramp(e.support, 135, 100) * ramp(e.rmse_m, 0.08, 0.092);
-  const double few = ramp(e.descriptors_compared, 6, 4) * ramp(e.overlap_m, 26, 20) * ramp(e.support, 175, 140) *
-                     ramp(e.rmse_m, 0.1, 0.115);
-  return 4 * ramp(e.overlap_m, 6, 8) * std::max(absent * std::max({brief, scattered, poor}), few);
-}
-
 /// Where the robots shared little path, walls farther off tell, too. The score of a piece of one session's wall map on
 /// the other's (Evidence::support; fully from 150 cells of half a metre on, not up to 100) covers more than the
 /// submaps. It takes back up to 4 of what a short overlap costs, unless places or the mine look alike, or the walls
@@ -136,7 +108,7 @@ double walls_match(const Evidence& e) {
       ramp(e.look_alikes, 0.75, 0.25) * ramp(e.mine_look_alikes, 0.3, 0.1) * std::clamp(1 - e.aliases, 0.0, 1.0);
   const double held = ramp(e.weakest_hold, 0.05, 0.08);
   const double hardly = e.support > 0 ? hardly_shared(e) * ramp(e.support, 100, 90) : 0;
-  return std::min(-costs, 4 * held * distinct * ramp(e.support, 100, 150)) - hardly - walls_hardly_match(e);
+  return std::min(-costs, 4 * held * distinct * ramp(e.support, 100, 150)) - hardly;
 }
 
 }  // namespace

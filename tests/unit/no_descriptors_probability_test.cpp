@@ -73,74 +73,59 @@ TEST(ProbabilityWithoutDescriptors, AmongThreeLookAlikesMorePathIsAskedFor) {
   EXPECT_GT(p(3.2, 57.6, 0.062, 0, 8), accepted) << "descriptors tell";
 }
 
-struct Walls {
-  double support, rmse_m, hold, overlap_m, compared, alike = 0.8;
+/// A short overlap, for which all else speaks.
+struct Short {
+  double support, rmse_m, overlap_m, compared = 0, alike = 0;
 };
 
-double p_of_walls(const Walls& walls) {
+double p_of_short(const Short& shown) {
   Evidence e = test::convincing();
-  e.support = walls.support;
-  e.rmse_m = walls.rmse_m;
-  e.weakest_hold = walls.hold;
-  e.overlap_m = walls.overlap_m;
+  e.support = shown.support;
+  e.rmse_m = shown.rmse_m;
+  e.overlap_m = shown.overlap_m;
+  e.weakest_hold = 0.2;
   e.inlier_fraction = 0.4;
-  e.descriptors_compared = walls.compared;
-  e.descriptors_alike = walls.alike;
+  e.descriptors_compared = shown.compared;
+  e.descriptors_alike = shown.alike;
   return probability(RegistrationStatus::converged, e);
 }
 
-TEST(ProbabilityWithoutDescriptors, WallsFartherOffHaveToMatchWherePointsScatterAndTheWallsHoldItFromTwoSidesOnly) {
-  const auto p = [](double support, double rmse_m, double hold, double overlap_m = 17.7, double compared = 0) {
-    return p_of_walls({support, rmse_m, hold, overlap_m, compared});
-  };
-  EXPECT_LT(p(110, 0.107, 0.093), 0.85) << "a copy of a tile of rough tunnel";
-  EXPECT_LT(p(108, 0.12, 0.076), 0.85) << "a copy of a tile of cave";
-  EXPECT_LT(p(129, 0.135, 0.0735, 8.7), 0.85) << "one of two tiles that meet";
-  EXPECT_GT(p(145, 0.107, 0.093), accepted) << "the walls tell";
-  EXPECT_GT(p(110, 0.095, 0.093), accepted) << "the surfaces tell";
-  EXPECT_GT(p(110, 0.107, 0.16), accepted) << "held from all sides";
-  EXPECT_GT(p(110, 0.107, 0.093, 26), accepted) << "the overlap tells";
-  EXPECT_GT(p(110, 0.107, 0.093, 17.7, 6), accepted) << "left to the descriptors";
-  EXPECT_LT(p(122, 0.079, 0.102, 13), accepted) << "a copy of half a tile, though its surfaces match";
-  EXPECT_GT(p(150, 0.079, 0.102, 13), accepted);
-  EXPECT_LT(p(137, 0.11, 0.0787, 13), 0.85) << "a copy of mixed tunnels, whose points scatter";
-  EXPECT_GT(p(170, 0.11, 0.0787, 13), accepted);
-  EXPECT_GT(p(122, 0.079, 0.13, 13), accepted);
-  EXPECT_LT(p(96, 0.072, 0.156, 8.7), accepted) << "another, held better, but by walls near the paths only";
-  EXPECT_GT(p(96, 0.072, 0.18, 8.7), accepted);
-  EXPECT_GT(p(122, 0.079, 0.102, 16), accepted);
-  for (double cells = 80; cells < 160; ++cells)
-    EXPECT_NEAR(p(cells, 0.079, 0.102, 10), p(cells + 1, 0.079, 0.102, 10), 0.05);
-  EXPECT_EQ(p(0, 0.107, 0.093), p(175, 0.107, 0.05)) << "not from the wall search: nothing is known of them";
-  for (double cells = 110; cells < 150; cells += 0.2)
-    EXPECT_NEAR(p(cells, 0.107, 0.09), p(cells + 0.2, 0.107, 0.09), 0.05);
+TEST(ProbabilityWithFewDescriptors, CopiesOfATileOrTwoAreNotBelieved) {
+  EXPECT_LT(p_of_short({101, 0.119, 15}), accepted) << "cave";
+  EXPECT_LT(p_of_short({86, 0.089, 13}), accepted) << "cave of few kinds";
+  EXPECT_LT(p_of_short({137, 0.11, 13}), accepted) << "mixed tunnels";
+  EXPECT_LT(p_of_short({111, 0.1, 13, 1, 0.86}), accepted) << "rough tunnel";
+  EXPECT_LT(p_of_short({135, 0.144, 18, 4, 0.88}), accepted);
+  EXPECT_LT(p_of_short({118, 0.088, 24, 3, 0.7}), accepted) << "cave, descriptors that hardly agree";
+  EXPECT_LT(p_of_short({178, 0.096, 20, 3, 0.3}), accepted) << "rough tunnel, descriptors that differ";
+  EXPECT_LT(p_of_short({-75, 0.072, 19, 2, 0.83}), accepted) << "walls farther off contradict";
 }
 
-TEST(ProbabilityWithoutDescriptors, WallsThatMatchPoorlyAreADoubtHoweverFirmlyTheyHold) {
-  const auto p = [](double support, double rmse_m = 0.103, double overlap_m = 13.2, double compared = 0) {
-    return p_of_walls({support, rmse_m, 0.2, overlap_m, compared});
-  };
-  EXPECT_LT(p(93), 0.85) << "a copy of two tiles of cave";
-  EXPECT_LT(p(100, 0.092, 20), accepted);
-  EXPECT_EQ(p(100), p(1));
-  EXPECT_GT(p(135), accepted) << "the walls tell";
-  EXPECT_GT(p(93, 0.08), accepted) << "the surfaces tell";
-  EXPECT_GT(p(93, 0.103, 26), accepted) << "the overlap tells";
-  EXPECT_GT(p(93, 0.103, 13.2, 2), accepted) << "left to the descriptors";
-  for (double cells = 90; cells < 160; ++cells) EXPECT_NEAR(p(cells), p(cells + 1), 0.05);
+TEST(ProbabilityWithFewDescriptors, WallsSurfacesAndDescriptorsTellAShortOverlapFromACopy) {
+  EXPECT_GT(p_of_short({200, 0.11, 13}), accepted);
+  EXPECT_GT(p_of_short({137, 0.08, 13}), accepted);
+  EXPECT_GT(p_of_short({118, 0.088, 24, 3, 0.9}), accepted);
+  EXPECT_GT(p_of_short({118, 0.088, 13}), p_of_short({118, 0.088, 20})) << "more is asked of more path";
+  EXPECT_EQ(p_of_short({200, 0.11, 13}), p_of_short({400, 0.11, 13})) << "200 cells tell all";
 }
 
-TEST(ProbabilityWithoutDescriptors, WithFewTheWallsFartherOffHaveToMatchWherePointsScatter) {
-  const auto p = [](double support, double rmse_m = 0.117, double overlap_m = 17.7, double compared = 4) {
-    return p_of_walls({support, rmse_m, 0.2, overlap_m, compared, 0.88});
-  };
-  EXPECT_LT(p(135), accepted - 0.02) << "a copy of rough tunnel, were it as convincing as this";
-  EXPECT_LT(p(140), accepted);
-  EXPECT_GT(p(175), accepted) << "the walls tell";
-  EXPECT_GT(p(135, 0.1), accepted) << "the surfaces tell";
-  EXPECT_GT(p(135, 0.117, 26), accepted) << "the overlap tells";
-  EXPECT_GT(p(135, 0.117, 17.7, 6), accepted) << "the descriptors tell";
-  for (double cells = 130; cells < 180; ++cells) EXPECT_NEAR(p(cells), p(cells + 1), 0.05);
+TEST(ProbabilityWithFewDescriptors, ALongerOverlapMoreDescriptorsAndWallsThatWereNotComparedAskForNoMore) {
+  EXPECT_LT(p_of_short({90, 0.1, 26}), accepted);
+  EXPECT_GT(p_of_short({90, 0.1, 32}), accepted);
+  EXPECT_LT(p_of_short({90, 0.1, 22, 5, 0.7}), accepted);
+  EXPECT_GT(p_of_short({90, 0.1, 22, 8, 0.85}), accepted);
+  EXPECT_GT(p_of_short({0, 0.1, 20}), accepted);
+}
+
+TEST(ProbabilityWithFewDescriptors, NothingJumps) {
+  for (double cells = 60; cells < 210; ++cells)
+    EXPECT_NEAR(p_of_short({cells, 0.1, 13}), p_of_short({cells + 1, 0.1, 13}), 0.05);
+  for (double rmse_m = 0.06; rmse_m < 0.13; rmse_m += 5e-4)
+    EXPECT_NEAR(p_of_short({130, rmse_m, 13}), p_of_short({130, rmse_m + 5e-4, 13}), 0.05);
+  for (double metres = 4; metres < 34; metres += 0.2)
+    EXPECT_NEAR(p_of_short({110, 0.1, metres}), p_of_short({110, 0.1, metres + 0.2}), 0.05);
+  for (double alike = 0.6; alike < 0.95; alike += 0.004)
+    EXPECT_NEAR(p_of_short({118, 0.088, 24, 3, alike}), p_of_short({118, 0.088, 24, 3, alike + 0.004}), 0.05);
 }
 
 TEST(ProbabilityWithoutDescriptors, APlaceThatIsContradictedALittleIsADoubt) {
