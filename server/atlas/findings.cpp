@@ -6,6 +6,7 @@
 
 #include "server/atlas/formatted.hpp"
 #include "server/verification/gates.hpp"
+#include "server/verification/tile_weights.hpp"
 #include "server/verification/verdict.hpp"
 
 namespace headframe {
@@ -62,6 +63,10 @@ std::string told_apart(const Evidence& e) {
              e.mine_look_alikes, e.similar_places, e.spread_m, 1000 * e.rmse_m, e.weakest_hold, 100 * e.end_on_match);
 }
 
+std::string farther_walls(const Evidence& e) {
+  return formatted("the walls of both sessions, also far from the paths, match with a score of %.0f", e.support);
+}
+
 /// What a contribution means, in the order of LogOdds::contributions.
 std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) {
   return {
@@ -85,7 +90,9 @@ std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) 
        formatted("of the surfaces that both could see %.0f %% match", 100 * e.matched_share),
        shared(e) + ": hardly any",
        told_apart(e),
-       formatted("the walls of both sessions, also far from the paths, match with a score of %.0f", e.support)}};
+       farther_walls(e),
+       shared(e) + ", " + farther_walls(e) + formatted(", points scatter by %.0f mm, ", 1000 * e.rmse_m) +
+           descriptors(e)}};
 }
 
 /// The evidence that determines a contribution, and how to word it.
@@ -123,7 +130,9 @@ std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
            {&Evidence::matched_share, 1, "%.0f %% would suffice", 100},
            path,
            e.descriptors_compared > 0 ? alike : path,
-           {&Evidence::support, 1000, "a score of %.0f would suffice"}}};
+           {&Evidence::support, 1000, "a score of %.0f would suffice"},
+           e.descriptors_compared > 0 ? alike
+                                      : Driver{&Evidence::support, tile_most_cells, "a score of %.0f would suffice"}}};
 }
 
 /// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even

@@ -1,9 +1,12 @@
 #include "server/verification/copy_demands.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "server/verification/ramp.hpp"
+#include "server/verification/tile_weights.hpp"
 
 namespace headframe {
 namespace {
@@ -162,25 +165,13 @@ double short_without_descriptors(const Evidence& e) {
                    contradicted * (36 - e.overlap_m)});
 }
 
-/// The log-odds that a placement over a short overlap with few descriptors is right, of those for which all else
-/// speaks. What tells it from a copy of a tile or two: walls farther off that match (Evidence::support, 200 cells and
-/// more tell no more), surfaces among which points hardly scatter, and descriptors that agree to more than .75; the
-/// longer the overlap, the more is asked for. Fitted by logistic regression, wrong ones counted four times, on 365
-/// placements (50 wrong) of less than 30 m with at most five descriptors that had a probability of .2 without it, in
-/// mines laid out of tiles, generated mines and recordings. Of 258 right and 22 wrong ones that reached .9, each mine
-/// left out of the fit in turn, a threshold that holds back all the wrong ones holds back 20 right ones.
+/// The log-odds that a placement over a short overlap with few descriptors is right, if all else speaks for it.
 double told_from_a_tile(const Evidence& e) {
   const double n = e.descriptors_compared;
-  return 0.0456 * std::clamp(e.support, 0.0, 200.0) - 69 * (e.rmse_m - 0.1) -
-         0.91 * std::log2(std::max(e.overlap_m, 4.0) / 15) + 20.8 * n / (n + 2) * (e.descriptors_alike - 0.75) - 5.94;
-}
-
-/// Each unit of told_from_a_tile() below .97 costs 3.8, 6 in all; nothing from 32 m (fully up to 26) or eight descriptors
-/// (up to five) on, or where walls farther off were not compared.
-double short_and_little_tells(const Evidence& e) {
-  if (e.support == 0) return 0;
-  const double brief = ramp(e.overlap_m, 32, 26) * ramp(e.descriptors_compared, 8, 5);
-  return -brief * std::clamp(3.8 * (0.97 - told_from_a_tile(e)), 0.0, 6.0);
+  const std::array<double, 4> told{std::clamp(e.support, 0.0, tile_most_cells) / 50, (0.1 - e.rmse_m) / 0.02,
+                                   std::log2(15 / std::max(e.overlap_m, 4.0)),
+                                   n / (n + 2) * (e.descriptors_alike - 0.75) / 0.1};
+  return std::inner_product(told.begin(), told.end(), tile_weights.begin(), tile_bias);
 }
 
 }  // namespace
@@ -189,7 +180,13 @@ double short_among_copies(const Evidence& e) { return std::min(missing_overlap(e
 
 double hardly_told_apart(const Evidence& e) {
   return std::min({descriptors_have_to_decide(e), short_in_nearly_straight_tunnel(e), short_in_mine_of_copies(e),
-                   short_without_descriptors(e), short_and_little_tells(e)});
+                   short_without_descriptors(e)});
+}
+
+double short_and_little_tells(const Evidence& e) {
+  if (e.support == 0) return 0;
+  const double brief = ramp(e.overlap_m, 44, 36) * ramp(e.descriptors_compared, 8, 5);
+  return -brief * std::clamp(3 * (1.2 - told_from_a_tile(e)), 0.0, 6.0);
 }
 
 }  // namespace headframe

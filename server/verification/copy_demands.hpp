@@ -1,7 +1,8 @@
 #pragma once
 // What the verdict demands where a placement may be a copy: exact copies pass every local test, so only the length of
 // the overlap, descriptors, and how well all its places agree can tell them from the place itself. Set by hand on
-// worlds of equal tunnels, mines laid out of third-party tiles, generated mines and recordings; no part of the fit.
+// worlds of equal tunnels, mines laid out of third-party tiles, generated mines and recordings; no part of the fit of
+// the verdict's weights.
 
 #include "server/verification/evidence.hpp"
 
@@ -13,5 +14,13 @@ double short_among_copies(const Evidence& evidence);
 /// What speaks against a placement that descriptors, or the length of the overlap and the walls where none were
 /// compared, hardly tell from another place, in log-odds (0 or less).
 double hardly_told_apart(const Evidence& evidence);
+
+/// What speaks against a short overlap with few descriptors if little tells it from a copy of a tile or two, in
+/// log-odds
+/// (-6 to 0): walls farther off that match (Evidence::support), surfaces among which points hardly scatter, descriptors
+/// that agree; more is asked for, the longer the overlap. These are weighed by a fit (tests/bench/fit_tile.py); each
+/// unit of its log-odds below 1.2 costs 3. Nothing from 44 m (fully up to 36) or eight descriptors (up to five) on,
+/// or where walls farther off were not compared.
+double short_and_little_tells(const Evidence& evidence);
 
 }  // namespace headframe

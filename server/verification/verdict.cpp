@@ -152,11 +152,12 @@ LogOdds log_odds(const Evidence& e) {
   out.contributions[verdict_term_count + 9] = {"hardly any path is shared", hardly_any_path(e)};
   out.contributions[verdict_term_count + 10] = {"descriptors hardly tell it from another place", hardly_told_apart(e)};
   out.contributions[verdict_term_count + 11] = {"walls farther off match", walls_match(e)};
+  out.contributions[verdict_term_count + 12] = {"little tells a short overlap from a copy", short_and_little_tells(e)};
   return out;
 }
 
 double LogOdds::taken_as_given() const {
-  return std::accumulate(contributions.begin() + verdict_term_count, contributions.end() - 3, 0.0,
+  return std::accumulate(contributions.begin() + verdict_term_count, contributions.end() - 4, 0.0,
                          [](double sum, const VerdictTerm& t) { return sum + t.value; });
 }
 

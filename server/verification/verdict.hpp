@@ -17,17 +17,19 @@ struct VerdictTerm {
   double value = 0;
 };
 inline constexpr std::size_t verdict_term_count = 8;
-inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 12;
+inline constexpr std::size_t verdict_contribution_count = verdict_term_count + 13;
 std::array<VerdictTerm, verdict_term_count> verdict_terms(const Evidence& evidence);
 
 /// What each term adds to the log-odds. First the fitted ones, named by verdict_terms(); then those set by hand:
 /// missing overlap where the mine repeats itself, shared path, a long overlap whose places all agree, free space
 /// farther off, few matching points, places that look alike, tilt, places that lie apart, surfaces that do not match,
-/// hardly any shared path, descriptors that hardly distinguish it from another place, and walls farther off that match.
+/// hardly any shared path, descriptors that hardly distinguish it from another place, walls farther off that match, and
+/// how little tells a short overlap from a copy.
 struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_contribution_count> contributions;
   double taken_as_given() const;  // the part set by hand that the fit takes as an offset
+  double but_for_the_last() const { return sum() - contributions.back().value; }  // which has a fit of its own
   double sum() const;
 };
 LogOdds log_odds(const Evidence& evidence);

@@ -165,7 +165,7 @@ int run(const Options& options) {
     }
     return figures;
   });
-  part("rejudge", false, [&] { return rejudge(options.rows); });
+  part("rejudge", false, [&] { return rejudge(options.rows, options.out / "rejudged.csv"); });
   part("partners", false, [&] { return partners(options.sets); });
   part("one-map", false, [&] { return one_map(options.sets); });
   part("pose-graph", false, [&] { return pose_graph_of(options); });

@@ -10,6 +10,8 @@
 #include <string>
 
 #include "server/verification/verdict.hpp"
+#include "server/verification/verification.hpp"
+#include "tests/bench/verdict_rows.hpp"
 
 namespace headframe::bench {
 namespace {
@@ -17,8 +19,7 @@ namespace {
 using Cells = std::vector<std::string>;
 
 struct Row {
-  std::string kind, mine, a, b;
-  bool right = false;
+  RowName name;
   RegistrationStatus status{};
   Evidence evidence;
 };
@@ -68,7 +69,9 @@ struct Columns {
     for (const auto& field : evidence_fields()) fields.push_back(column(field.name));
   }
   Row row(const Cells& cells) const {
-    Row row{cells[kind], cells[mine], cells[a], cells[b], cells[right] == "1", status_of(cells[status]), {}};
+    Row row{{cells[source], cells[kind], cells[mine], cells[a], cells[b], cells[right] == "1"},
+            status_of(cells[status]),
+            {}};
     for (std::size_t i = 0; const auto& field : evidence_fields())
       row.evidence.*field.member = number_of(cells[fields[i++]]);
     return row;
@@ -106,9 +109,9 @@ bool accepted(const Row& row, double p) {
 void print_changed(const Row& row, double now) {
   const Evidence& e = row.evidence;
   std::printf("  %s %s: %s %s-%s, %.0f m, %.0f descriptors %.2f, held by %.3f, %.1f look-alikes: %.3f, was %.3f\n",
-              now > e.probability ? "accepted" : "waits", row.right ? "right" : "WRONG", row.mine.c_str(),
-              row.a.c_str(), row.b.c_str(), e.overlap_m, e.descriptors_compared, e.descriptors_alike, e.weakest_hold,
-              e.look_alikes, now, e.probability);
+              now > e.probability ? "accepted" : "waits", row.name.right ? "right" : "WRONG", row.name.mine.c_str(),
+              row.name.a.c_str(), row.name.b.c_str(), e.overlap_m, e.descriptors_compared, e.descriptors_alike,
+              e.weakest_hold, e.look_alikes, now, e.probability);
 }
 
 /// Of every contribution: what would be accepted besides if it never spoke against a placement, and at how many right
@@ -121,10 +124,10 @@ struct Prices {
     const LogOdds odds = log_odds(row.evidence);
     for (std::size_t i = 0; i < verdict_contribution_count; ++i) {
       const double z = odds.sum() - std::min(0.0, odds.contributions[i].value);
-      if (accepted(row, 1 / (1 + std::exp(-z)))) without[i].add(row.right);
+      if (accepted(row, 1 / (1 + std::exp(-z)))) without[i].add(row.name.right);
     }
     const auto least = std::ranges::min_element(odds.contributions, {}, &VerdictTerm::value);
-    if (row.right) ++loudest[static_cast<std::size_t>(least - odds.contributions.begin())];
+    if (row.name.right) ++loudest[static_cast<std::size_t>(least - odds.contributions.begin())];
   }
   void print() const {
     std::printf("%-52s %12s %6s   %s\n", "if it never spoke against a placement, accepted too", "right", "wrong",
@@ -138,21 +141,28 @@ struct Prices {
 
 }  // namespace
 
-nlohmann::json rejudge(const std::vector<std::filesystem::path>& files) {
+nlohmann::json rejudge(const std::vector<std::filesystem::path>& files, const std::filesystem::path& rejudged) {
+  std::ofstream csv(rejudged);
+  write_row_head(csv);
   std::map<std::string, VerdictCounts> kinds;
   Prices prices;
   for (const auto& file : files)
     for (const Row& row : read_judged(file)) {
-      const double now = probability(row.status, row.evidence);
-      const bool stood = accepted(row, row.evidence.probability), stands = accepted(row, now);
-      for (const auto& key : {row.kind, std::string("all")}) {
-        kinds[key].all.add(row.right);
-        if (stood) kinds[key].before.add(row.right);
-        if (stands) kinds[key].now.add(row.right);
+      Judgement anew{.status = row.status, .evidence = row.evidence};
+      weigh(anew);
+      write_row(csv, row.name, anew.status, anew.evidence);
+      const double now = anew.evidence.probability;
+      const bool stood = accepted(row, row.evidence.probability), stands = accepted(row, now), right = row.name.right;
+      for (const auto& key : {row.name.kind, std::string("all")}) {
+        kinds[key].all.add(right);
+        if (stood) kinds[key].before.add(right);
+        if (stands) kinds[key].now.add(right);
       }
       if (stood != stands) print_changed(row, now);
       if (!stands && row.status == RegistrationStatus::converged) prices.add(row);
     }
+  if (!csv)
+    throw std::runtime_error(rejudged.string() + " cannot be written: is there a folder, and room on the disk?");
   prices.print();
   std::printf("%-16s %16s %24s %24s\n", "kind", "right, wrong", "accepted: right, wrong", "before: right, wrong");
   nlohmann::json figures;

@@ -12,7 +12,8 @@ namespace headframe::bench {
 /// many right and wrong ones are accepted, by kind of mine; and for each contribution to the log-odds how many more
 /// would be accepted if it never spoke against a placement, and at how many right ones that wait it speaks loudest.
 /// Evidence that depends on the verdict (aliases, runner_up) stays as it was recorded. Throws if a file is none of
-/// these, or is cut short.
-nlohmann::json rejudge(const std::vector<std::filesystem::path>& files);
+/// these, or is damaged. Writes all of them to `rejudged`, as such a file, with what this build makes of them: the fits
+/// take such rows.
+nlohmann::json rejudge(const std::vector<std::filesystem::path>& files, const std::filesystem::path& rejudged);
 
 }  // namespace headframe::bench

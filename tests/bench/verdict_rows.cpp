@@ -17,13 +17,26 @@ std::optional<bool> label(const DrivenSession& a, const DrivenSession& b, const 
 
 }  // namespace
 
-VerdictRows::VerdictRows(const std::filesystem::path& file) : csv_(file) {
-  csv_ << "source,kind,mine,a,b,right,status";
-  for (const auto& field : evidence_fields()) csv_ << ',' << field.name;
-  for (const auto& term : verdict_terms({})) csv_ << ",term: " << term.name;
-  csv_ << ",by hand,told";
-  csv_ << '\n';
+void write_row_head(std::ostream& csv) {
+  csv << "source,kind,mine,a,b,right,status";
+  for (const auto& field : evidence_fields()) csv << ',' << field.name;
+  for (const auto& term : verdict_terms({})) csv << ",term: " << term.name;
+  csv << ",by hand,but for the last,told\n";
 }
+
+void write_row(std::ostream& csv, const RowName& name, RegistrationStatus status, const Evidence& evidence) {
+  csv << name.source << ',' << name.kind << ',' << name.mine << ',' << name.a << ',' << name.b << ',' << name.right
+      << ',' << to_string(status);
+  for (const auto& field : evidence_fields()) csv << ',' << evidence.*field.member;
+  Evidence unique = evidence;
+  unique.aliases = unique.repetition = unique.look_alikes = 0;
+  for (const auto& term : verdict_terms(unique)) csv << ',' << term.value;
+  csv << ',' << log_odds(unique).taken_as_given() << ',' << log_odds(evidence).but_for_the_last() << ','
+      << calibrated(evidence, {}) << '\n'
+      << std::flush;
+}
+
+VerdictRows::VerdictRows(const std::filesystem::path& file) : csv_(file) { write_row_head(csv_); }
 
 void VerdictRows::add(const PipelineRun& run) {
   for (const PairTrace& trace : run.traces)
@@ -43,14 +56,7 @@ void VerdictRows::add_oracle(const DrivenSession& a, const DrivenSession& b, con
 void VerdictRows::write(const char* source, const DrivenSession& a, const DrivenSession& b, bool right,
                         const Judgement& judged) {
   const std::string kind = a.world.substr(0, a.world.find('-'));
-  csv_ << source << ',' << kind << ',' << a.world << ',' << a.name << ',' << b.name << ',' << right << ','
-       << to_string(judged.status);
-  for (const auto& field : evidence_fields()) csv_ << ',' << judged.evidence.*field.member;
-  Evidence unique = judged.evidence;
-  unique.aliases = unique.repetition = unique.look_alikes = 0;
-  for (const auto& term : verdict_terms(unique)) csv_ << ',' << term.value;
-  csv_ << ',' << log_odds(unique).taken_as_given() << ',' << calibrated(judged.evidence, {});
-  csv_ << '\n' << std::flush;
+  write_row(csv_, {source, kind, a.world, a.name, b.name, right}, judged.status, judged.evidence);
 }
 
 }  // namespace headframe::bench

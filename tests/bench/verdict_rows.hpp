@@ -9,6 +9,16 @@
 
 namespace headframe::bench {
 
+/// Which placement a row tells of.
+struct RowName {
+  std::string source, kind, mine, a, b;
+  bool right = false;
+};
+
+/// The names of the columns, and one row: evidence, the verdict's terms, and what this build makes of them.
+void write_row_head(std::ostream& csv);
+void write_row(std::ostream& csv, const RowName& name, RegistrationStatus status, const Evidence& evidence);
+
 /// Writes world kind, mine, both sessions, label and every term as CSV. A placement is right within 1 m and 3 deg of
 /// the truth near the overlap, wrong from 2 m or 5 deg on; what lies between has no row.
 class VerdictRows {

@@ -53,7 +53,7 @@ TEST(ProbabilityOfFarWalls, ALowScoreIsADoubtWhereHardlyAnyPathIsShared) {
   gap.weakest_hold = 0.18;
   EXPECT_GT(with_score(gap, 100), 0.9);
   EXPECT_LT(with_score(gap, 90), 0.9);
-  EXPECT_EQ(with_score(gap, 90), with_score(gap, 1));
+  EXPECT_EQ(with_score(gap, 90), with_score(gap, 60));
   EXPECT_EQ(with_score(gap, 100), with_score(gap, 0)) << "0: no walls were compared";
   gap.overlap_m = 10;
   EXPECT_EQ(with_score(gap, 100), with_score(gap, 90));

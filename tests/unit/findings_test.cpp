@@ -55,15 +55,22 @@ TEST(Findings, WallsThatMatchFartherOffAreSaid) {
   EXPECT_NE(walls->text.find("match with a score of 140"), std::string::npos) << walls->text;
 }
 
-TEST(Findings, WallsThatDoNotMatchFartherOffSayWhatWouldSuffice) {
+TEST(Findings, ThatLittleTellsAShortOverlapFromACopySaysWhatWouldSuffice) {
   Evidence e = test::convincing();
   e.overlap_m = 13;
   e.support = 110;
-  e.descriptors_compared = 0;
-  const auto found = findings_of(e);
-  EXPECT_EQ(found.front().evidence, "walls farther off match");
-  EXPECT_LT(found.front().log_odds, 0);
-  EXPECT_EQ(found.front().would_suffice.rfind("a score of 1", 0), 0U) << found.front().would_suffice;
+  e.rmse_m = 0.11;
+  Finding f = findings_of(e).front();
+  EXPECT_EQ(f.evidence, "little tells a short overlap from a copy");
+  EXPECT_LT(f.log_odds, 0);
+  EXPECT_NE(f.text.find("13 m of path are shared, the walls"), std::string::npos) << f.text;
+  EXPECT_NE(f.text.find("a score of 110, points scatter by 110 mm, no two"), std::string::npos) << f.text;
+  EXPECT_EQ(f.would_suffice.rfind("a score of 1", 0), 0U) << f.would_suffice;
+  e.descriptors_compared = 3;
+  e.descriptors_alike = 0.7;
+  f = findings_of(e).front();
+  EXPECT_EQ(f.evidence, "little tells a short overlap from a copy");
+  EXPECT_NE(f.would_suffice.find("% alike would suffice"), std::string::npos) << f.would_suffice;
 }
 
 TEST(Findings, WithDescriptorsOnesThatAgreeWould) {

@@ -110,8 +110,8 @@ TEST(ProbabilityWithFewDescriptors, WallsSurfacesAndDescriptorsTellAShortOverlap
 }
 
 TEST(ProbabilityWithFewDescriptors, ALongerOverlapMoreDescriptorsAndWallsThatWereNotComparedAskForNoMore) {
-  EXPECT_LT(p_of_short({90, 0.1, 26}), accepted);
-  EXPECT_GT(p_of_short({90, 0.1, 32}), accepted);
+  EXPECT_LT(p_of_short({90, 0.1, 36}), accepted);
+  EXPECT_GT(p_of_short({90, 0.1, 44}), accepted);
   EXPECT_LT(p_of_short({90, 0.1, 22, 5, 0.7}), accepted);
   EXPECT_GT(p_of_short({90, 0.1, 22, 8, 0.85}), accepted);
   EXPECT_GT(p_of_short({0, 0.1, 20}), accepted);
@@ -122,7 +122,7 @@ TEST(ProbabilityWithFewDescriptors, NothingJumps) {
     EXPECT_NEAR(p_of_short({cells, 0.1, 13}), p_of_short({cells + 1, 0.1, 13}), 0.05);
   for (double rmse_m = 0.06; rmse_m < 0.13; rmse_m += 5e-4)
     EXPECT_NEAR(p_of_short({130, rmse_m, 13}), p_of_short({130, rmse_m + 5e-4, 13}), 0.05);
-  for (double metres = 4; metres < 34; metres += 0.2)
+  for (double metres = 4; metres < 46; metres += 0.2)
     EXPECT_NEAR(p_of_short({110, 0.1, metres}), p_of_short({110, 0.1, metres + 0.2}), 0.05);
   for (double alike = 0.6; alike < 0.95; alike += 0.004)
     EXPECT_NEAR(p_of_short({118, 0.088, 24, 3, alike}), p_of_short({118, 0.088, 24, 3, alike + 0.004}), 0.05);

@@ -22,6 +22,7 @@ Evidence convincing() {
 struct Rows {
   TempDir folder;
   std::filesystem::path file = folder.path() / "verdict.csv";
+  std::filesystem::path anew = folder.path() / "rejudged.csv";
   std::ofstream csv{file};
 
   Rows() {
@@ -46,7 +47,7 @@ TEST(Rejudge, CountsWhatIsAcceptedNowAndWasBefore) {
   rows.add("oracle", "cave", true, e);  // only what attempts found is counted
   e.probability = 0.95, e.freespace_violation = e.worst_place_violation = 0.1;
   rows.add("judged", "rough", false, e);
-  const nlohmann::json figures = rejudge({rows.file, rows.file});
+  const nlohmann::json figures = rejudge({rows.file, rows.file}, rows.anew);
   EXPECT_EQ(figures.at("cave"), (nlohmann::json{{"right", 4},
                                                 {"wrong", 0},
                                                 {"accepted_right", 2},
@@ -62,16 +63,33 @@ TEST(Rejudge, ARunnerUpHoldsAPlacementBack) {
   Evidence e = convincing();
   e.probability = 0.95, e.runner_up = 0.99;
   rows.add("judged", "cave", true, e);
-  EXPECT_EQ(rejudge({rows.file}).at("all").at("accepted_right"), 0);
+  EXPECT_EQ(rejudge({rows.file}, rows.anew).at("all").at("accepted_right"), 0);
 }
 
 std::string refusal(const std::filesystem::path& file) {
   try {
-    rejudge({file});
+    rejudge({file}, "/dev/null");
   } catch (const std::runtime_error& error) {
     return error.what();
   }
   return "";
+}
+
+TEST(Rejudge, WhatItWritesIsJudgedAlike) {
+  Rows rows;
+  Evidence e = convincing();
+  e.probability = 0.1;
+  rows.add("judged", "cave", true, e);
+  rejudge({rows.file}, rows.anew);
+  const nlohmann::json again = rejudge({rows.anew}, rows.file);
+  EXPECT_EQ(again.at("cave").at("before_right"), 1) << "with the probability of this build";
+  EXPECT_EQ(again.at("cave").at("accepted_right"), 1);
+}
+
+TEST(Rejudge, RowsThatCannotBeWrittenAreSaid) {
+  Rows rows;
+  rows.add("judged", "cave", true, convincing());
+  EXPECT_THROW(rejudge({rows.file}, "/dev/full"), std::runtime_error);
 }
 
 TEST(Rejudge, RefusesWhatIsNoSuchFile) {
