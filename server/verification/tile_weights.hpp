@@ -8,8 +8,9 @@ namespace headframe {
 
 /// What tells a short overlap from a copy of a tile or two: see short_and_little_tells(). The weights are those of 50
 /// cells of Evidence::support, up to tile_most_cells; of 2 cm less than 10 by which points scatter; of each halving of
-/// the overlap below 15 m; and of each tenth by which descriptors agree to more than .75.
-inline constexpr double tile_most_cells = 200, tile_bias = -5.63;
+/// the overlap below 15 m; and of each tenth by which descriptors agree to more than .75. Each unit by which the sum
+/// stays below tile_told costs tile_cost, tile_most_cost in all.
+inline constexpr double tile_most_cells = 200, tile_told = 1.2, tile_cost = 3, tile_most_cost = 6, tile_bias = -5.63;
 inline constexpr std::array<double, 4> tile_weights{2.15, 1.08, 0.82, 2.16};
 
 }  // namespace headframe
