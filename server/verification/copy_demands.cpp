@@ -185,7 +185,7 @@ double hardly_told_apart(const Evidence& e) {
 
 double short_and_little_tells(const Evidence& e) {
   if (e.support == 0) return 0;
-  const double brief = ramp(e.overlap_m, 44, 36) * ramp(e.descriptors_compared, 8, 5);
+  const double brief = ramp(e.overlap_m, 44, 36) * ramp(e.descriptors_compared, 12, 8);
   return -brief * std::clamp(tile_cost * (tile_told - told_from_a_tile(e)), 0.0, tile_most_cost);
 }
 

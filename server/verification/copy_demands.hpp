@@ -18,7 +18,7 @@ double hardly_told_apart(const Evidence& evidence);
 /// What speaks against a short overlap with few descriptors if little tells it from a copy of a tile or two, in
 /// log-odds (0 or less): walls farther off that match (Evidence::support), surfaces among which points hardly scatter,
 /// descriptors that agree; more is asked for, the longer the overlap. Weighed as tile_weights.hpp says. Nothing from 44
-/// m (fully up to 36) or eight descriptors (up to five) on, or where walls farther off were not compared.
+/// m (fully up to 36) or twelve descriptors (up to eight) on, or where walls farther off were not compared.
 double short_and_little_tells(const Evidence& evidence);
 
 }  // namespace headframe

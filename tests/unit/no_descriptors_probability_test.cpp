@@ -113,7 +113,8 @@ TEST(ProbabilityWithFewDescriptors, ALongerOverlapMoreDescriptorsAndWallsThatWer
   EXPECT_LT(p_of_short({90, 0.1, 36}), accepted);
   EXPECT_GT(p_of_short({90, 0.1, 44}), accepted);
   EXPECT_LT(p_of_short({90, 0.1, 22, 5, 0.7}), accepted);
-  EXPECT_GT(p_of_short({90, 0.1, 22, 8, 0.85}), accepted);
+  EXPECT_LT(p_of_short({90, 0.1, 22, 8, 0.7}), accepted);
+  EXPECT_GT(p_of_short({90, 0.1, 22, 12, 0.85}), accepted);
   EXPECT_GT(p_of_short({0, 0.1, 20}), accepted);
 }
 

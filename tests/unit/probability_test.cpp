@@ -104,6 +104,22 @@ TEST(Probability, WhatIsContradictedFartherOffIsBelievedLess) {
   EXPECT_LT(j.evidence.probability_if_unique, MergeConfig{}.accept_probability);
 }
 
+TEST(Probability, WhereSurfacesLieApartLittleFartherOffIsADoubt) {
+  const auto p = [](double residual_m, double farther, double overlap_m = 45) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.residual_m = residual_m;
+    e.farther_violation = farther;
+    return probability(RegistrationStatus::converged, e);
+  };
+  EXPECT_LT(p(0.067, 0.0013), 0.5) << "two ramps of different mines";
+  EXPECT_EQ(p(0.067, 0.0003), p(0.067, 0));
+  EXPECT_EQ(p(0.05, 0.0013), p(0.05, 0)) << "the surfaces tell";
+  EXPECT_EQ(p(0.067, 0.0013, 75), p(0.067, 0, 75)) << "the overlap tells";
+  for (double farther = 0; farther < 0.003; farther += 1e-5)
+    EXPECT_NEAR(p(0.067, farther), p(0.067, farther + 1e-5), 0.05);
+}
+
 TEST(Probability, FewPointsThatMeetSpeakAgainst) {
   const auto p = [](double inliers) {
     Evidence e = convincing();
