@@ -142,25 +142,27 @@ struct Prices {
 }  // namespace
 
 nlohmann::json rejudge(const std::vector<std::filesystem::path>& files, const std::filesystem::path& rejudged) {
+  std::vector<Row> rows;  // all of them, before one of the files is written over
+  for (const auto& file : files)
+    for (Row& row : read_judged(file)) rows.push_back(std::move(row));
   std::ofstream csv(rejudged);
   write_row_head(csv);
   std::map<std::string, VerdictCounts> kinds;
   Prices prices;
-  for (const auto& file : files)
-    for (const Row& row : read_judged(file)) {
-      Judgement anew{.status = row.status, .evidence = row.evidence};
-      weigh(anew);
-      write_row(csv, row.name, anew.status, anew.evidence);
-      const double now = anew.evidence.probability;
-      const bool stood = accepted(row, row.evidence.probability), stands = accepted(row, now), right = row.name.right;
-      for (const auto& key : {row.name.kind, std::string("all")}) {
-        kinds[key].all.add(right);
-        if (stood) kinds[key].before.add(right);
-        if (stands) kinds[key].now.add(right);
-      }
-      if (stood != stands) print_changed(row, now);
-      if (!stands && row.status == RegistrationStatus::converged) prices.add(row);
+  for (const Row& row : rows) {
+    Judgement anew{.status = row.status, .evidence = row.evidence};
+    weigh(anew);
+    write_row(csv, row.name, anew.status, anew.evidence);
+    const double now = anew.evidence.probability;
+    const bool stood = accepted(row, row.evidence.probability), stands = accepted(row, now), right = row.name.right;
+    for (const auto& key : {row.name.kind, std::string("all")}) {
+      kinds[key].all.add(right);
+      if (stood) kinds[key].before.add(right);
+      if (stands) kinds[key].now.add(right);
     }
+    if (stood != stands) print_changed(row, now);
+    if (!stands && row.status == RegistrationStatus::converged) prices.add(row);
+  }
   if (!csv)
     throw std::runtime_error(rejudged.string() + " cannot be written: is there a folder, and room on the disk?");
   prices.print();

@@ -118,6 +118,14 @@ TEST(ProbabilityWithFewDescriptors, ALongerOverlapMoreDescriptorsAndWallsThatWer
   EXPECT_GT(p_of_short({0, 0.1, 20}), accepted);
 }
 
+TEST(ProbabilityWithFewDescriptors, SeveralThatDifferAreADoubtThoughNothingLooksAlike) {
+  EXPECT_LT(p_of_short({300, 0.083, 40, 9, 0.716}), accepted - 0.3) << "a copy of a cave, driven through live";
+  EXPECT_LT(p_of_short({300, 0.077, 34, 5, 0.663}), accepted - 0.3);
+  EXPECT_GT(p_of_short({300, 0.083, 40, 9, 0.76}), accepted);
+  EXPECT_GT(p_of_short({300, 0.083, 50, 9, 0.716}), accepted) << "the overlap tells";
+  EXPECT_GT(p_of_short({300, 0.083, 40, 3, 0.716}), accepted) << "three are few";
+}
+
 TEST(ProbabilityWithFewDescriptors, NothingJumps) {
   for (double cells = 60; cells < 210; ++cells)
     EXPECT_NEAR(p_of_short({cells, 0.1, 13}), p_of_short({cells + 1, 0.1, 13}), 0.05);

@@ -81,7 +81,7 @@ TEST(Rejudge, WhatItWritesIsJudgedAlike) {
   e.probability = 0.1;
   rows.add("judged", "cave", true, e);
   rejudge({rows.file}, rows.anew);
-  const nlohmann::json again = rejudge({rows.anew}, rows.file);
+  const nlohmann::json again = rejudge({rows.anew}, rows.anew);  // which is read before it is written over
   EXPECT_EQ(again.at("cave").at("before_right"), 1) << "with the probability of this build";
   EXPECT_EQ(again.at("cave").at("accepted_right"), 1);
 }
