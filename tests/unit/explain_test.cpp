@@ -31,7 +31,7 @@ Alignment good() {
   e.overlap_m = 40;
   e.weakest_hold = 0.1;
   e.descriptors_compared = 8;
-  e.descriptors_alike = 0.75;
+  e.descriptors_alike = 0.8;
   e.tilt_deg = 0.2;
   return k;
 }
