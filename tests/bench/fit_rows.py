@@ -16,7 +16,8 @@ def load(files, wanted, columns):
             reader = csv.DictReader(f)
             missing = [c for c in columns if c not in (reader.fieldnames or [])]
             if missing:
-                sys.exit("%s: no column %r: not rows of ./run bench stages, merges, recordings or drawn-mines" % (name, missing[0]))
+                sys.exit("%s: no column %r: not rows of ./run bench stages, merges, recordings or drawn-mines, or older ones, "
+                         "which ./run bench rejudge judges anew" % (name, missing[0]))
             for row in reader:
                 if None in row.values():
                     sys.exit("%s, line %d: cut short: run the bench again" % (name, reader.line_num))
@@ -46,4 +47,7 @@ def made_from(rows, y):
 def run(main, doc):
     if len(sys.argv) < 3:
         sys.exit(doc)
-    main(sys.argv[1], sys.argv[2:])
+    try:
+        main(sys.argv[1], sys.argv[2:])
+    except OSError as error:
+        sys.exit("%s: %s" % (error.filename or sys.argv[1], error.strerror))
