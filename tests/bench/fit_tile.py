@@ -10,6 +10,7 @@ placements count four times. For each mine left out of the fit in turn, the plac
 are told apart by the numbers fitted without it: prints how many of the right and of the wrong ones are held back. Writes OUT.hpp, a replacement for server/verification/tile_weights.hpp. Needs numpy.
 """
 import datetime
+import sys
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from fit_rows import load, made_from, run
 
 MOST_CELLS = 200  # more tell no more
 WRONG_COUNTS = 4
+LEAST = 20  # right ones and wrong ones, for four weights
 TOLD, COST, MOST_COST = 1.2, 3, 6  # each unit below the first costs so much, and all at most so much: set by hand
 PULL = 0.3  # strength of the L2 regularisation; the bias is free
 
@@ -47,6 +49,9 @@ def main(out, files):
     rows = load(files, wanted, ["source", "status", "kind", "mine", "right", "overlap_m", "support", "rmse_m", "descriptors_compared",
                                 "descriptors_alike", "but for the last"])
     X, y = np.array([told(r) for r in rows]), np.array([float(r["right"]) for r in rows])
+    if min(y.sum(), (1 - y).sum()) < LEAST:
+        sys.exit("%s: %d right and %d wrong placements of such overlaps are too few: %d of each are needed" % (
+            " ".join(files), y.sum(), (1 - y).sum(), LEAST))
     mines, otherwise = np.array([r["mine"] for r in rows]), np.array([float(r["but for the last"]) for r in rows])
     left_out = np.zeros(len(y))
     for mine in sorted(set(mines)):
