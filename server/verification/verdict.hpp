@@ -29,7 +29,7 @@ struct LogOdds {
   double bias = 0;
   std::array<VerdictTerm, verdict_contribution_count> contributions;
   double taken_as_given() const;  // the part set by hand that the fit takes as an offset
-  double but_for_the_last() const { return sum() - contributions.back().value; }  // which has a fit of its own
+  double without_short_rule() const { return sum() - contributions.back().value; }  // which is fitted on this
   double sum() const;
 };
 LogOdds log_odds(const Evidence& evidence);

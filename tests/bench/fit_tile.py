@@ -43,16 +43,16 @@ def fit(X, y):
 
 def main(out, files):
     def wanted(r):
-        z = float(r["but for the last"])
+        z = float(r["without short rule"])
         return (r["source"] == "judged" and r["status"] == "converged" and float(r["overlap_m"]) < 40 and float(r["descriptors_compared"]) < 6
                 and float(r["support"]) != 0 and z > np.log(0.2 / 0.8))
     rows = load(files, wanted, ["source", "status", "kind", "mine", "right", "overlap_m", "support", "rmse_m", "descriptors_compared",
-                                "descriptors_alike", "but for the last"])
+                                "descriptors_alike", "without short rule"])
     X, y = np.array([told(r) for r in rows]), np.array([float(r["right"]) for r in rows])
     if min(y.sum(), (1 - y).sum()) < LEAST:
         sys.exit("%s: %d right and %d wrong placements of such overlaps are too few: %d of each are needed" % (
             " ".join(files), y.sum(), (1 - y).sum(), LEAST))
-    mines, otherwise = np.array([r["mine"] for r in rows]), np.array([float(r["but for the last"]) for r in rows])
+    mines, otherwise = np.array([r["mine"] for r in rows]), np.array([float(r["without short rule"]) for r in rows])
     left_out = np.zeros(len(y))
     for mine in sorted(set(mines)):
         here = mines == mine

@@ -21,7 +21,7 @@ void write_row_head(std::ostream& csv) {
   csv << "source,kind,mine,a,b,right,status";
   for (const auto& field : evidence_fields()) csv << ',' << field.name;
   for (const auto& term : verdict_terms({})) csv << ",term: " << term.name;
-  csv << ",by hand,but for the last,told\n";
+  csv << ",by hand,without short rule,told\n";
 }
 
 void write_row(std::ostream& csv, const RowName& name, RegistrationStatus status, const Evidence& evidence) {
@@ -31,7 +31,7 @@ void write_row(std::ostream& csv, const RowName& name, RegistrationStatus status
   Evidence unique = evidence;
   unique.aliases = unique.repetition = unique.look_alikes = 0;
   for (const auto& term : verdict_terms(unique)) csv << ',' << term.value;
-  csv << ',' << log_odds(unique).taken_as_given() << ',' << log_odds(evidence).but_for_the_last() << ','
+  csv << ',' << log_odds(unique).taken_as_given() << ',' << log_odds(evidence).without_short_rule() << ','
       << calibrated(evidence, {}) << '\n'
       << std::flush;
 }
