@@ -153,12 +153,23 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     compare_descriptors(agreement, verdict.judgement);
     self_.tell_of_mine(e);
     const Pose& T = verdict.judgement.T_a_b;
-    const SelfLikeness &a = self_.last(pair.a), &b = self_.last(pair.b);
-    e.look_alikes = a.look_alikes + b.look_alikes + count_alike(screened, T, likeness);
-    e.similar_places = a.similar_places + b.similar_places + count_alike(screened, T, resemblance);
+    const SelfLikeness themselves = alike_where_they_meet(pair, c, T);
+    e.look_alikes = themselves.look_alikes + count_alike(screened, T, likeness);
+    e.similar_places = themselves.similar_places + count_alike(screened, T, resemblance);
     weigh(verdict.judgement);
+    e.aliases = themselves.aliases;  // they weigh together with the other placements
     out.push_back({std::move(verdict), i, alone});
   }
+  return out;
+}
+
+SelfLikeness CandidateVerifier::alike_where_they_meet(const OrderedPair& pair, const Case& c, const Pose& T_a_b) const {
+  const Overlapping where = overlapping(c.a.stored, c.b.stored, T_a_b, judge_);
+  SelfLikeness out = self_.last_at(pair.a, where.a);
+  const SelfLikeness of_b = self_.last_at(pair.b, where.b);
+  out.aliases += of_b.aliases;
+  out.look_alikes += of_b.look_alikes;
+  out.similar_places += of_b.similar_places;
   return out;
 }
 
@@ -187,7 +198,6 @@ std::vector<JudgedCase> CandidateVerifier::judge_ahead(const OrderedPair& pair, 
 void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
                                     Verdict& verdict, CloudSource& clouds) {
   Evidence& e = verdict.judgement.evidence;
-  e.aliases = self_.last(pair.a).aliases + self_.last(pair.b).aliases;
   for (const Judged& other : all)
     if (const Judgement& rival = other.verdict.judgement;
         !same_placement(rival.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration))
@@ -220,8 +230,9 @@ Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& 
   Judgement out = judge_again(pair, at, clouds);
   Evidence known = out.evidence;
   self_.tell_of_mine(known);
-  known.aliases = self_.last(pair.a).aliases + self_.last(pair.b).aliases;
-  known.look_alikes = self_.last(pair.a).look_alikes + self_.last(pair.b).look_alikes;
+  const SelfLikeness themselves = alike_where_they_meet(pair, at, out.T_a_b);
+  known.aliases = themselves.aliases;
+  known.look_alikes = themselves.look_alikes;
   const double excused = excused_by_changes(known);
   out.evidence.freespace_explained *= excused;
   out.evidence.worst_place_explained *= excused;
@@ -233,12 +244,11 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
   const Case at = requests_.make_case(pair.a, pair.b, {.T_a_b = T_a_b}, clouds);
   if (at.a.stored.empty() || at.b.stored.empty()) return {};
   Judgement out = judge_again(pair, at, clouds);
-  for (const SessionId id : {pair.a, pair.b}) {
-    const SelfLikeness& self = self_.of(id, clouds);
-    out.evidence.aliases += self.aliases;
-    out.evidence.look_alikes += self.look_alikes;
-    out.evidence.similar_places += self.similar_places;
-  }
+  for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, clouds);
+  const SelfLikeness themselves = alike_where_they_meet(pair, at, out.T_a_b);
+  out.evidence.aliases = themselves.aliases;
+  out.evidence.look_alikes = themselves.look_alikes;
+  out.evidence.similar_places = themselves.similar_places;
   self_.tell_of_mine(out.evidence);
   weigh(out);
   return out;

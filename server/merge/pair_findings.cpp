@@ -141,6 +141,14 @@ void all(Stream& stream, OfFindings& f) {
   stream.number(f.itself.aliases);
   stream.number(f.itself.look_alikes);
   stream.number(f.itself.similar_places);
+  stream.list(f.itself.places, [&](auto& place) {
+    stream.matrix(place.here);
+    stream.matrix(place.there);
+    stream.number(place.placement);
+    stream.number(place.likeness);
+    stream.number(place.resemblance);
+    stream.number(place.copy);
+  });
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "server/merge/self_similarity.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include "server/session/same_placement.hpp"
 
@@ -12,6 +11,9 @@ namespace {
 // copies have more, and in those with junctions, rooms or ramps 23 of 196 other placements; in grids, smooth tunnels
 // and mines of copies more do.
 constexpr double alike_walls = 0.2;
+
+/// How near to an overlap a place lies that belongs to it: about as far as a keyframe's surroundings are described.
+constexpr double overlap_reach_m = 12;
 
 /// Least length of a copy: a single place fits at many others in any mine, but the next place along the path does not.
 constexpr double copy_m = 15;
@@ -28,6 +30,41 @@ std::optional<std::size_t> keyframe_at(std::span<const double> path_to_m, double
   const auto at = std::lower_bound(path_to_m.begin(), path_to_m.end(), path_m);
   if (path_m < 0 || at == path_to_m.end()) return std::nullopt;
   return static_cast<std::size_t>(at - path_to_m.begin());
+}
+
+/// What fits elsewhere, too; places whose placements are the same have the same number.
+std::vector<LikePlace> places_alike(const std::vector<ScreeningResult>& screened, const std::set<std::size_t>& copies) {
+  std::vector<LikePlace> out;
+  std::vector<Pose> placements{Pose::Identity()};
+  for (std::size_t i = 0; i < screened.size(); ++i) {
+    const bool copy = copies.contains(i);
+    const double as_copy = likeness(screened[i]), roughly = resemblance(screened[i]);
+    if (!copy && as_copy <= 0 && roughly <= 0) continue;
+    const Pose& T = screened[i].place.registration.T_target_source;
+    const Eigen::Vector3d& p = screened[i].place.p_b;
+    auto known = std::find_if(placements.begin(), placements.end(),
+                              [&](const Pose& U) { return same_placement(T, U, p, same_look_alike); });
+    if (known == placements.begin()) continue;
+    if (known == placements.end()) known = placements.insert(known, T);
+    out.push_back({p, T * p, static_cast<std::uint32_t>(known - placements.begin()), as_copy, roughly, copy});
+  }
+  return out;
+}
+
+/// Each placement counts as its best place does; copies count each place.
+void count(const std::vector<LikePlace>& places, SelfLikeness& out) {
+  std::map<std::uint32_t, LikePlace> best;
+  out.aliases = out.look_alikes = out.similar_places = 0;
+  for (const LikePlace& place : places) {
+    LikePlace& of_placement = best[place.placement];
+    of_placement.likeness = std::max(of_placement.likeness, place.likeness);
+    of_placement.resemblance = std::max(of_placement.resemblance, place.resemblance);
+    out.aliases += place.copy ? 1 : 0;
+  }
+  for (const auto& [number, place] : best) {
+    out.look_alikes += place.likeness;
+    out.similar_places += place.resemblance;
+  }
 }
 
 std::size_t count_clouds(const Session& session, SessionId id, const CloudSource& clouds, CloudState state) {
@@ -87,12 +124,25 @@ SelfLikeness SelfSimilarity::search(SessionId id, CloudSource& clouds) {
       }
     }
   const std::vector<ScreeningResult> screened = screen({id, id}, cases, submaps_, clouds, judge_);
-  return {.path_m = session.path_m(),
-          .clouds = count_clouds(session, id, clouds, CloudState::stored),
-          .aliases = static_cast<double>(copies_within(id, screened, clouds)),
-          .look_alikes = count_alike(screened, Pose::Identity(), likeness),
-          .similar_places = count_alike(screened, Pose::Identity(), resemblance),
-          .wanted = std::move(wanted)};
+  SelfLikeness out;
+  out.path_m = session.path_m();
+  out.clouds = count_clouds(session, id, clouds, CloudState::stored);
+  out.places = places_alike(screened, copies_within(id, screened, clouds));
+  count(out.places, out);
+  out.wanted = std::move(wanted);
+  return out;
+}
+
+SelfLikeness SelfSimilarity::last_at(SessionId id, std::span<const KeyframePosition> positions) const {
+  SelfLikeness out = last(id);
+  if (out.places.empty() || positions.empty()) return out;
+  const auto elsewhere = [&](const LikePlace& place) {
+    return std::min(nearest_to(positions, place.here).distance_m, nearest_to(positions, place.there).distance_m) >
+           overlap_reach_m;
+  };
+  std::erase_if(out.places, elsewhere);
+  count(out.places, out);
+  return out;
 }
 
 std::vector<Case> SelfSimilarity::beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const {
@@ -108,7 +158,8 @@ std::vector<Case> SelfSimilarity::beside(SessionId id, const Hypothesis& hypothe
   return out;
 }
 
-int SelfSimilarity::copies_within(SessionId id, const std::vector<ScreeningResult>& screened, CloudSource& clouds) {
+std::set<std::size_t> SelfSimilarity::copies_within(SessionId id, const std::vector<ScreeningResult>& screened,
+                                                    CloudSource& clouds) {
   std::vector<Case> neighbours;  // of the placements that fit
   std::vector<std::size_t> of;
   for (std::size_t i = 0; i < screened.size(); ++i) {
@@ -128,7 +179,7 @@ int SelfSimilarity::copies_within(SessionId id, const std::vector<ScreeningResul
                                      next[k].place.p_b, same_registration);
     if (apart && same && fits_alone(next[k])) copies.insert(of[k]);
   }
-  return static_cast<int>(copies.size());
+  return copies;
 }
 
 void SelfSimilarity::tell_of_mine(Evidence& evidence) const {

@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <optional>
+#include <set>
+#include <span>
 
 #include "server/merge/screening.hpp"
 #include "server/session/self_likeness.hpp"
@@ -27,6 +29,10 @@ class SelfSimilarity {
   void ask_first(std::function<std::optional<SelfLikeness>(SessionId, CloudSource&)> known_elsewhere) {
     known_elsewhere_ = std::move(known_elsewhere);
   }
+  /// Of the last result, what is like another place within 12 m of one of these positions, which lie where another
+  /// session meets this one: look-alikes elsewhere do not say that these places could be others. All of it, if it is
+  /// not known where it is, or there are no positions.
+  SelfLikeness last_at(SessionId id, std::span<const KeyframePosition> positions) const;
   /// Whether of() would return at once without searching.
   bool known(SessionId id, const CloudSource& clouds) const;
   /// The last result; a default value for a session that was never searched.
@@ -52,9 +58,9 @@ class SelfSimilarity {
   double per_100_m(double SelfLikeness::*counted, double least_m) const;
   /// The same placement of a session on itself, examined 15 m before and after along its path.
   std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const;
-  /// How many of these placements of a session on itself, other than the identity, are copies at least 15 m long: they
+  /// Which of these placements of a session on itself, other than the identity, are copies at least 15 m long: they
   /// fit at their first place and at one of the places beside it.
-  int copies_within(SessionId id, const std::vector<ScreeningResult>& screened, CloudSource& clouds);
+  std::set<std::size_t> copies_within(SessionId id, const std::vector<ScreeningResult>& screened, CloudSource& clouds);
 
   const JudgeConfig judge_;
   const SessionMap& sessions_;

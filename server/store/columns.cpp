@@ -48,6 +48,30 @@ std::vector<CorrectedKeyframe> places_from_blob(std::string_view blob) {
   return places;
 }
 
+std::string like_places_blob(const std::vector<LikePlace>& places) {
+  std::vector<double> numbers;
+  for (const LikePlace& place : places) {
+    numbers.insert(numbers.end(), place.here.begin(), place.here.end());
+    numbers.insert(numbers.end(), place.there.begin(), place.there.end());
+    for (const double value : {static_cast<double>(place.placement), place.likeness, place.resemblance})
+      numbers.push_back(value);
+    numbers.push_back(place.copy ? 1 : 0);
+  }
+  return {reinterpret_cast<const char*>(numbers.data()), sizeof(double) * numbers.size()};
+}
+
+std::vector<LikePlace> like_places_from_blob(std::string_view blob) {
+  std::array<double, 10> n{};
+  std::vector<LikePlace> places;
+  if (blob.size() % sizeof n != 0) return places;
+  for (; !blob.empty(); blob.remove_prefix(sizeof n)) {
+    std::memcpy(n.data(), blob.data(), sizeof n);
+    places.push_back(
+        {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, static_cast<std::uint32_t>(n[6]), n[7], n[8], n[9] != 0});
+  }
+  return places;
+}
+
 std::string floats_blob(const std::vector<float>& values) {
   return {reinterpret_cast<const char*>(values.data()), sizeof(float) * values.size()};
 }

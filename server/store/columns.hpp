@@ -8,6 +8,7 @@
 
 #include "common/geometry/se3.hpp"
 #include "server/atlas/correction.hpp"
+#include "server/session/self_likeness.hpp"
 
 namespace headframe {
 
@@ -22,6 +23,10 @@ std::vector<CorrectedKeyframe> places_from_blob(std::string_view blob);
 
 std::string floats_blob(const std::vector<float>& values);
 std::vector<float> floats_from_blob(std::string_view blob);
+
+/// See LikePlace; empty if the blob does not have a size that like_places_blob gives.
+std::string like_places_blob(const std::vector<LikePlace>& places);
+std::vector<LikePlace> like_places_from_blob(std::string_view blob);
 
 std::string integers_blob(const std::vector<std::uint64_t>& values);
 std::vector<std::uint64_t> integers_from_blob(std::string_view blob);

@@ -131,6 +131,10 @@ UPDATE self_likeness SET similar_places = look_alikes;
 INSERT INTO evidence (a, b, name, value) SELECT a, b, 'similar_places', value FROM evidence WHERE name = 'look_alikes'
   ON CONFLICT DO NOTHING;
 )sql",
+    // places: where a session is like itself; empty for what was found before this was kept.
+    R"sql(
+ALTER TABLE self_likeness ADD COLUMN places BLOB NOT NULL DEFAULT x'';
+)sql",
 };
 
 }  // namespace

@@ -104,7 +104,7 @@ const std::vector<StoreTable>& store_tables() {
       {"surveys", "session# choice# T_grid_session&"},
       {"survey_points", "session# number# name$ x_session_m~ y_session_m~ z_session_m~ x_grid_m~ y_grid_m~ z_grid_m~"},
       {"troubles", "session# deaths# kills# why_aside$ deleted#"},
-      {"self_likeness", "session# path_m~ clouds# aliases~ look_alikes~ wanted& similar_places~"},
+      {"self_likeness", "session# path_m~ clouds# aliases~ look_alikes~ wanted& similar_places~ places&"},
       {"loop_closures", "a# b# places&"},
       {"let_go", "session# sequence#"},
       {"frozen", "session# frame# T_frame_session& places&"},

@@ -178,12 +178,13 @@ Result<void> put_atlas(Database& db, const Atlas& atlas) {
 Result<void> put_self_likeness(Database& db, SessionId session, const SelfLikeness& found) {
   std::vector<std::uint64_t> wanted;
   for (const KeyframeRef& keyframe : found.wanted) wanted.push_back(keyframe.sequence);
-  const std::string sequences = integers_blob(wanted);
+  const std::string sequences = integers_blob(wanted), places = like_places_blob(found.places);
   return db.run(
-      "INSERT INTO self_likeness VALUES (?,?,?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET path_m=excluded.path_m,"
+      "INSERT INTO self_likeness VALUES (?,?,?,?,?,?,?,?) ON CONFLICT (session) DO UPDATE SET path_m=excluded.path_m,"
       " clouds=excluded.clouds, aliases=excluded.aliases, look_alikes=excluded.look_alikes, wanted=excluded.wanted,"
-      " similar_places=excluded.similar_places",
-      session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences}, found.similar_places);
+      " similar_places=excluded.similar_places, places=excluded.places",
+      session, found.path_m, found.clouds, found.aliases, found.look_alikes, Blob{sequences}, found.similar_places,
+      Blob{places});
 }
 
 Result<void> put(Database& db, const DropSurvey& write) {

@@ -93,16 +93,21 @@ std::vector<KeyframePosition> near_other(std::span<const KeyframePosition> a, st
   return out;
 }
 
+Overlapping overlapping(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b, const Pose& T_a_b,
+                        const JudgeConfig& config) {
+  Overlapping out;
+  for (const double reach_m : {config.meet_m, config.far_m}) {
+    if (!out.a.empty() && !out.b.empty()) break;
+    out = {near_other(b, a, T_a_b.inverse(), reach_m), near_other(a, b, T_a_b, reach_m)};
+  }
+  return out;
+}
+
 void measure_overlap(Evidence& e, std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                      const Pose& T_a_b, const JudgeConfig& config) {
   // One robot may have passed where the other stopped, so the mean of both is used.
-  std::vector<KeyframePosition> of_a, of_b;
-  for (const double reach_m : {config.meet_m, config.far_m}) {
-    if (!of_a.empty() && !of_b.empty()) break;
-    of_a = near_other(b, a, T_a_b.inverse(), reach_m);
-    of_b = near_other(a, b, T_a_b, reach_m);
-  }
-  e.pairs = static_cast<double>(of_a.size() + of_b.size()) / 2;
+  const Overlapping near = overlapping(a, b, T_a_b, config);
+  e.pairs = static_cast<double>(near.a.size() + near.b.size()) / 2;
   const std::vector<Piece> path_a = pieces(a, Pose::Identity()), path_b = pieces(b, T_a_b);
   e.overlap_m = (shared_path_m(path_a, path_b, config) + shared_path_m(path_b, path_a, config)) / 2;
 }

@@ -36,6 +36,14 @@ std::optional<Meeting> first_meeting(std::span<const KeyframePosition> a, std::s
 std::vector<KeyframePosition> near_other(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                                          const Pose& T_a_b, double reach_m);
 
+/// The positions of a and of b that lie where the two paths meet; where they only come near each other, if they never
+/// meet.
+struct Overlapping {
+  std::vector<KeyframePosition> a, b;
+};
+Overlapping overlapping(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b, const Pose& T_a_b,
+                        const JudgeConfig& config);
+
 /// Further places at which to judge an overlap, besides p_b: keyframes of b, those nearest to a's path first, as far
 /// from p_b and from each other as possible.
 std::vector<KeyframePosition> other_places(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,

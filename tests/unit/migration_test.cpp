@@ -38,7 +38,7 @@ class PostgresMigration : public testing::Test {
     const Atlas atlas{1, {{1, {{1, Pose::Identity()}, {2, alignment.T_a_b}}}}};
     const DecisionRecord decision{1, 1, Decision::confirm, Pose::Identity(), 10, false};
     PutMerge merge{2, 17, {alignment}, atlas, {decision}, 1};
-    merge.self_likeness = {{1, {120.5, 40, 2, 3.5, 4.5, {{1, 7}}}}};
+    merge.self_likeness = {{1, {120.5, 40, 2, 3.5, 4.5, {{{1, 2, 3}, {4, 5, 6}, 1, 0.5, 0.75, true}}, {{1, 7}}}}};
     const PoseConstraint place{{1, 7}, {2, 9}, pose_from_yaw(0.3, {1, 2, 3}), Matrix6d::Identity()};
     merge.closures = {{1, 2, std::make_shared<const std::vector<PoseConstraint>>(1, place)}};
     merge.frozen = {{2, 1, pose_from_yaw(0.1, {4, 5, 6}), {{1, Pose::Identity()}}}};

@@ -250,8 +250,8 @@ TEST_F(PostgresStore, ADatabaseOfBeforeKeyframesMovedIsBroughtUp) {
       "ALTER TABLE servers DROP COLUMN relayed, DROP COLUMN loopback;"
       "ALTER TABLE servers DROP COLUMN searched, DROP COLUMN searches_a, DROP COLUMN searches_b;"
       "DROP TABLE pair_work;"
-      "ALTER TABLE self_likeness DROP COLUMN similar_places;"
-      "UPDATE schema_version SET version = version - 4"));
+      "ALTER TABLE self_likeness DROP COLUMN similar_places, DROP COLUMN places;"
+      "UPDATE schema_version SET version = version - 5"));
   const auto store = open(*home);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(store->sessions()->at(0).pose_update, 0U);

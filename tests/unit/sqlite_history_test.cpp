@@ -75,7 +75,7 @@ TEST(SqliteHistory, WhatCountedAsLookAlikesCountsAsSimilarPlaces) {
     Alignment alignment{1, 1, 2, AlignmentState::candidate, Pose::Identity(), {}};
     alignment.evidence.look_alikes = 3;
     PutMerge merge{0, 0, {alignment}, {}, {}};
-    merge.self_likeness = {{1, {100, 9, 0, 2, 0, {}}}};
+    merge.self_likeness = {{1, {100, 9, 0, 2, 0, {}, {}}}};
     ASSERT_TRUE(write_and_wait(*store, merge));
   }
   {
@@ -83,9 +83,10 @@ TEST(SqliteHistory, WhatCountedAsLookAlikesCountsAsSimilarPlaces) {
     ASSERT_TRUE(database);
     ASSERT_TRUE(
         database->execute("ALTER TABLE self_likeness DROP COLUMN similar_places;"
+                          "ALTER TABLE self_likeness DROP COLUMN places;"
                           "DELETE FROM evidence WHERE name = 'similar_places';"
                           "PRAGMA user_version=" +
-                          std::to_string(schema_version() - 1)));
+                          std::to_string(schema_version() - 2)));
   }
   const auto merge = open(dir)->merge();
   EXPECT_EQ(merge->alignments.at(0).evidence.similar_places, 3);

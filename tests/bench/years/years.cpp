@@ -108,7 +108,7 @@ class Years {
       put(id, drive);
       PutMerge tried{id, drive.keyframes.size(), {}, std::nullopt, {}};
       tried.attempted_whole = true;
-      tried.self_likeness[id] = {path_m(drive) + 1e-6, drive.clouds.size(), 0, 0, 0, {}};
+      tried.self_likeness[id] = {path_m(drive) + 1e-6, drive.clouds.size(), 0, 0, 0, {}, {}};
       write(std::move(tried));
       std::fprintf(stderr, "\rdrawn %zu of %zu sessions ", stored_ + 1, count);
     }
