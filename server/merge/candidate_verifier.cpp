@@ -1,7 +1,9 @@
 #include "server/merge/candidate_verifier.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "server/merge/like_places.hpp"
 #include "server/session/same_placement.hpp"
 #include "server/support/stopwatch.hpp"
 
@@ -151,26 +153,27 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     Evidence& e = verdict.judgement.evidence;
     e.support = c.hypothesis.score;
     compare_descriptors(agreement, verdict.judgement);
-    self_.tell_of_mine(e);
     const Pose& T = verdict.judgement.T_a_b;
-    const SelfLikeness themselves = alike_where_they_meet(pair, c, T);
-    e.look_alikes = themselves.look_alikes + count_alike(screened, T, likeness);
-    e.similar_places = themselves.similar_places + count_alike(screened, T, resemblance);
+    compare_with_itself(pair, c, T, e);
+    e.look_alikes += count_alike(screened, T, likeness);
+    e.similar_places += count_alike(screened, T, resemblance);
+    const double aliases = std::exchange(e.aliases, 0);  // they weigh together with the other placements
     weigh(verdict.judgement);
-    e.aliases = themselves.aliases;  // they weigh together with the other placements
+    e.aliases = aliases;
     out.push_back({std::move(verdict), i, alone});
   }
   return out;
 }
 
-SelfLikeness CandidateVerifier::alike_where_they_meet(const OrderedPair& pair, const Case& c, const Pose& T_a_b) const {
+void CandidateVerifier::compare_with_itself(const OrderedPair& pair, const Case& c, const Pose& T_a_b,
+                                            Evidence& e) const {
   const Overlapping where = overlapping(c.a.stored, c.b.stored, T_a_b, judge_);
-  SelfLikeness out = self_.last_at(pair.a, where.a);
-  const SelfLikeness of_b = self_.last_at(pair.b, where.b);
-  out.aliases += of_b.aliases;
-  out.look_alikes += of_b.look_alikes;
-  out.similar_places += of_b.similar_places;
-  return out;
+  const SelfLikeness a = likeness_at(self_.last(pair.a), where.a), b = likeness_at(self_.last(pair.b), where.b);
+  e.aliases = a.aliases + b.aliases;
+  e.look_alikes = a.look_alikes + b.look_alikes;
+  e.similar_places = a.similar_places + b.similar_places;
+  self_.tell_of_mine(e);
+  e.mine_look_alikes = expected_look_alikes(e.mine_look_alikes, a, b);
 }
 
 Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c, const ScreeningResult& screened,
@@ -229,10 +232,7 @@ Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at
 Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds) {
   Judgement out = judge_again(pair, at, clouds);
   Evidence known = out.evidence;
-  self_.tell_of_mine(known);
-  const SelfLikeness themselves = alike_where_they_meet(pair, at, out.T_a_b);
-  known.aliases = themselves.aliases;
-  known.look_alikes = themselves.look_alikes;
+  compare_with_itself(pair, at, out.T_a_b, known);
   const double excused = excused_by_changes(known);
   out.evidence.freespace_explained *= excused;
   out.evidence.worst_place_explained *= excused;
@@ -245,11 +245,7 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
   if (at.a.stored.empty() || at.b.stored.empty()) return {};
   Judgement out = judge_again(pair, at, clouds);
   for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, clouds);
-  const SelfLikeness themselves = alike_where_they_meet(pair, at, out.T_a_b);
-  out.evidence.aliases = themselves.aliases;
-  out.evidence.look_alikes = themselves.look_alikes;
-  out.evidence.similar_places = themselves.similar_places;
-  self_.tell_of_mine(out.evidence);
+  compare_with_itself(pair, at, out.T_a_b, out.evidence);
   weigh(out);
   return out;
 }

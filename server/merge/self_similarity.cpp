@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/merge/like_places.hpp"
 #include "server/session/same_placement.hpp"
 
 namespace headframe {
@@ -11,9 +12,6 @@ namespace {
 // copies have more, and in those with junctions, rooms or ramps 23 of 196 other placements; in grids, smooth tunnels
 // and mines of copies more do.
 constexpr double alike_walls = 0.2;
-
-/// How near to an overlap a place lies that belongs to it: about as far as a keyframe's surroundings are described.
-constexpr double overlap_reach_m = 12;
 
 /// Least length of a copy: a single place fits at many others in any mine, but the next place along the path does not.
 constexpr double copy_m = 15;
@@ -30,41 +28,6 @@ std::optional<std::size_t> keyframe_at(std::span<const double> path_to_m, double
   const auto at = std::lower_bound(path_to_m.begin(), path_to_m.end(), path_m);
   if (path_m < 0 || at == path_to_m.end()) return std::nullopt;
   return static_cast<std::size_t>(at - path_to_m.begin());
-}
-
-/// What fits elsewhere, too; places whose placements are the same have the same number.
-std::vector<LikePlace> places_alike(const std::vector<ScreeningResult>& screened, const std::set<std::size_t>& copies) {
-  std::vector<LikePlace> out;
-  std::vector<Pose> placements{Pose::Identity()};
-  for (std::size_t i = 0; i < screened.size(); ++i) {
-    const bool copy = copies.contains(i);
-    const double as_copy = likeness(screened[i]), roughly = resemblance(screened[i]);
-    if (!copy && as_copy <= 0 && roughly <= 0) continue;
-    const Pose& T = screened[i].place.registration.T_target_source;
-    const Eigen::Vector3d& p = screened[i].place.p_b;
-    auto known = std::find_if(placements.begin(), placements.end(),
-                              [&](const Pose& U) { return same_placement(T, U, p, same_look_alike); });
-    if (known == placements.begin()) continue;
-    if (known == placements.end()) known = placements.insert(known, T);
-    out.push_back({p, T * p, static_cast<std::uint32_t>(known - placements.begin()), as_copy, roughly, copy});
-  }
-  return out;
-}
-
-/// Each placement counts as its best place does; copies count each place.
-void count(const std::vector<LikePlace>& places, SelfLikeness& out) {
-  std::map<std::uint32_t, LikePlace> best;
-  out.aliases = out.look_alikes = out.similar_places = 0;
-  for (const LikePlace& place : places) {
-    LikePlace& of_placement = best[place.placement];
-    of_placement.likeness = std::max(of_placement.likeness, place.likeness);
-    of_placement.resemblance = std::max(of_placement.resemblance, place.resemblance);
-    out.aliases += place.copy ? 1 : 0;
-  }
-  for (const auto& [number, place] : best) {
-    out.look_alikes += place.likeness;
-    out.similar_places += place.resemblance;
-  }
 }
 
 std::size_t count_clouds(const Session& session, SessionId id, const CloudSource& clouds, CloudState state) {
@@ -127,21 +90,9 @@ SelfLikeness SelfSimilarity::search(SessionId id, CloudSource& clouds) {
   SelfLikeness out;
   out.path_m = session.path_m();
   out.clouds = count_clouds(session, id, clouds, CloudState::stored);
-  out.places = places_alike(screened, copies_within(id, screened, clouds));
-  count(out.places, out);
+  out.places = like_places(screened, copies_within(id, screened, clouds));
+  count_places(out);
   out.wanted = std::move(wanted);
-  return out;
-}
-
-SelfLikeness SelfSimilarity::last_at(SessionId id, std::span<const KeyframePosition> positions) const {
-  SelfLikeness out = last(id);
-  if (out.places.empty() || positions.empty()) return out;
-  const auto elsewhere = [&](const LikePlace& place) {
-    return std::min(nearest_to(positions, place.here).distance_m, nearest_to(positions, place.there).distance_m) >
-           overlap_reach_m;
-  };
-  std::erase_if(out.places, elsewhere);
-  count(out.places, out);
   return out;
 }
 
@@ -191,7 +142,7 @@ double SelfSimilarity::per_100_m(double SelfLikeness::*counted, double least_m) 
   double sum = 0, path_m = 0;
   for (const auto& [id, found] : known_) {
     sum += found.*counted;
-    if (found.wanted.empty()) path_m += std::max(0.0, found.path_m);
+    path_m += searched_m(found);
   }
   return 100 * sum / std::max(path_m, least_m);
 }

@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <set>
-#include <span>
 
 #include "server/merge/screening.hpp"
 #include "server/session/self_likeness.hpp"
@@ -29,10 +28,6 @@ class SelfSimilarity {
   void ask_first(std::function<std::optional<SelfLikeness>(SessionId, CloudSource&)> known_elsewhere) {
     known_elsewhere_ = std::move(known_elsewhere);
   }
-  /// Of the last result, what is like another place within 12 m of one of these positions, which lie where another
-  /// session meets this one: look-alikes elsewhere do not say that these places could be others. All of it, if it is
-  /// not known where it is, or there are no positions.
-  SelfLikeness last_at(SessionId id, std::span<const KeyframePosition> positions) const;
   /// Whether of() would return at once without searching.
   bool known(SessionId id, const CloudSource& clouds) const;
   /// The last result; a default value for a session that was never searched.

@@ -35,7 +35,8 @@ struct Evidence {
   /// sessions on each other, and of each on itself. At right placements 0 in a cave, 1 in rough tunnels, .3 to 13 among
   /// equal tunnels.
   double look_alikes = 0;
-  double mine_look_alikes = 0;  // those that all sessions of the database show of themselves, per 100 m of their path
+  double mine_look_alikes = 0;  // per 100 m of path: those that all sessions of the database show of themselves, and
+                                // the fewer, the more path the two drove without a place like the overlap
   double similar_places = 0;    // the same, with up to 1.2 % contradicted (resemblance())
   double overlap_a = 0;         // share of a's points near the overlap that b's rays met
   double overlap_b = 0;         // the same for b's points and a's rays

@@ -1,0 +1,79 @@
+#include "server/merge/like_places.hpp"
+
+#include <gtest/gtest.h>
+
+namespace headframe {
+namespace {
+
+/// A place at `here` that fits, as a copy would, where it is moved along x.
+ScreeningResult fitting(const Eigen::Vector3d& here, double along_m) {
+  ScreeningResult out;
+  Registration& r = out.place.registration;
+  r.status = RegistrationStatus::converged;
+  r.T_target_source = Pose(Eigen::Translation3d(along_m, 0, 0));
+  r.inlier_fraction = 1;
+  out.place.p_b = here;
+  out.place.matched = {1000, 1000};
+  out.place.residual_m = 0.02;
+  r.direction_hold.setConstant(0.2);
+  out.place.a_by_b.seen = out.place.b_by_a.seen = 1000;
+  out.hopeful = true;
+  return out;
+}
+
+SelfLikeness counted(std::vector<LikePlace> places) {
+  SelfLikeness out;
+  out.places = std::move(places);
+  count_places(out);
+  return out;
+}
+
+TEST(LikePlaces, PlacesOfOnePlacementAreOneLikeness) {
+  const std::vector<ScreeningResult> screened{fitting({0, 0, 0}, 50), fitting({10, 0, 0}, 51), fitting({0, 0, 0}, 90),
+                                              fitting({0, 0, 0}, 1)};
+  ASSERT_GT(likeness(screened[0]), 0);
+  const auto places = like_places(screened, {0, 1});
+  ASSERT_EQ(places.size(), 3U) << "a session lies on itself at the identity";
+  EXPECT_EQ(places[0].placement, places[1].placement);
+  EXPECT_NE(places[0].placement, places[2].placement);
+  EXPECT_EQ(places[1].there, Eigen::Vector3d(61, 0, 0));
+  const SelfLikeness all = counted(places);
+  EXPECT_EQ(all.look_alikes, likeness(screened[0]) + likeness(screened[2]));
+  EXPECT_EQ(all.similar_places, resemblance(screened[0]) + resemblance(screened[2]));
+  EXPECT_EQ(all.aliases, 2) << "each place of a copy counts";
+}
+
+TEST(LikePlaces, OnlyWhatLiesWhereTheSessionsMeetCounts) {
+  const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}, {1, {20, 0, 0}}};
+  const auto at = [&](const Eigen::Vector3d& here, const Eigen::Vector3d& there) {
+    return likeness_at(counted({{here, there, 1, 0.5, 0.75, true}}), meeting).look_alikes;
+  };
+  EXPECT_EQ(at({31.9, 0, 0}, {90, 0, 0}), 0.5);
+  EXPECT_EQ(at({32.1, 0, 0}, {90, 0, 0}), 0);
+  EXPECT_EQ(at({90, 0, 0}, {0, 11.9, 0}), 0.5) << "the place it is like may lie there as well";
+  EXPECT_EQ(at({90, 0, 0}, {0, 0, 12.1}), 0) << "another level";
+}
+
+TEST(LikePlaces, ThePlaceWithinReachCountsThoughAnotherOfItsPlacementFitsBetter) {
+  const SelfLikeness all = counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.25, 0.5, false}, {{40, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
+  EXPECT_EQ(all.look_alikes, 1);
+  const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}};
+  const SelfLikeness here = likeness_at(all, meeting);
+  EXPECT_EQ(here.look_alikes, 0.25);
+  EXPECT_EQ(here.similar_places, 0.5);
+  EXPECT_EQ(here.aliases, 0);
+  EXPECT_EQ(here.path_m, all.path_m);
+}
+
+TEST(LikePlaces, AllCountsIfNobodyKnowsWhereItIs) {
+  SelfLikeness of_before;  // as databases have it that an earlier version wrote
+  of_before.aliases = 2;
+  of_before.look_alikes = 3;
+  const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}};
+  EXPECT_EQ(likeness_at(of_before, meeting), of_before);
+  const SelfLikeness known = counted({{{90, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
+  EXPECT_EQ(likeness_at(known, {}), known) << "paths that come nowhere near each other";
+}
+
+}  // namespace
+}  // namespace headframe
