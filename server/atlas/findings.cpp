@@ -57,7 +57,7 @@ std::string violation(const Evidence& e) {
 std::string told_apart(const Evidence& e) {
   return descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
          formatted(
-             ", where places look alike (%.2f in 100 m of all that is known), resemble others (%.2f) or lie apart (by "
+             ", where places look alike (%.2f to be expected in 100 m), resemble others (%.2f) or lie apart (by "
              "%.2f m), points scatter (by %.0f mm), the overlap is short (%.0f m), or the walls hold loosely (by %.3f; "
              "across the tunnel %.0f %% meet)",
              e.mine_look_alikes, e.similar_places, e.spread_m, 1000 * e.rmse_m, e.overlap_m, e.weakest_hold,

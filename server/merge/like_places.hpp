@@ -22,9 +22,9 @@ void count_places(SelfLikeness& likeness);
 /// does not say that these places could be others. All of it if it is not known where it is, or without positions.
 SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframePosition> positions);
 
-/// How many look-alikes an overlap has to be expected to have for each 100 m of path. `of_mine`: how many any place has,
-/// as all sessions show; that weighs as much as 200 m of path. `a` and `b`: likeness_at() the overlap; what is like none
-/// of the places that the two have passed is rarer than others.
+/// How many look-alikes an overlap has to be expected to have for each 100 m of path. `of_mine`: how many any place
+/// has, as all sessions show; that weighs as much as 200 m of path. `a` and `b`: likeness_at() the overlap; what is
+/// like none of the places that the two have passed is rarer than others.
 double expected_look_alikes(double of_mine, const SelfLikeness& a, const SelfLikeness& b);
 
 /// The path that was searched for places alike; none before the clouds that allow it are there.

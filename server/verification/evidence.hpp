@@ -29,18 +29,19 @@ struct Evidence {
   double overlap_m = 0;        // shared path, mean of both: in full within 4 m of the other path, fading out at 16 m
   double path_m = 0;           // path of both sessions when the pair was last judged as a whole
   double awaited_m = 0;        // path that a growing session still has to drive before the placement is published
-  double aliases = 0;          // copies that hold over more than one place: the mine repeats itself
+  double aliases = 0;          // copies of the overlap that hold over more than one place: the mine repeats itself
   double repetition = 0;       // copies that all sessions of the database show of themselves, per 100 m of their path
   /// At how many other placements one place, taken alone, fits as a copy of the rock would (likeness()): of the two
-  /// sessions on each other, and of each on itself. At right placements 0 in a cave, 1 in rough tunnels, .3 to 13 among
-  /// equal tunnels.
+  /// sessions on each other, and of each on itself near the overlap. At right placements 0 in a cave, 1 in rough
+  /// tunnels, .3 to 13 among equal tunnels.
   double look_alikes = 0;
-  double mine_look_alikes = 0;  // per 100 m of path: those that all sessions of the database show of themselves, and
-                                // the fewer, the more path the two drove without a place like the overlap
-  double similar_places = 0;    // the same, with up to 1.2 % contradicted (resemblance())
-  double overlap_a = 0;         // share of a's points near the overlap that b's rays met
-  double overlap_b = 0;         // the same for b's points and a's rays
-  double seen_points = 0;       // points that support the placement, both ways
+  /// Those to be expected of the overlap per 100 m of path: as many as all sessions of the database show of themselves,
+  /// and the fewer, the more path these two drove without a place like it (expected_look_alikes()).
+  double mine_look_alikes = 0;
+  double similar_places = 0;         // the same, with up to 1.2 % contradicted (resemblance())
+  double overlap_a = 0;              // share of a's points near the overlap that b's rays met
+  double overlap_b = 0;              // the same for b's points and a's rays
+  double seen_points = 0;            // points that support the placement, both ways
   double freespace_violation = 0;    // share of points of one map that the other's rays pass through
   double worst_place_violation = 0;  // the same at the place that contradicts most
   double farther_violation = 0;      // the same up to 25 m from a place instead of 15; 0 unless it was looked at

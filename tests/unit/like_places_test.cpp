@@ -55,7 +55,8 @@ TEST(LikePlaces, OnlyWhatLiesWhereTheSessionsMeetCounts) {
 }
 
 TEST(LikePlaces, ThePlaceWithinReachCountsThoughAnotherOfItsPlacementFitsBetter) {
-  const SelfLikeness all = counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.25, 0.5, false}, {{40, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
+  const SelfLikeness all =
+      counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.25, 0.5, false}, {{40, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
   EXPECT_EQ(all.look_alikes, 1);
   const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}};
   const SelfLikeness here = likeness_at(all, meeting);
@@ -73,6 +74,17 @@ TEST(LikePlaces, AllCountsIfNobodyKnowsWhereItIs) {
   EXPECT_EQ(likeness_at(of_before, meeting), of_before);
   const SelfLikeness known = counted({{{90, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
   EXPECT_EQ(likeness_at(known, {}), known) << "paths that come nowhere near each other";
+}
+
+TEST(LikePlaces, TheMoreIsDrivenWithoutALikePlaceTheFewerAreToBeExpected) {
+  SelfLikeness a = counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.5, 0.5, false}}), b = counted({});
+  EXPECT_EQ(expected_look_alikes(0.4, b, b), 0.4) << "nothing was searched";
+  a.path_m = b.path_m = 200;
+  EXPECT_NEAR(expected_look_alikes(0.4, b, b), 0.8 / 6, 1e-12);
+  EXPECT_NEAR(expected_look_alikes(0.4, a, b), 1.3 / 6, 1e-12);
+  EXPECT_NEAR(expected_look_alikes(0, a, b), 0.5 / 6, 1e-12);
+  b.wanted = {{1, 7}};
+  EXPECT_NEAR(expected_look_alikes(0.4, a, b), 1.3 / 4, 1e-12) << "a closer look may find some";
 }
 
 }  // namespace
