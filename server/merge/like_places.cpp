@@ -9,10 +9,12 @@
 namespace headframe {
 namespace {
 
-/// Path that says as much of an overlap as all that the mine shows elsewhere.
+/// Path that says as much of an overlap as all that the mine shows elsewhere. With half of it the same placements are
+/// accepted; with twice as much, five right ones of 356 fewer.
 constexpr double mine_counts_m = 200;
 
-/// How near to an overlap a place belongs to it: about as far as the descriptor of a keyframe describes.
+/// How near to an overlap a place belongs to it: about as far as the descriptor of a keyframe describes. From 8 to 20 m
+/// the same right placements are accepted, but for one; with 35 m, as many as if all places counted.
 constexpr double overlap_reach_m = 12;
 
 }  // namespace
