@@ -172,7 +172,7 @@ void CandidateVerifier::compare_with_itself(const OrderedPair& pair, const Case&
                      b = likeness_at(self_.last(pair.b), where.b, e.overlap_m);
   e.aliases = a.aliases + b.aliases;
   e.look_alikes = a.look_alikes + b.look_alikes;
-  e.similar_places = a.similar_places + b.similar_places;
+  e.similar_places = self_.last(pair.a).similar_places + self_.last(pair.b).similar_places;
   self_.tell_of_mine(e);
   e.mine_look_alikes = expected_look_alikes(e.mine_look_alikes, a, b);
 }

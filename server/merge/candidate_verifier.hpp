@@ -70,7 +70,8 @@ class CandidateVerifier {
                                     const std::vector<ScreeningResult>& screened, bool all, CloudSource& clouds,
                                     const PairFindings* known);
   Judgement judge_alone(const OrderedPair& pair, const Case& c, const ScreeningResult& screened, CloudSource& clouds);
-  /// Sets what the mine shows of itself, and each of the two sessions where T_a_b puts them on each other.
+  /// Sets what the mine shows of itself, and each of the two sessions where T_a_b puts them on each other. Similar
+  /// places count wherever they are, because they say that a mine may hold copies.
   void compare_with_itself(const OrderedPair& pair, const Case& c, const Pose& T_a_b, Evidence& e) const;
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;
   bool only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const;
