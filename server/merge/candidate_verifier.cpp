@@ -168,8 +168,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
 void CandidateVerifier::compare_with_itself(const OrderedPair& pair, const Case& c, const Pose& T_a_b,
                                             Evidence& e) const {
   const Overlapping where = overlapping(c.a.stored, c.b.stored, T_a_b, judge_);
-  const SelfLikeness a = likeness_at(self_.last(pair.a), where.a, e.overlap_m),
-                     b = likeness_at(self_.last(pair.b), where.b, e.overlap_m);
+  const SelfLikeness a = likeness_at(self_.last(pair.a), where.a), b = likeness_at(self_.last(pair.b), where.b);
   e.aliases = a.aliases + b.aliases;
   e.look_alikes = a.look_alikes + b.look_alikes;
   e.similar_places = self_.last(pair.a).similar_places + self_.last(pair.b).similar_places;

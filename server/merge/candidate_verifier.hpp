@@ -49,7 +49,7 @@ class CandidateVerifier {
   Judgement judge_again(const OrderedPair& pair, const Case& at, CloudSource& clouds);
 
   /// The same for a placement that follows from other alignments: look-alikes elsewhere do not cast doubt on it, and
-  /// changes of the mine are no excuse where either session is known to repeat itself.
+  /// changes of the mine are no excuse if either session is known to repeat itself.
   Judgement judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds);
 
   /// The same, with the aliases and look-alikes that each session has within itself.

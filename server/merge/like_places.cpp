@@ -4,7 +4,6 @@
 #include <map>
 
 #include "server/session/same_placement.hpp"
-#include "server/verification/ramp.hpp"
 
 namespace headframe {
 namespace {
@@ -52,16 +51,9 @@ void count_places(SelfLikeness& out) {
   }
 }
 
-SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframePosition> positions, double overlap_m) {
+SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframePosition> positions) {
   SelfLikeness out = likeness;
   if (out.places.empty() || positions.empty()) return out;
-  if (out.wanted.empty()) {
-    std::set<std::uint32_t> copies;
-    for (const LikePlace& place : out.places)
-      if (place.copy) copies.insert(place.placement);
-    for (LikePlace& place : out.places)
-      if (!copies.contains(place.placement)) place.likeness *= ramp(overlap_m, 40, 30);
-  }
   std::erase_if(out.places, [&](const LikePlace& place) {
     const auto far = [&](const Eigen::Vector3d& p) { return nearest_to(positions, p).distance_m > overlap_reach_m; };
     return far(place.here) && far(place.there);

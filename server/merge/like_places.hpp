@@ -20,10 +20,7 @@ void count_places(SelfLikeness& likeness);
 
 /// What of it lies within 12 m of one of these positions, either end of it: a session that is like itself elsewhere
 /// does not say that these places could be others. All of it if it is not known where it is, or without positions.
-/// overlap_m: Evidence::overlap_m. From 40 m on (fading from 30 m on) only copies are look-alikes: what does not fit 15
-/// m farther along the path either way is less than such an overlap. Unless clouds are still wanted, without which a
-/// copy may not have been seen.
-SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframePosition> positions, double overlap_m);
+SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframePosition> positions);
 
 /// How many look-alikes an overlap has to be expected to have for each 100 m of path. `of_mine`: how many any place
 /// has, as all sessions show; that weighs as much as 200 m of path. `a` and `b`: likeness_at() the overlap; what is

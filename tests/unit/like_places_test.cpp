@@ -46,7 +46,7 @@ TEST(LikePlaces, PlacesOfOnePlacementAreOneLikeness) {
 TEST(LikePlaces, OnlyWhatLiesWhereTheSessionsMeetCounts) {
   const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}, {1, {20, 0, 0}}};
   const auto at = [&](const Eigen::Vector3d& here, const Eigen::Vector3d& there) {
-    return likeness_at(counted({{here, there, 1, 0.5, 0.75, true}}), meeting, 20).look_alikes;
+    return likeness_at(counted({{here, there, 1, 0.5, 0.75, true}}), meeting).look_alikes;
   };
   EXPECT_EQ(at({31.9, 0, 0}, {90, 0, 0}), 0.5);
   EXPECT_EQ(at({32.1, 0, 0}, {90, 0, 0}), 0);
@@ -59,7 +59,7 @@ TEST(LikePlaces, ThePlaceWithinReachCountsThoughAnotherOfItsPlacementFitsBetter)
       counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.25, 0.5, false}, {{40, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
   EXPECT_EQ(all.look_alikes, 1);
   const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}};
-  const SelfLikeness here = likeness_at(all, meeting, 20);
+  const SelfLikeness here = likeness_at(all, meeting);
   EXPECT_EQ(here.look_alikes, 0.25);
   EXPECT_EQ(here.similar_places, 0.5);
   EXPECT_EQ(here.aliases, 0);
@@ -71,25 +71,9 @@ TEST(LikePlaces, AllCountsIfNobodyKnowsWhereItIs) {
   of_before.aliases = 2;
   of_before.look_alikes = 3;
   const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}};
-  EXPECT_EQ(likeness_at(of_before, meeting, 20), of_before);
+  EXPECT_EQ(likeness_at(of_before, meeting), of_before);
   const SelfLikeness known = counted({{{90, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
-  EXPECT_EQ(likeness_at(known, {}, 20), known) << "paths that come nowhere near each other";
-}
-
-TEST(LikePlaces, APlaceThatIsNoCopyIsLessThanALongOverlap) {
-  const LikePlace place{{0, 0, 0}, {90, 0, 0}, 1, 0.5, 0.75, false}, copy{{9, 0, 0}, {99, 0, 0}, 1, 0, 0, true};
-  const std::vector<KeyframePosition> meeting{{0, {0, 0, 0}}};
-  const auto over = [&](const SelfLikeness& likeness, double overlap_m) {
-    return likeness_at(likeness, meeting, overlap_m);
-  };
-  EXPECT_EQ(over(counted({place}), 30).look_alikes, 0.5);
-  EXPECT_EQ(over(counted({place}), 35).look_alikes, 0.25);
-  EXPECT_EQ(over(counted({place}), 40).look_alikes, 0);
-  EXPECT_EQ(over(counted({place}), 40).similar_places, 0.75) << "the mine may hold copies all the same";
-  EXPECT_EQ(over(counted({place, copy}), 40).look_alikes, 0.5) << "another place of the placement fits for long";
-  SelfLikeness unfinished = counted({place});
-  unfinished.wanted = {{1, 7}};
-  EXPECT_EQ(over(unfinished, 40).look_alikes, 0.5);
+  EXPECT_EQ(likeness_at(known, {}), known) << "paths that come nowhere near each other";
 }
 
 TEST(LikePlaces, TheMoreIsDrivenWithoutALikePlaceTheFewerAreToBeExpected) {
