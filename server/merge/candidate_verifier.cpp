@@ -173,7 +173,7 @@ void CandidateVerifier::compare_with_itself(const OrderedPair& pair, const Case&
   e.look_alikes = a.look_alikes + b.look_alikes;
   e.similar_places = self_.last(pair.a).similar_places + self_.last(pair.b).similar_places;
   self_.tell_of_mine(e);
-  e.mine_look_alikes = expected_look_alikes(e.mine_look_alikes, a, b);
+  e.mine_look_alikes = expected_look_alikes(e.mine_look_alikes, a, b, e);
 }
 
 Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c, const ScreeningResult& screened,

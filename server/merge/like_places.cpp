@@ -4,6 +4,7 @@
 #include <map>
 
 #include "server/session/same_placement.hpp"
+#include "server/verification/ramp.hpp"
 
 namespace headframe {
 namespace {
@@ -64,9 +65,11 @@ SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframeP
 
 double searched_m(const SelfLikeness& likeness) { return likeness.wanted.empty() ? std::max(0.0, likeness.path_m) : 0; }
 
-double expected_look_alikes(double of_mine, const SelfLikeness& a, const SelfLikeness& b) {
+double expected_look_alikes(double of_mine, const SelfLikeness& a, const SelfLikeness& b, const Evidence& e) {
   const double found = of_mine * mine_counts_m / 100 + a.look_alikes + b.look_alikes;
-  return 100 * found / (mine_counts_m + searched_m(a) + searched_m(b));
+  const double here = 100 * found / (mine_counts_m + searched_m(a) + searched_m(b));
+  const double differ = ramp(e.descriptors_compared, 2, 4) * ramp(e.descriptors_alike, 0.76, 0.72);
+  return here + differ * std::max(0.0, of_mine - here);
 }
 
 }  // namespace headframe

@@ -78,13 +78,32 @@ TEST(LikePlaces, AllCountsIfNobodyKnowsWhereItIs) {
 
 TEST(LikePlaces, TheMoreIsDrivenWithoutALikePlaceTheFewerAreToBeExpected) {
   SelfLikeness a = counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.5, 0.5, false}}), b = counted({});
-  EXPECT_EQ(expected_look_alikes(0.4, b, b), 0.4) << "nothing was searched";
+  Evidence e;  // no descriptors
+  EXPECT_EQ(expected_look_alikes(0.4, b, b, e), 0.4) << "nothing was searched";
   a.path_m = b.path_m = 200;
-  EXPECT_NEAR(expected_look_alikes(0.4, b, b), 0.8 / 6, 1e-12);
-  EXPECT_NEAR(expected_look_alikes(0.4, a, b), 1.3 / 6, 1e-12);
-  EXPECT_NEAR(expected_look_alikes(0, a, b), 0.5 / 6, 1e-12);
+  EXPECT_NEAR(expected_look_alikes(0.4, b, b, e), 0.8 / 6, 1e-12);
+  EXPECT_NEAR(expected_look_alikes(0.4, a, b, e), 1.3 / 6, 1e-12);
+  EXPECT_NEAR(expected_look_alikes(0, a, b, e), 0.5 / 6, 1e-12);
   b.wanted = {{1, 7}};
-  EXPECT_NEAR(expected_look_alikes(0.4, a, b), 1.3 / 4, 1e-12) << "a closer look may find some";
+  EXPECT_NEAR(expected_look_alikes(0.4, a, b, e), 1.3 / 4, 1e-12) << "a closer look may find some";
+}
+
+TEST(LikePlaces, WhereDescriptorsDifferAsManyAreToBeExpectedAsAnywhere) {
+  SelfLikeness a = counted({});
+  a.path_m = 100;
+  const auto expected = [&](double descriptors, double alike, double of_mine) {
+    Evidence e;
+    e.descriptors_compared = descriptors;
+    e.descriptors_alike = alike;
+    return expected_look_alikes(of_mine, a, a, e);
+  };
+  EXPECT_NEAR(expected(4, 0.77, 0.4), 0.2, 1e-12);
+  EXPECT_NEAR(expected(4, 0.74, 0.4), 0.3, 1e-12);
+  EXPECT_NEAR(expected(4, 0.71, 0.4), 0.4, 1e-12);
+  EXPECT_NEAR(expected(2, 0.6, 0.4), 0.2, 1e-12) << "two tell little";
+  a = counted({{{0, 0, 0}, {90, 0, 0}, 1, 0.5, 0.5, false}});
+  a.path_m = 100;
+  EXPECT_NEAR(expected(4, 0.71, 0), 0.25, 1e-12) << "but never fewer than are seen";
 }
 
 }  // namespace
