@@ -66,8 +66,7 @@ std::vector<LikePlace> like_places_from_blob(std::string_view blob) {
   if (blob.size() % sizeof n != 0) return places;
   for (; !blob.empty(); blob.remove_prefix(sizeof n)) {
     std::memcpy(n.data(), blob.data(), sizeof n);
-    places.push_back(
-        {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, static_cast<std::uint32_t>(n[6]), n[7], n[8], n[9] != 0});
+    places.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, static_cast<std::uint32_t>(n[6]), n[7], n[8], n[9] != 0});
   }
   return places;
 }

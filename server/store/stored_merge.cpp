@@ -85,10 +85,8 @@ Result<void> read_self_likeness(Database& db, std::map<SessionId, SelfLikeness>&
       [&](const Row& row) {
         const SessionId session = row.integer(0);
         SelfLikeness& found = known[session];
-        found = {row.real(1), static_cast<std::size_t>(row.integer(2)),
-                 row.real(3), row.real(4),
-                 row.real(6), like_places_from_blob(row.blob(7)),
-                 {}};
+        found = {row.real(1), static_cast<std::size_t>(row.integer(2)), row.real(3), row.real(4),
+                 row.real(6), like_places_from_blob(row.blob(7)),       {}};
         for (const std::uint64_t sequence : integers_from_blob(row.blob(5)))
           found.wanted.push_back({session, sequence});
       });

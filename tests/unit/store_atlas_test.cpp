@@ -64,8 +64,7 @@ TEST_P(StoredAtlas, ARevisionWritesWhatItMovesAndTheLastOneIsReadWhole) {
 
 TEST_P(StoredAtlas, KeepsHowSessionsLookLikeThemselvesUntilTheyAreDeleted) {
   const SelfLikeness one{120.5, 40, 2, 3.5, 4.5, {{{1, 2, 3}, {4, 5, 6}, 1, 0.5, 0.75, true}, {}}, {{1, 7}, {1, 9}}},
-      other{30, 4, 0, 0, 0, {}, {}},
-      later{35, 5, 1, 0, 0.5, {}, {}};
+      other{30, 4, 0, 0, 0, {}, {}}, later{35, 5, 1, 0, 0.5, {}, {}};
   {
     const auto store = open(*home);
     PutMerge merge;
