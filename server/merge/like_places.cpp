@@ -10,11 +10,11 @@ namespace headframe {
 namespace {
 
 /// Path that says as much of an overlap as all that the mine shows elsewhere. With half of it the same placements are
-/// accepted; with twice as much, five right ones of 356 fewer.
+/// accepted; with twice as much, four right ones of 356 fewer.
 constexpr double mine_counts_m = 200;
 
 /// How near to an overlap a place belongs to it: about as far as the descriptor of a keyframe describes. From 8 to 20 m
-/// the same right placements are accepted, but for one; with 35 m, as many as if all places counted.
+/// the same right placements of two mines are accepted (88 judged), but for one; with 35 m, as many as if all counted.
 constexpr double overlap_reach_m = 12;
 
 }  // namespace

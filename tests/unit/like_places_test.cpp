@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/merge/pair_findings.hpp"
+
 namespace headframe {
 namespace {
 
@@ -74,6 +76,14 @@ TEST(LikePlaces, AllCountsIfNobodyKnowsWhereItIs) {
   EXPECT_EQ(likeness_at(of_before, meeting), of_before);
   const SelfLikeness known = counted({{{90, 0, 0}, {130, 0, 0}, 1, 1, 1, true}});
   EXPECT_EQ(likeness_at(known, {}), known) << "paths that come nowhere near each other";
+}
+
+TEST(LikePlaces, AServerThatSearchesForAnotherPassesThemOn) {
+  PairFindings findings;
+  findings.itself = counted({{{1, 2, 3}, {4, 5, 6}, 7, 0.25, 0.5, true}, {{1, 2, 3}, {8, 9, 10}, 8, 0.75, 1, false}});
+  const auto passed_on = decode_findings(encode_findings(findings));
+  ASSERT_TRUE(passed_on);
+  EXPECT_EQ(passed_on->itself, findings.itself);
 }
 
 TEST(LikePlaces, TheMoreIsDrivenWithoutALikePlaceTheFewerAreToBeExpected) {
