@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "server/store/columns.hpp"
 #include "tests/support/both_stores.hpp"
 #include "tests/support/keyframes.hpp"
 
@@ -60,6 +61,12 @@ TEST_P(StoredAtlas, ARevisionWritesWhatItMovesAndTheLastOneIsReadWhole) {
   EXPECT_EQ(rows_of(2), 1);
   EXPECT_EQ(rows_of(3), 1) << "that it is gone";
   EXPECT_EQ(rows_of(4), 0);
+}
+
+TEST(LikePlacesBlob, CutShortSaysThatItIsNotKnownWhereTheyAre) {
+  const std::string whole = like_places_blob({{{1, 2, 3}, {4, 5, 6}, 1, 0.5, 0.75, true}, {}});
+  EXPECT_EQ(like_places_from_blob(whole).size(), 2U);
+  EXPECT_TRUE(like_places_from_blob(whole.substr(0, whole.size() - 1)).empty());
 }
 
 TEST_P(StoredAtlas, KeepsHowSessionsLookLikeThemselvesUntilTheyAreDeleted) {
