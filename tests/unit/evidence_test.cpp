@@ -120,6 +120,15 @@ TEST(Visibility, TheRightPlaceHasNoViolationsAndAWrongOneHas) {
   EXPECT_GT(look_from(views, rock, Eigen::Translation3d(0, 6, 0) * truth, 25, 0.5F).violation(), 0.02);
 }
 
+TEST(Visibility, FewPointsProveLittleAndManyAsMuchAsTheirShare) {
+  constexpr double contradicts = 0.015;
+  EXPECT_EQ(Visibility{}.violation(), 0);
+  EXPECT_LT((Visibility{.seen = 43, .violated = 2}).violation(), contradicts);
+  EXPECT_GT((Visibility{.seen = 0, .violated = 2}).violation(), contradicts);  // nothing agrees
+  EXPECT_GT((Visibility{.seen = 40, .violated = 5}).violation(), contradicts);
+  EXPECT_NEAR((Visibility{.seen = 9800, .violated = 200}).violation(), 0.02, 2e-4);
+}
+
 /// A drive's sweeps, every second keyframe of them laid two metres off, and another's rock, which some hit and some see
 /// through.
 struct RockSeen {
