@@ -240,6 +240,11 @@ Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& 
   return out;
 }
 
+double CandidateVerifier::violation_at(const OrderedPair& pair, const Case& at, CloudSource& clouds) const {
+  const Scene scene = submaps_.scene(pair, at.a.stored, at.b.stored, clouds);
+  return headframe::violation_at(scene, at.hypothesis.T_a_b, judge_);
+}
+
 Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds) {
   const Case at = requests_.make_case(pair.a, pair.b, {.T_a_b = T_a_b}, clouds);
   if (at.a.stored.empty() || at.b.stored.empty()) return {};

@@ -52,6 +52,9 @@ class CandidateVerifier {
   /// changes of the mine are no excuse if either session is known to repeat itself.
   Judgement judge_contact(const OrderedPair& pair, const Case& at, CloudSource& clouds);
 
+  /// What contradicts a placement as it is, see headframe::violation_at().
+  double violation_at(const OrderedPair& pair, const Case& at, CloudSource& clouds) const;
+
   /// The same, with the aliases and look-alikes that each session has within itself.
   Judgement judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds);
 

@@ -14,6 +14,9 @@ constexpr std::size_t placements_kept = 4;  // for each pair
 // 1.5 m off, had 0.002 and less; 480 of 528 wrong ones had more than this threshold.
 constexpr double contradiction = 0.015;
 
+/// The violation of the worst place, or of the overlap. (If the first place was too bad to go on, there is only that.)
+double violation_of(const Evidence& e) { return std::max(worst_place_contradiction(e), freespace_contradiction(e)); }
+
 }  // namespace
 
 bool ConsistencyCheck::meet(const ImpliedPlacement& placement) const {
@@ -27,12 +30,6 @@ bool ConsistencyCheck::meet(const ImpliedPlacement& placement) const {
     const Eigen::Vector3d p = placement.T_a_b * k.T_local_sensor.translation();
     return reach.contains(p) && a.distance_m(p) < reach_m;
   });
-}
-
-/// The violation of the worst place, or of the overlap. (If the first place was too bad to go on, there is only that.)
-double ConsistencyCheck::violation_of(const SeenContact& seen) {
-  const Evidence& e = seen.judgement.evidence;
-  return std::max(worst_place_contradiction(e), freespace_contradiction(e));
 }
 
 ConsistencyCheck::SeenContact* ConsistencyCheck::seen(const ImpliedPlacement& placement) {
@@ -53,7 +50,7 @@ std::optional<Contact> ConsistencyCheck::known_contact(const ImpliedPlacement& p
 
 Objection ConsistencyCheck::objection(const std::pair<SessionId, SessionId>& pair) const {
   Objection out{pair.first, pair.second, 0};
-  for (const SeenContact& contact : contacts_.at(pair)) out.violation = std::max(out.violation, violation_of(contact));
+  for (const SeenContact& contact : contacts_.at(pair)) out.violation = std::max(out.violation, contact.violation);
   return out;
 }
 
@@ -64,11 +61,14 @@ void ConsistencyCheck::forget(SessionId id) {
 ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& placement, const OrderedPair& pair,
                                                        const Case& at, CloudSource& clouds) const {
   SeenContact out{
-      placement.T_a_b, at.a.stored.size() + at.b.stored.size(), sessions_.have_ended(pair), Contact::none, {}, false};
+      placement.T_a_b, at.a.stored.size() + at.b.stored.size(), sessions_.have_ended(pair), Contact::none, {}, 0, false};
   if (at.a.stored.empty() || at.b.stored.empty()) return out;
   out.judgement = by_ids(pair, verifier_.judge_contact(pair, at, clouds));
   const Judgement& judged = out.judgement;
-  if (violation_of(out) >= contradiction)
+  out.violation = violation_of(judged.evidence);
+  // Rock of another place contradicts wherever the registration ends: at what was implied, too.
+  if (out.violation >= contradiction) out.violation = std::min(out.violation, verifier_.violation_at(pair, at, clouds));
+  if (out.violation >= contradiction)
     out.contact = Contact::contradicts;
   else if (judged.evidence.probability >= config_.accept_probability && agrees(placement.T_a_b, judged.T_a_b, {}))
     out.contact = Contact::agrees;

@@ -42,6 +42,7 @@ class ConsistencyCheck {
     bool whole = false;         // both had ended
     Contact contact = Contact::none;
     Judgement judgement;
+    double violation = 0;   // at the worst place, or of the overlap
     bool recorded = false;  // as an alignment, once both were in one component
   };
 
@@ -52,7 +53,6 @@ class ConsistencyCheck {
   SeenContact judged(const ImpliedPlacement& placement, const OrderedPair& pair, const Case& at,
                      CloudSource& clouds) const;
   bool record_agreeing(const MergeResult& merged, AttemptReport& report);
-  static double violation_of(const SeenContact& seen);
 
   const MergeConfig config_;
   const SessionMap& sessions_;

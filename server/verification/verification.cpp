@@ -103,14 +103,28 @@ void register_each(Places& places, std::size_t first, const Pose& T_a_b, const J
   });
 }
 
-/// Adds the places of b where T_a_b puts them on a, and registers them.
-void add_places(const Scene& scene, std::span<const KeyframePosition> of_b, const Pose& T_a_b,
-                const JudgeConfig& config, Places& places) {
+/// These keyframes of b, each with the nearest one of a.
+std::vector<Meeting> meetings_of(const Scene& scene, std::span<const KeyframePosition> of_b, const Pose& T_a_b) {
   std::vector<Meeting> meetings;
   for (const KeyframePosition& s : of_b)
     meetings.push_back({nearest_to(scene.a, T_a_b * s.p).position->keyframe, s.keyframe});
+  return meetings;
+}
+
+/// Where the overlap has its middle; nullopt if the two do not come near each other.
+std::optional<Meeting> middle_meeting(const Scene& scene, const Pose& T_a_b, const JudgeConfig& config) {
+  std::vector<KeyframePosition> near;
+  for (const double reach_m : {config.meet_m, config.far_m, config.apart_m})
+    if (near.empty()) near = near_other(scene.a, scene.b, T_a_b, reach_m);
+  if (near.empty()) return std::nullopt;
+  return first_meeting(scene.a, scene.b, T_a_b, near[near.size() / 2].p, config);
+}
+
+/// Adds the places of b where T_a_b puts them on a, and registers them.
+void add_places(const Scene& scene, std::span<const KeyframePosition> of_b, const Pose& T_a_b,
+                const JudgeConfig& config, Places& places) {
   const std::size_t before = places.pairs.size();
-  for (SubmapPair& pair : scene.places(meetings)) places.pairs.push_back(std::move(pair));
+  for (SubmapPair& pair : scene.places(meetings_of(scene, of_b, T_a_b))) places.pairs.push_back(std::move(pair));
   places.checks.resize(places.pairs.size());
   register_each(places, before, T_a_b, config);
 }
@@ -223,14 +237,25 @@ Judgement judge(const Scene& scene, const ScreeningResult& first, const JudgeCon
 }
 
 Judgement judge_again(const Scene& scene, const Pose& T_0, const JudgeConfig& config) {
-  std::vector<KeyframePosition> near;
-  for (const double reach_m : {config.meet_m, config.far_m, config.apart_m})
-    if (near.empty()) near = near_other(scene.a, scene.b, T_0, reach_m);
-  if (near.empty()) return {};
-  const auto meeting = first_meeting(scene.a, scene.b, T_0, near[near.size() / 2].p, config);
+  const auto meeting = middle_meeting(scene, T_0, config);
   if (!meeting) return {};
   const SubmapPair at = scene.places({&*meeting, 1}).front();
   return judge(scene, screen_submaps(at.a, at.b, T_0, config), config);
+}
+
+double violation_at(const Scene& scene, const Pose& T_a_b, const JudgeConfig& config) {
+  const auto meeting = middle_meeting(scene, T_a_b, config);
+  if (!meeting) return 0;
+  std::vector<SubmapPair> places = scene.places({&*meeting, 1});
+  const auto others = other_places(scene.a, scene.b, T_a_b, places.front().b->p, config);
+  for (SubmapPair& place : scene.places(meetings_of(scene, others, T_a_b))) places.push_back(std::move(place));
+  std::vector<double> violations(places.size());
+  for_blocks(places.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
+    SubmapCheck place;
+    check_free_space(place, *places[i].a, *places[i].b, T_a_b, config.place);
+    violations[i] = place.between().violation();
+  });
+  return *std::max_element(violations.begin(), violations.end());
 }
 
 void weigh(Judgement& judgement) {

@@ -31,6 +31,10 @@ Judgement judge(const Scene& scene, const ScreeningResult& first, const JudgeCon
 /// Screens and judges a placement that is known to within a metre or two: a published alignment with more keyframes.
 Judgement judge_again(const Scene& scene, const Pose& T_a_b_0, const JudgeConfig& config);
 
+/// The share of violated points at the worst place of the overlap if nothing is registered; 0 if the two do not meet.
+/// Where two sessions share little rock, a registration may go astray by more than the placement that it began with.
+double violation_at(const Scene& scene, const Pose& T_a_b, const JudgeConfig& config);
+
 /// Sets the probabilities of a judgement from its other evidence.
 void weigh(Judgement& judgement);
 
