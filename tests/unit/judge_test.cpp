@@ -20,15 +20,19 @@ SubmapPtr submap_at(const std::vector<PlacedCloud>& clouds, std::size_t keyframe
       make_submap(clouds, clouds[keyframe].T_local_sensor.translation(), SubmapConfig{}));
 }
 
+Scene scene_of(const std::vector<PlacedCloud>& clouds_a, const std::vector<PlacedCloud>& clouds_b) {
+  return {stands(clouds_a), stands(clouds_b), [&](std::span<const Meeting> meetings) {
+            std::vector<SubmapPair> out;
+            for (const Meeting& m : meetings)
+              out.push_back({submap_at(clouds_a, m.keyframe_a), submap_at(clouds_b, m.keyframe_b)});
+            return out;
+          }};
+}
+
 /// The whole way from a guess to a judgement.
 Judgement judged(const std::vector<PlacedCloud>& clouds_a, const std::vector<PlacedCloud>& clouds_b, const Pose& T_0,
                  const Eigen::Vector3d& p_b, const JudgeConfig& config = {}) {
-  const Scene scene{stands(clouds_a), stands(clouds_b), [&](std::span<const Meeting> meetings) {
-                      std::vector<SubmapPair> out;
-                      for (const Meeting& m : meetings)
-                        out.push_back({submap_at(clouds_a, m.keyframe_a), submap_at(clouds_b, m.keyframe_b)});
-                      return out;
-                    }};
+  const Scene scene = scene_of(clouds_a, clouds_b);
   const auto meeting = first_meeting(scene.a, scene.b, T_0, p_b, config);
   if (!meeting) return {};
   const SubmapPair at = scene.places({&*meeting, 1}).front();
@@ -65,6 +69,27 @@ TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
   EXPECT_EQ(judged({}, clouds_b, truth, crossing).status, RegistrationStatus::too_little_overlap);
   EXPECT_EQ(judged(clouds_a, clouds_b, Eigen::Translation3d(500, 0, 0) * truth, crossing).status,
             RegistrationStatus::too_little_overlap);
+}
+
+TEST(Judge, WhatContradictsAPlacementAsItIsNeedsNoRegistration) {
+  constexpr double contradicts = 0.015;
+  const BoxMine mine({BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30), BoxMine::drift(10, -20, 10, 0, 6)});
+  const auto a = drive(mine, {{5, 0}, {45, 0}}, 0, 1), b = drive(mine, {{30, 25}, {30, 0}, {15, 0}}, 1, 2);
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  const auto clouds_a = placed(a), clouds_b = placed(b);
+  const Scene scene = scene_of(clouds_a, clouds_b);
+  const auto at = [&](double x, double y, double yaw) {
+    return violation_at(scene, Pose(Eigen::Translation3d(x, y, 0) * truth * pose_from_yaw(yaw, {0, 0, 0})), {});
+  };
+  EXPECT_LT(at(0, 0, 0), 0.002);
+  EXPECT_LT(at(0.3, -0.2, 0.01), contradicts) << "as far as a chain of merges may be off";
+  EXPECT_GT(at(-8, 0, 0), contradicts);
+  EXPECT_GT(at(0, 6, 0), contradicts);
+  EXPECT_EQ(at(500, 0, 0), 0) << "they do not meet";
+  JudgeConfig with_threads;
+  with_threads.threads = 3;
+  const Pose wrong = Eigen::Translation3d(-8, 0, 0) * truth;
+  EXPECT_EQ(violation_at(scene, wrong, {}), violation_at(scene, wrong, with_threads));
 }
 
 TEST(Judge, APlaceWhereRockLiesBetweenTheRobotsSaysNothing) {
