@@ -60,8 +60,9 @@ void ConsistencyCheck::forget(SessionId id) {
 
 ConsistencyCheck::SeenContact ConsistencyCheck::judged(const ImpliedPlacement& placement, const OrderedPair& pair,
                                                        const Case& at, CloudSource& clouds) const {
-  SeenContact out{
-      placement.T_a_b, at.a.stored.size() + at.b.stored.size(), sessions_.have_ended(pair), Contact::none, {}, 0, false};
+  SeenContact out{.T_a_b = placement.T_a_b,
+                  .keyframes = at.a.stored.size() + at.b.stored.size(),
+                  .whole = sessions_.have_ended(pair)};
   if (at.a.stored.empty() || at.b.stored.empty()) return out;
   out.judgement = by_ids(pair, verifier_.judge_contact(pair, at, clouds));
   const Judgement& judged = out.judgement;

@@ -41,8 +41,8 @@ class ConsistencyCheck {
     std::size_t keyframes = 0;  // of both, whose clouds were used
     bool whole = false;         // both had ended
     Contact contact = Contact::none;
-    Judgement judgement;
-    double violation = 0;   // at the worst place, or of the overlap
+    Judgement judgement = {};
+    double violation = 0;   // at the worst place, or of the overlap; the lesser of what was implied and registered
     bool recorded = false;  // as an alignment, once both were in one component
   };
 
