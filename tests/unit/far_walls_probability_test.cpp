@@ -59,6 +59,23 @@ TEST(ProbabilityOfFarWalls, ALowScoreIsADoubtWhereHardlyAnyPathIsShared) {
   EXPECT_EQ(with_score(gap, 100), with_score(gap, 90));
 }
 
+/// Two places of a cave, 193 m apart, that fitted over 5 m and were merged, scored 114; right ones 149 and more.
+TEST(ProbabilityOfFarWalls, TwoPlacesOfHardlyAnyPathNeedWallsFartherOff) {
+  Evidence two = test::convincing();
+  two.overlap_m = 5.4;
+  two.places = two.places_agreeing = 2;
+  two.descriptors_compared = 0;
+  two.matched_share = 0.75;
+  two.inlier_fraction = 0.46;
+  two.weakest_hold = 0.114;
+  EXPECT_LT(with_score(two, 114), 0.9);
+  EXPECT_GT(with_score(two, 149), 0.9);
+  for (double score = 90; score < 160; ++score)
+    EXPECT_NEAR(with_score(two, score), with_score(two, score + 1), 0.05) << "no cliff";
+  two.places = two.places_agreeing = 3;
+  EXPECT_GT(with_score(two, 114), 0.9);
+}
+
 TEST(ProbabilityOfFarWalls, AlongATunnelThatHoldsLooselyTheyTellNothing) {
   const auto more = [](double hold) {
     Evidence e = one_hall();
