@@ -23,9 +23,10 @@ struct Visibility {
   double unknown = 0;   // neither: hidden, out of range, outside the field of view
   Visibility& operator+=(const Visibility& other);
   double all() const { return seen + violated + lone + unknown; }
-  /// Share of the points that could be compared, and of 100 more that agree, because few points prove little: at one
-  /// place of a right placement 45 of 2824 could be compared, and two violated ones of these held back five merges.
-  double violation() const { return violated / (seen + violated + 100); }
+  /// The points that could be compared, and 100 more that agree, because few points prove little: at one place of a
+  /// right placement two of 46 were violated, which held back five merges.
+  double compared() const { return seen + violated + 100; }
+  double violation() const { return violated / compared(); }
 };
 
 /// One sweep of a session and the pose from which it was taken.

@@ -42,7 +42,7 @@ std::vector<Change> gather_changes(Evidence& e, const std::vector<SubmapCheck>& 
     worst = std::max(worst, place.unexplained());
   }
   patches = joined(std::move(patches));
-  const double share_explained = share(explained, all.seen + all.violated);
+  const double share_explained = explained / all.compared();
   const bool rest_agrees = all.violation() - share_explained < most_unexplained && worst < most_unexplained_at_one;
   if (!rest_agrees || share_explained > most_explained || !plausible(patches)) return {};
   e.freespace_explained = share_explained;

@@ -80,6 +80,9 @@ TEST_P(ChangeScenes, ARightMergeHoldsAndTheChangeIsListed) {
   run.attempt(2);
   ASSERT_TRUE(judge_outcome(run, 1, 2).right) << between(run, 1, 2).evidence.probability;
   const Alignment merged = between(run, 1, 2);
+  EXPECT_GT(merged.evidence.freespace_explained, 0);
+  EXPECT_LE(merged.evidence.freespace_explained, merged.evidence.freespace_violation + 1e-12)
+      << "no more than there is";
   const auto changes = changes_since(0, {&merged}, run.pipeline.atlas());
   ASSERT_EQ(changes.size(), 1U);
   const Pose T_mine_component = before.path.T_world_sensor[0] * before.path.T_local_sensor[0].inverse();

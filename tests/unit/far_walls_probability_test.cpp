@@ -8,16 +8,19 @@
 namespace headframe {
 namespace {
 
-/// Two robots that look into one hall, at three places, and whose surfaces match as far as corners let both see them.
-Evidence one_hall() {
+/// Hardly any path is shared, at so many places.
+Evidence hardly_shared(double overlap_m, double places, double matched_share, double inlier_fraction, double hold) {
   Evidence e = test::convincing();
-  e.overlap_m = 7.6;
-  e.places = e.places_agreeing = 3;
-  e.matched_share = 0.64;
-  e.inlier_fraction = 0.54;
-  e.weakest_hold = 0.18;  // from all sides
+  e.overlap_m = overlap_m;
+  e.places = e.places_agreeing = places;
+  e.matched_share = matched_share;
+  e.inlier_fraction = inlier_fraction;
+  e.weakest_hold = hold;
   return e;
 }
+
+/// Two robots that look into one hall, held from all sides, whose surfaces match as far as corners let both see them.
+Evidence one_hall() { return hardly_shared(7.6, 3, 0.64, 0.54, 0.18); }
 
 double p(const Evidence& e) { return probability(RegistrationStatus::converged, e); }
 
@@ -46,11 +49,7 @@ TEST(ProbabilityOfFarWalls, TheyAddNothingToALongOverlapAndExcuseNoContradiction
 /// Two robots in tunnels that pass each other and see into one another through a gap; the copy of such a gap that was
 /// merged wrongly scored 90.
 TEST(ProbabilityOfFarWalls, ALowScoreIsADoubtWhereHardlyAnyPathIsShared) {
-  Evidence gap = test::convincing();
-  gap.overlap_m = 6.3;
-  gap.matched_share = 0.72;
-  gap.inlier_fraction = 0.39;
-  gap.weakest_hold = 0.18;
+  Evidence gap = hardly_shared(6.3, 6, 0.72, 0.39, 0.18);
   EXPECT_GT(with_score(gap, 100), 0.9);
   EXPECT_LT(with_score(gap, 90), 0.9);
   EXPECT_EQ(with_score(gap, 90), with_score(gap, 60));
@@ -61,13 +60,7 @@ TEST(ProbabilityOfFarWalls, ALowScoreIsADoubtWhereHardlyAnyPathIsShared) {
 
 /// Two places of a cave, 193 m apart, that fitted over 5 m and were merged, scored 114; right ones 149 and more.
 TEST(ProbabilityOfFarWalls, TwoPlacesOfHardlyAnyPathNeedWallsFartherOff) {
-  Evidence two = test::convincing();
-  two.overlap_m = 5.4;
-  two.places = two.places_agreeing = 2;
-  two.descriptors_compared = 0;
-  two.matched_share = 0.75;
-  two.inlier_fraction = 0.46;
-  two.weakest_hold = 0.114;
+  Evidence two = hardly_shared(5.4, 2, 0.75, 0.46, 0.114);
   EXPECT_LT(with_score(two, 114), 0.9);
   EXPECT_GT(with_score(two, 149), 0.9);
   for (double score = 90; score < 160; ++score)
