@@ -5,15 +5,12 @@
 #include <cmath>
 
 #include "server/atlas/formatted.hpp"
-#include "server/verification/gates.hpp"
-#include "server/verification/tile_weights.hpp"
 #include "server/verification/verdict.hpp"
 
 namespace headframe {
 namespace {
 
 constexpr double next_to_nothing = 0.25;  // log-odds
-constexpr std::size_t always_said = 6;    // the first terms are always listed, the others only if they apply
 
 std::string descriptors(const Evidence& e) {
   if (e.descriptors_compared == 0)
@@ -22,124 +19,77 @@ std::string descriptors(const Evidence& e) {
                    e.descriptors_compared, 100 * e.descriptors_alike);
 }
 
-std::string hold(const Evidence& e) {
-  if (e.weakest_hold >= held_well) return "the walls hold the position in every direction";
-  return formatted(
-      "the walls hardly hold the position along the tunnel, and of the surfaces that face along it %.0f %% meet",
-      100 * e.end_on_match);
-}
-
-std::string places(const Evidence& e) {
-  return formatted("%.0f of %.0f places along the overlap, registered each by itself, agree; they would move by %.2f m",
-                   e.places_agreeing, e.places, e.spread_m);
-}
-
 std::string copies(const Evidence& e) {
-  const double asked_m = std::max(asked_overlap_m(e), asked_among_look_alikes_m(e));
-  if (asked_m <= 0) return "the mine is not known to repeat itself";
-  return formatted(
-      "the mine repeats itself (at %.1f other placements a place looks the same and %.0f of them pass every test; %.1f "
-      "copies in 100 m of all that is known): %.0f m shared, %.0f m would tell",
-      e.look_alikes, e.aliases, e.repetition, e.overlap_m, asked_m);
+  return formatted("%.1f other placements pass every test; all sessions show %.2f copies in 100 m", e.aliases,
+                   e.repetition);
 }
 
-std::string shared(const Evidence& e) { return formatted("%.0f m of path are shared", e.overlap_m); }
+std::string look_alikes(const Evidence& e) {
+  return formatted("at %.1f other placements a place, taken alone, looks the same; %.2f are to be expected in 100 m",
+                   e.look_alikes, e.mine_look_alikes);
+}
 
 /// Without what changes of the mine explain, which does not count.
 std::string violation(const Evidence& e) {
-  std::string out =
-      formatted("%.2f %% of the points lie where the other's rays passed through", 100 * freespace_contradiction(e));
-  const double excused = excused_by_changes(e) * e.freespace_explained;
+  std::string out = formatted("%.2f %% of the points lie where the other's rays passed through, at the place that "
+                              "contradicts most",
+                              100 * worst_place_contradiction(e));
+  const double excused = excused_by_changes(e) * e.worst_place_explained;
   return excused > 0 ? out + formatted(", besides %.2f %% where the mine has changed", 100 * excused) : out;
 }
 
-/// Without descriptors, the length of the overlap has to tell.
-std::string told_apart(const Evidence& e) {
-  return descriptors(e) + (e.descriptors_compared > 0 ? "" : ", and " + shared(e)) +
-         formatted(
-             ", where places look alike (%.2f to be expected in 100 m), resemble others (%.2f) or lie apart (by "
-             "%.2f m), points scatter (by %.0f mm), the overlap is short (%.0f m), or the walls hold loosely (by %.3f; "
-             "across the tunnel %.0f %% meet)",
-             e.mine_look_alikes, e.similar_places, e.spread_m, 1000 * e.rmse_m, e.overlap_m, e.weakest_hold,
-             100 * e.end_on_match);
+std::string farther_violation(const Evidence& e) {
+  return formatted("%.2f %% of the points do so up to 25 m away at one place: a copy would end there",
+                   100 * farther_contradiction(e));
 }
 
-std::string farther_walls(const Evidence& e) {
-  return formatted("the walls of both sessions, also far from the paths, match with a score of %.0f", e.support);
+std::string walls(const Evidence& e) {
+  if (!(e.support > 0)) return "the placement came from no search of the walls";
+  return formatted("the walls of both sessions, also far from the paths, match with a score of %.0f over %.0f m",
+                   e.support, e.overlap_m);
 }
 
-/// What a contribution means, in the order of LogOdds::contributions.
-std::array<std::string, verdict_contribution_count> words_of(const Evidence& e) {
-  return {
-      {violation(e),
-       formatted("%.2f %% do so at the place that contradicts most", 100 * worst_place_contradiction(e)),
-       formatted("the surfaces lie %.0f mm apart", 1000 * e.residual_m),
-       formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m),
-       places(e),
-       hold(e),
-       descriptors(e),
-       descriptors(e),
-       copies(e),
-       shared(e),
-       places(e),
-       formatted("%.2f %% of the points do so up to 25 m away at one place: a copy would end there",
-                 100 * farther_contradiction(e)),
-       formatted("only %.0f %% of the points where they meet have a partner in the other map", 100 * e.inlier_fraction),
-       formatted("at %.1f other placements a place, taken alone, looks the same", e.look_alikes),
-       formatted("the maps would lean by %.2f deg against each other", e.tilt_deg),
-       places(e),
-       formatted("of the surfaces that both could see %.0f %% match", 100 * e.matched_share),
-       shared(e) + ": hardly any",
-       told_apart(e),
-       farther_walls(e),
-       shared(e) + ", " + farther_walls(e) + formatted(", points scatter by %.0f mm, ", 1000 * e.rmse_m) +
-           descriptors(e)}};
+/// What a contribution means, in the order of verdict_measures().
+std::array<std::string, verdict_term_count> words_of(const Evidence& e) {
+  return {{formatted("%.0f m of path are shared", e.overlap_m), violation(e), farther_violation(e),
+           formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m),
+           formatted("places along the overlap, registered each by itself, would move by %.2f m", e.spread_m),
+           formatted("%.0f of %.0f places along the overlap agree", e.places_agreeing, e.places), copies(e),
+           look_alikes(e),
+           formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),
+           formatted("of the surfaces that face along the tunnel %.0f %% meet", 100 * e.end_on_match), descriptors(e),
+           formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), walls(e)}};
 }
 
 /// The evidence that determines a contribution, and how to word it.
 struct Driver {
-  double Evidence::*member = nullptr;  // null: none that could improve
+  double Evidence::*member = nullptr;
   double best = 0;
   const char* words = "";  // wording, with the scaled value
   double scale = 1;
 };
 
-/// In the order of LogOdds::contributions.
-std::array<Driver, verdict_contribution_count> drivers_of(const Evidence& e) {
-  const Driver path{&Evidence::overlap_m, 200, "%.0f m of path in common would suffice"},
-      alike{&Evidence::descriptors_alike, 1, "%.0f %% alike would suffice", 100},
-      points{&Evidence::freespace_violation, 0, "%.3f %% at most would suffice", 100};
-  Driver place = points, farther = points;
-  place.member = &Evidence::worst_place_violation;
-  farther.member = &Evidence::farther_violation;
-  return {{points,
-           place,
-           {&Evidence::residual_m, 0, "%.0f mm at most would suffice", 1000},
+/// In the order of verdict_measures().
+std::array<Driver, verdict_term_count> drivers_of(const Evidence& e) {
+  constexpr const char* points = "%.3f %% at most would suffice";
+  return {{{&Evidence::overlap_m, 200, "%.0f m of path in common would suffice"},
+           {&Evidence::worst_place_violation, 0, points, 100},
+           {&Evidence::farther_violation, 0, points, 100},
            {&Evidence::rmse_m, 0, "%.0f mm at most would suffice", 1000},
-           {&Evidence::places_agreeing, e.places, "%.1f places that agree would suffice"},
-           {&Evidence::end_on_match, ends_meet, "%.1f %% that meet would suffice", 100},
-           alike,
-           alike,
-           path,
-           path,
-           {},
-           farther,
-           {&Evidence::inlier_fraction, 1, "%.0f %% would suffice", 100},
-           {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
-           {&Evidence::tilt_deg, 0, "%.2f deg at most would suffice"},
            {&Evidence::spread_m, 0, "%.2f m at most would suffice"},
-           {&Evidence::matched_share, 1, "%.0f %% would suffice", 100},
-           path,
-           e.descriptors_compared > 0 ? alike : path,
-           {&Evidence::support, 1000, "a score of %.0f would suffice"},
-           e.descriptors_compared > 0 ? alike
-                                      : Driver{&Evidence::support, tile_most_cells, "a score of %.0f would suffice"}}};
+           {&Evidence::places_agreeing, e.places, "%.1f places that agree would suffice"},
+           {&Evidence::aliases, 0, "%.1f at most would suffice"},
+           {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
+           {&Evidence::weakest_hold, 1. / 3, "a hold of %.3f would suffice"},
+           {&Evidence::end_on_match, 1, "%.0f %% would suffice", 100},
+           {&Evidence::descriptors_alike, 1, "%.0f %% alike would suffice", 100},
+           {&Evidence::tilt_deg, 0, "%.2f deg at most would suffice"},
+           {&Evidence::support, 5000, "a score of %.0f would suffice"}}};
 }
 
 /// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even
 /// the best value would.
 std::optional<double> sufficient(const Driver& driver, Evidence e, double accept_probability) {
-  if (!driver.member) return std::nullopt;
   const double asked = std::log(accept_probability / (1 - accept_probability));
   const auto believed = [&](double value) {
     e.*driver.member = value;
@@ -174,7 +124,6 @@ std::vector<Finding> findings_of(const Evidence& evidence, const VerdictThreshol
   std::vector<Finding> out;
   for (std::size_t i = 0; i < odds.contributions.size(); ++i) {
     const auto& [name, value] = odds.contributions[i];
-    if (i >= always_said && value == 0) continue;
     Finding finding{name, value, value < -next_to_nothing ? Speaks::against : Speaks::in_favour, words[i]};
     if (finding.speaks == Speaks::against)
       finding.sufficient = sufficient(drivers[i], as_weighed(evidence), thresholds.accept_probability);

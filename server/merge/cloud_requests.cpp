@@ -129,7 +129,7 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   const auto a = all_of(c.a), b = all_of(c.b);
   Judgement whole = judged;  // as if all of its overlap were as good and held it along the tunnel
   if (whole.status == RegistrationStatus::degenerate) whole.status = RegistrationStatus::converged;
-  whole.evidence.weakest_hold = std::max(whole.evidence.weakest_hold, held_firmly);
+  whole.evidence.weakest_hold = 1;
   measure_overlap(whole.evidence, a, b, T, judge);
   weigh(whole);
   if (whole.evidence.probability < config_.candidate_probability) return wanted;

@@ -12,7 +12,6 @@ namespace headframe {
 /// What the verdict on a pair depends on. While none of it changes, the verdict would not change either.
 struct JudgedOn {
   std::size_t search = 0;        // Found::version; 0: a published alignment was judged again at its placement
-  int asked_overlap_10m = 0;     // overlap demanded because sessions repeat themselves, in tens of metres
   int looks_like_itself_10 = 0;  // looks_like_itself(), in tenths
   bool copies_known = false;
   int complete = 0;                 // how many of the two sessions are

@@ -205,7 +205,6 @@ JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Foun
   Evidence of_all;
   self.tell_of_mine(of_all);
   JudgedOn out{found.version,
-               static_cast<int>(asked_overlap_m(of_all) / 10),
                static_cast<int>(10 * looks_like_itself(of_all)),
                of_all.repetition >= copies_known,
                static_cast<int>(sessions.at(pair.a).complete) + static_cast<int>(sessions.at(pair.b).complete),

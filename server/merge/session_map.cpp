@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "server/place/sanity.hpp"
-#include "server/verification/verdict_weights.hpp"
+#include "server/verification/verdict_curves.hpp"
 #include "server/verification/verification.hpp"
 
 namespace headframe {

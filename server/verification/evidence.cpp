@@ -64,44 +64,8 @@ double farther_contradiction(const Evidence& e) {
   return e.farther_violation - excused_by_changes(e) * e.farther_explained;
 }
 
-double places_look_alike(const Evidence& e) {
-  return std::clamp(std::max(e.aliases, (e.look_alikes - 1) / 1.5), 0.0, 1.0);
-}
-
 double looks_like_itself(const Evidence& e) {
   return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
-}
-
-double copies_shown(const Evidence& e) {
-  return std::clamp(std::max({e.aliases, e.look_alikes - 1.5, (e.mine_look_alikes - 0.3) / 0.1}), 0.0, 1.0);
-}
-
-double asked_alike(const Evidence& e) {
-  return 0.72 + 0.13 * std::min(1.0, std::max({e.aliases, e.look_alikes, looks_like_itself(e)}));
-}
-
-double asked_among_look_alikes_m(const Evidence& e) {
-  constexpr double some = 0.6, least_m = 20, each_m = 4, most_m = 90;
-  return std::min(1.0, e.look_alikes / some) * std::min(most_m, least_m + each_m * e.look_alikes * e.look_alikes);
-}
-
-double counted_aliases(const Evidence& e) {
-  const double unlike = ramp(e.descriptors_alike, 0.76, 0.72);
-  return e.aliases * (1 + unlike * std::min(1.0, e.descriptors_compared / 6));
-}
-
-double descriptors_leave_doubt(const Evidence& e) {
-  return ramp(e.descriptors_alike, 0.97, 0.88) * std::min(1.0, e.descriptors_compared / 4);
-}
-
-double asked_overlap_m(const Evidence& e) {
-  // In drawn mines of copies this rate was .58 to 1.6 per 100 m, in the recordings .05 to .24. The
-  // longest wrong placement that passed all other tests in those mines shared 57 m.
-  constexpr double few = 0.3, metres_each = 200, most_m = 70, told_m = 100;
-  const double of_all_m = std::clamp(metres_each * (e.repetition - few), 0.0, most_m);
-  const double aliases = counted_aliases(e);
-  const double of_pair_m = asked_first_m * std::min(aliases, 1.0) + asked_further_m * std::max(0.0, aliases - 1);
-  return std::clamp(of_pair_m, of_all_m, told_m);
 }
 
 double odds(double probability) { return probability / std::max(1 - probability, 1e-9); }

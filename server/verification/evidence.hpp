@@ -60,8 +60,8 @@ struct Evidence {
 
 /// held_well: weakest hold from which on nothing slides along a tunnel. ends_meet: end-on match from which on a place
 /// in a tunnel with less hold can be told from its neighbours. In the recordings right placements match 0.22 and more,
-/// wrong ones 0.07. held_firmly: from which on a placement without descriptors needs no more overlap than others do.
-inline constexpr double held_well = 0.03, held_firmly = 0.07, ends_meet = 0.12;
+/// wrong ones 0.07.
+inline constexpr double held_well = 0.03, ends_meet = 0.12;
 
 /// Repetition from which on the database is known to hold copies. Over all recordings at once it is 0.05.
 inline constexpr double copies_known = 0.15;
@@ -75,49 +75,11 @@ double freespace_contradiction(const Evidence& evidence);
 double worst_place_contradiction(const Evidence& evidence);
 double farther_contradiction(const Evidence& evidence);
 
-/// How far places look alike, 0 to 1: 0 up to one look-alike, 1 from two and a half on or with an alias. Where it is 0,
-/// less evidence is needed: there, none of 340 wrong placements reached .85. Where it is 1, three wrong ones had
-/// reached .9 before this rule.
-double places_look_alike(const Evidence& evidence);
-
 /// How far the mine is known to look like itself, 0 to 1. By what all sessions show of themselves: 0 up to 0.1 look-
 /// alikes per 100 m of path, 1 from 0.3 on. Or by the look-alikes of the two sessions: 0 up to one, 1 from two on. Of
 /// pairs of drives, 29 in three worlds without copies had 0.2 per 100 m at most, 20 of them less than 0.05; of 20 in
 /// two worlds of equal pieces, 18 had more than 0.25.
 double looks_like_itself(const Evidence& evidence);
-
-/// How far copies were seen, 0 to 1, be it by the two sessions: 0 up to one and a half look-alikes, 1 from two and a
-/// half on or with an alias; or by all: 0 up to 0.3 look-alikes per 100 m of path, 1 from 0.4 on. Of placements of 20 m
-/// and more in five worlds, of which the two sessions showed less and against which nothing else spoke, one was wrong
-/// (57 m, contradicted a little) and 280 were right.
-double copies_shown(const Evidence& evidence);
-
-/// How similar the descriptors have to be: .72, or .85 where the mine repeats or looks like itself, or places look
-/// alike. At right placements of generated mines all but one were .76 and more; in mines of copies .80 and more; on a
-/// campus .73. Copies that were merged wrongly had .62 to .69; one of 66 m without look-alikes of its own had .64.
-double asked_alike(const Evidence& evidence);
-
-/// The number of aliases as it counts: double if the descriptors agree to .72 or less. (At .74, and counted once, a
-/// copy of a crosscut was merged over 37 m of smooth tunnel.) Descriptors that agree reduce nothing: when they halved
-/// an alias, three copies of 25 to 34 m were merged in a mine of equal tunnels, and as many right placements.
-double counted_aliases(const Evidence& evidence);
-
-/// How far the compared descriptors leave room for a copy, 0 to 1: not at all from .97 on, in full at .88 and less over
-/// at least four keyframes. At right placements of the recordings among look-alikes they agreed to .95 to .97; at
-/// copies to .83 to .93, except two with .96 and .97.
-double descriptors_leave_doubt(const Evidence& evidence);
-
-/// Overlap demanded for the first alias, and for each further one. With 30 m two mines of the same 20 m tiles were
-/// merged over 24 m; of six placements of 25 to 39 m beside an alias in a mine of equal tunnels three were copies.
-inline constexpr double asked_first_m = 42, asked_further_m = 20;
-
-/// Overlap demanded where the mine repeats itself, at most 100 m. If all sessions together show copies, up to 70 m are
-/// demanded even without an alias: the copy that would be merged wrongly need not have been driven through twice.
-double asked_overlap_m(const Evidence& evidence);
-
-/// Overlap demanded among look-alikes (Evidence::look_alikes). Of some 340 pairs of drives, most through two mines of
-/// equal pieces, 17 copies of 8 to 84 m were accepted without this rule, and 8 of 21 to 53 m with it.
-double asked_among_look_alikes_m(const Evidence& evidence);
 
 /// p / (1 - p), at most 1e9.
 double odds(double probability);

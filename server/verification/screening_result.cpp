@@ -64,6 +64,7 @@ double best_probability(const ScreeningResult& result, const Evidence& known) {
   e.descriptors_alike = known.descriptors_alike;
   e.worst_place_violation = result.place.between().violation();
   e.worst_place_explained = e.worst_place_violation - result.place.unexplained();
+  e.support = std::numeric_limits<double>::infinity();
   e.places = e.places_agreeing = e.inlier_fraction = e.matched_share = e.weakest_hold = e.end_on_match = 1;
   e.pairs = e.overlap_m = std::numeric_limits<double>::max();
   return probability(RegistrationStatus::converged, e);

@@ -1,16 +1,18 @@
 #!/usr/bin/python3
-"""Fits the weights of the verdict's terms (server/verification/verdict.cpp) to labelled placements.
+"""Fits the curves of the verdict (server/verification/verdict.cpp) to labelled placements.
 
 usage: fit_verdict.py OUT.hpp ROWS.csv [ROWS.csv ...]
 
-ROWS.csv are files that ./run bench stages and ./run bench merges write. The fit is a logistic regression on the
-placements that converged, with weights that are never negative and are regularised towards 0. Two groups of wrong
-placements are left out, because a part of the verdict that is set by hand (the column "by hand") or other sessions
-have to hold them back: exact copies with an overlap of more than 25 m, and placements in mines with known copies of
-themselves if hardly anything contradicts them. Writes OUT.hpp, a replacement for
-server/verification/verdict_weights.hpp. For each kind of world, prints how many right and how many wrong placements
-reach 0.9 with weights that were fitted without this kind; then the log loss and the expected calibration error of
-these probabilities, and the weights fitted to all rows. Needs numpy.
+ROWS.csv are files that ./run bench stages, merges, recordings, drawn-mines and rejudge write; their columns "term: ..."
+hold what each term measures. The log-odds of a placement are a constant plus one curve for each term, linear between
+the knots below and never rising towards the worse side: a logistic regression whose weights, the falls from knot to
+knot, are never negative. Small falls are drawn to nothing. A wrong placement weighs WRONG_WEIGHT right ones, because a
+wrong merge costs more; calibrated() takes that out of what people are told. LEAST holds falls where hardly any row
+lies, set by hand.
+
+For each kind of world, prints how many right and wrong placements reach 0.9 with curves that were fitted without this
+kind; then the log loss and the expected calibration error of what is told. Writes OUT.hpp, a replacement for
+server/verification/verdict_curves.hpp. Needs numpy.
 """
 import datetime
 
@@ -19,62 +21,140 @@ import numpy as np
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
-FLOORS = {"places disagree": 8}  # lower limits set by hand: hardly any row has such places
-PULL = 0.3  # strength of the L2 regularisation; each term is scaled to unit standard deviation
+WRONG_WEIGHT = 2.5
+PULL = 3  # strength with which falls are drawn to nothing
+STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
+# Knots of each curve, and whether larger values are worse (+1) or better (-1).
+CURVES = {
+    "path that is shared": ([2, 3, 4, 4.5, 5, 5.5, 6, 6.6], -1),  # log2 of metres
+    "free space contradicts": ([-4, -3.3, -2.7, -2, -1.2], 1),  # log10 of a share
+    "free space farther off contradicts": ([-3.5, -2.8, -2.4, -2, -1.4], 1),  # log10 of a share
+    "points scatter about the surfaces": ([0.07, 0.09, 0.105, 0.12, 0.14, 0.18], 1),  # m
+    "places lie apart": ([0, 0.1, 0.25, 0.5, 1.2, 2.4, 4.8], 1),  # m
+    "places disagree": ([0, 0.15, 0.34, 0.6, 1], 1),  # share
+    "the mine repeats itself": ([0, 0.3, 1, 2], 1),  # aliases
+    "places look alike": ([0, 0.4, 1, 1.6, 2.3, 3.2, 4], 1),  # log2 of one more than look-alikes
+    "walls hold it": ([0.02, 0.04, 0.06, 0.09, 0.13, 0.2], -1),  # smallest eigenvalue
+    "surfaces across the tunnel match": ([0, 0.12, 0.25, 0.45], -1),  # share
+    "descriptors agree": ([0.5, 0.65, 0.72, 0.78, 0.83, 0.88, 0.92, 0.96], -1),  # similarity
+    "gravity disagrees": ([0, 0.25, 0.5, 1, 2], 1),  # degrees
+    "walls match": ([0, 2, 4, 6, 9, 14], -1),  # half-metre cells per metre
+}
+LEAST = {"free space contradicts": {-1.2: 4}, "free space farther off contradicts": {-2: 2, -1.4: 2},
+         "places lie apart": {2.4: 4, 4.8: 4}, "places disagree": {0.6: 2, 1: 3}, "gravity disagrees": {2: 3}}
 
 
-def copy(row):
-    violation = float(row["worst_place_violation"])
-    known = float(row["aliases"]) > 0 or float(row["repetition"]) >= 0.15
-    exact = violation < 1e-3 and float(row["overlap_m"]) > 25
-    return row["right"] == "0" and (exact or (known and violation < 3e-3))
+def steps(term, values):
+    """For each piece of the curve, how far down it the values lie, 0 to 1; a value that is not known lies nowhere."""
+    knots, worse = CURVES[term]
+    down = [np.clip((values - a) / (b - a), 0, 1) for a, b in zip(knots, knots[1:])]
+    return [d if worse > 0 else 1 - d for d in down]
 
 
-def fit(X, y, by_hand, least, steps=4000):
-    spread = np.abs(X).std(0) + 1e-6
-    A = np.c_[X / spread, np.ones(len(X))]
-    b, m, v = (np.zeros(A.shape[1]) for _ in range(3))
-    for t in range(1, steps + 1):  # Adam, with lower limits for the weights
-        g = A.T @ (1 / (1 + np.exp(-A @ b - by_hand)) - y)
-        g[:-1] += PULL * b[:-1]
-        g /= len(y)
-        m, v = 0.9 * m + 0.1 * g, 0.999 * v + 0.001 * g * g
-        b -= 0.02 * (m / (1 - 0.9**t)) / (np.sqrt(v / (1 - 0.999**t)) + 1e-8)
-        b[:-1] = np.maximum(least * spread, b[:-1])
-    return np.r_[b[:-1] / spread, b[-1]]
+def limits(term):
+    """For each piece of the curve, the least and the most it may fall."""
+    knots, _ = CURVES[term]
+    return [(LEAST.get(term, {}).get(b, 0), STEEPEST * (b - a) / (knots[-1] - knots[0])) for a, b in zip(knots, knots[1:])]
 
 
-def main(out, files):
-    rows = load(files, lambda r: r["status"] == "converged" and float(r["tilt_deg"]) < 3 and not copy(r),
-                ["status", "tilt_deg", "right", "kind", "mine", "by hand"])
-    terms = [k for k in rows[0] if k.startswith("term: ")]
-    X = np.array([[float(r[t]) for t in terms] for r in rows])
-    y = np.array([float(r["right"]) for r in rows])
-    by_hand = np.array([float(r["by hand"]) for r in rows])
-    least = np.array([FLOORS.get(t[6:], 0) for t in terms])
-    kinds = np.array([r["kind"] for r in rows])
-    left_out = np.zeros(len(y))
-    print("%-18s %6s %8s %6s %8s" % ("kind left out", "right", ">= 0.9", "wrong", ">= 0.9"))
-    for kind in sorted(set(kinds)):
-        here = kinds == kind
-        c = fit(X[~here], y[~here], by_hand[~here], least)
-        p = left_out[here] = 1 / (1 + np.exp(-(X[here] @ c[:-1] + c[-1] + by_hand[here])))
-        right = y[here] == 1
-        print("%-18s %6d %8d %6d %8d" % (kind, right.sum(), (p[right] >= ACCEPTED).sum(), (~right).sum(), (p[~right] >= ACCEPTED).sum()))
-    print("log loss %.3f, expected calibration error %.3f" % (log_loss(left_out, y), calibration_error(left_out, y)))
-    c = fit(X, y, by_hand, least)
-    for t, w in zip(terms, c):
-        print("%8.2f  %s" % (w, t[6:]))
-    print("%8.2f  bias" % c[-1])
+def descend(gradient, curvature, low, high, sweeps=100):
+    """The step within low and high that makes the quadratic model least, one coordinate after the other."""
+    step = np.zeros(len(gradient))
+    slope = gradient.copy()
+    for _ in range(sweeps):
+        for i in range(len(step)):
+            new = np.clip(step[i] - slope[i] / curvature[i, i], low[i], high[i])
+            slope += curvature[:, i] * (new - step[i])
+            step[i] = new
+    return step
+
+
+def fit(X, y, low, high, rounds=60):
+    """Bias and falls: Newton's method with limits."""
+    A, weight = np.c_[np.ones(len(y)), -X], np.where(y == 1, 1.0, WRONG_WEIGHT)
+    low, high = np.r_[-np.inf, low], np.r_[np.inf, high]
+
+    def loss(c):
+        z = A @ c
+        return (weight * np.logaddexp(0, np.where(y == 1, -z, z))).sum() + PULL * c[1:].sum()
+
+    c = np.r_[2.0, low[1:]]
+    for _ in range(rounds):
+        p = 1 / (1 + np.exp(-np.clip(A @ c, -50, 50)))
+        gradient = A.T @ (weight * (p - y)) + PULL * (np.arange(len(c)) > 0)
+        curvature = (A * (weight * p * (1 - p))[:, None]).T @ A + 1e-3 * np.eye(len(c))
+        step, before = descend(gradient, curvature, low - c, high - c), loss(c)
+        size = 1.0
+        while loss(c + size * step) > before and size > 1e-3:
+            size /= 2
+        c = c + size * step
+        if before - loss(c) < 1e-6 * before:
+            break
+    return c
+
+
+def curve(term, falls, median):
+    """Log-odds at the knots, 0 at the median; and what has to be added to the bias for that."""
+    knots, worse = CURVES[term]
+    down = np.r_[0, -np.cumsum(falls)] if worse > 0 else np.r_[-np.cumsum(falls[::-1])[::-1], 0]
+    usual = np.interp(median, knots, down)
+    return list(zip(knots, down - usual)), usual
+
+
+def write(out, c, medians, rows, y):
+    bias, at, text = c[0], 1, ""
+    for term, median in medians.items():
+        pieces = len(CURVES[term][0]) - 1
+        knots, usual = curve(term, c[at:at + pieces], median)
+        at += pieces
+        bias += usual
+        text += "    // %s\n    {{%s}},\n" % (term, ", ".join("{%g, %.2f}" % (k, v + 0.0) for k, v in padded(knots)))
     with open(out, "w") as f:
         f.write("#pragma once\n// Generated by tests/bench/fit_verdict.py on %s, %s\n\n" % (datetime.date.today(), made_from(rows, y)))
         f.write("#include <array>\n#include <string_view>\n\nnamespace headframe {\n\n"
                 "/// The descriptor family of these placements. The similarity of other families' descriptors at "
                 "right and wrong\n/// placements is not known, so the verdict ignores them.\n"
                 "inline constexpr std::string_view verdict_family = \"learned\";\n\n"
-                "inline constexpr double verdict_bias = %.3f;\n" % c[-1])
-        f.write("inline constexpr std::array<double, %d> verdict_weights{%s};\n\n}  // namespace headframe\n"
-                % (len(terms), ", ".join("%.3f" % w for w in c[:-1])))
+                "/// What a wrong placement weighed in the fit, in right ones.\n"
+                "inline constexpr double verdict_wrong_weight = %g;\n\n"
+                "/// A point of a term's curve: the log-odds where it measures `at`.\n"
+                "struct VerdictKnot {\n  double at = 0, log_odds = 0;\n};\n\n"
+                "/// The log-odds of a placement that is usual in everything, and the curves of all terms, in the order "
+                "of\n/// verdict_measures(). A curve with fewer knots than others ends in copies of its last one.\n"
+                "inline constexpr double verdict_bias = %.2f;\n"
+                "inline constexpr std::array<std::array<VerdictKnot, %d>, %d> verdict_curves{{\n%s}};\n\n"
+                "}  // namespace headframe\n" % (WRONG_WEIGHT, bias, most_knots(), len(medians), text))
+
+
+def most_knots():
+    return max(len(knots) for knots, _ in CURVES.values())
+
+
+def padded(knots):
+    return knots + [knots[-1]] * (most_knots() - len(knots))
+
+
+def main(out, files):
+    terms = list(CURVES)
+    rows = load(files, lambda r: r["source"] == "judged" and r["status"] == "converged" and float(r["tilt_deg"]) < 3,
+                ["source", "status", "tilt_deg", "right", "kind", "mine"] + ["term: " + t for t in terms])
+    y = np.array([float(r["right"]) for r in rows])
+    values = {t: np.array([float(r["term: " + t]) for r in rows]) for t in terms}
+    medians = {t: np.nanmedian(v[y == 1]) for t, v in values.items()}
+    X = np.stack([s for t, v in values.items() for s in steps(t, np.where(np.isnan(v), medians[t], v))], 1)
+    low, high = np.array([pair for t in terms for pair in limits(t)], float).T
+    kinds = np.array([r["kind"].rstrip("0123456789") for r in rows])
+    left_out = np.zeros(len(y))
+    print("%-18s %6s %8s %6s %8s" % ("kind left out", "right", ">= 0.9", "wrong", ">= 0.9"))
+    for kind in sorted(set(kinds)):
+        here = kinds == kind
+        c = fit(X[~here], y[~here], low, high)
+        z = c[0] - X[here] @ c[1:]
+        p, right = 1 / (1 + np.exp(-z)), y[here] == 1
+        left_out[here] = 1 / (1 + np.exp(-z) / WRONG_WEIGHT)
+        print("%-18s %6d %8d %6d %8d" % (kind, right.sum(), (p[right] >= ACCEPTED).sum(), (~right).sum(), (p[~right] >= ACCEPTED).sum()))
+    print("told: log loss %.3f, expected calibration error %.3f" % (log_loss(left_out, y), calibration_error(left_out, y)))
+    write(out, fit(X, y, low, high), medians, rows, y)
 
 
 if __name__ == "__main__":

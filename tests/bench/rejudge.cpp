@@ -117,12 +117,12 @@ void print_changed(const Row& row, double now) {
 /// Of every contribution: what would be accepted besides if it never spoke against a placement, and at how many right
 /// ones that wait it speaks loudest.
 struct Prices {
-  std::vector<Accepted> without = std::vector<Accepted>(verdict_contribution_count);
-  std::vector<int> loudest = std::vector<int>(verdict_contribution_count);
+  std::vector<Accepted> without = std::vector<Accepted>(verdict_term_count);
+  std::vector<int> loudest = std::vector<int>(verdict_term_count);
 
   void add(const Row& row) {
     const LogOdds odds = log_odds(row.evidence);
-    for (std::size_t i = 0; i < verdict_contribution_count; ++i) {
+    for (std::size_t i = 0; i < verdict_term_count; ++i) {
       const double z = odds.sum() - std::min(0.0, odds.contributions[i].value);
       if (accepted(row, 1 / (1 + std::exp(-z)))) without[i].add(row.name.right);
     }
@@ -133,7 +133,7 @@ struct Prices {
     std::printf("%-52s %12s %6s   %s\n", "if it never spoke against a placement, accepted too", "right", "wrong",
                 "loudest at right ones that wait");
     const LogOdds names = log_odds({});
-    for (std::size_t i = 0; i < verdict_contribution_count; ++i)
+    for (std::size_t i = 0; i < verdict_term_count; ++i)
       std::printf("%-52s %12d %6d   %d\n", std::string(names.contributions[i].name).c_str(), without[i].right,
                   without[i].wrong, loudest[i]);
   }

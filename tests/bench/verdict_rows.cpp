@@ -20,20 +20,16 @@ std::optional<bool> label(const DrivenSession& a, const DrivenSession& b, const 
 void write_row_head(std::ostream& csv) {
   csv << "source,kind,mine,a,b,right,status";
   for (const auto& field : evidence_fields()) csv << ',' << field.name;
-  for (const auto& term : verdict_terms({})) csv << ",term: " << term.name;
-  csv << ",by hand,without short rule,told\n";
+  for (const auto& term : verdict_measures({})) csv << ",term: " << term.name;
+  csv << ",told\n";
 }
 
 void write_row(std::ostream& csv, const RowName& name, RegistrationStatus status, const Evidence& evidence) {
   csv << name.source << ',' << name.kind << ',' << name.mine << ',' << name.a << ',' << name.b << ',' << name.right
       << ',' << to_string(status);
   for (const auto& field : evidence_fields()) csv << ',' << evidence.*field.member;
-  Evidence unique = evidence;
-  unique.aliases = unique.repetition = unique.look_alikes = 0;
-  for (const auto& term : verdict_terms(unique)) csv << ',' << term.value;
-  csv << ',' << log_odds(unique).taken_as_given() << ',' << log_odds(evidence).without_short_rule() << ','
-      << calibrated(evidence, {}) << '\n'
-      << std::flush;
+  for (const auto& term : verdict_measures(evidence)) csv << ',' << term.value;
+  csv << ',' << calibrated(evidence, {}) << '\n' << std::flush;
 }
 
 VerdictRows::VerdictRows(const std::filesystem::path& file) : csv_(file) { write_row_head(csv_); }

@@ -4,7 +4,7 @@
 
 namespace headframe::test {
 
-/// Of a placement that all speaks for: 36 m are shared, and six places agree.
+/// Of a placement that all speaks for: 36 m are shared, six places agree, and the walls match far to the sides.
 inline Evidence convincing() {
   Evidence e;
   e.pairs = 12;
@@ -12,8 +12,13 @@ inline Evidence convincing() {
   e.inlier_fraction = 0.8;
   e.matched_share = 0.9;
   e.residual_m = 0.02;
+  e.rmse_m = 0.09;
   e.overlap_m = 36;
   e.weakest_hold = 0.1;
+  e.end_on_match = 0.5;
+  e.descriptors_compared = 8;
+  e.descriptors_alike = 0.88;
+  e.support = 300;
   return e;
 }
 

@@ -87,7 +87,7 @@ TEST(Explain, FindingsAreTheVerdictItself) {
       EXPECT_LE(findings[i - 1].log_odds, findings[i].log_odds);
     }
   }
-  EXPECT_EQ(findings.front().evidence, "one place contradicts");
+  EXPECT_EQ(findings.front().evidence, "free space contradicts");
   Evidence without = k.evidence;
   without.worst_place_violation = 0;
   without.probability = 1 / (1 + std::exp(-log_odds(without).sum()));
@@ -101,10 +101,9 @@ TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {
     double bad, worse;  // worse: by how much of itself
     std::string_view term;
   };
-  for (const Case& c : {Case{&Evidence::worst_place_violation, 0.05, 1.02, "one place contradicts"},
-                        Case{&Evidence::residual_m, 0.12, 1.02, "surfaces lie apart"},
-                        Case{&Evidence::descriptors_alike, 0.3, 0.98, "descriptors differ"},
-                        Case{&Evidence::inlier_fraction, 0.1, 0.98, "few points meet"},
+  for (const Case& c : {Case{&Evidence::worst_place_violation, 0.05, 1.02, "free space contradicts"},
+                        Case{&Evidence::descriptors_alike, 0.3, 0.98, "descriptors agree"},
+                        Case{&Evidence::look_alikes, 12, 1.02, "places look alike"},
                         Case{&Evidence::spread_m, 4, 1.02, "places lie apart"}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
@@ -126,7 +125,7 @@ TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {
 TEST(Explain, WhereNothingAloneWouldSufficeNothingIsSaidToDoSo) {
   Alignment k = good();
   k.evidence.worst_place_violation = 0.2;
-  k.evidence.residual_m = 0.2;
+  k.evidence.spread_m = 6;
   for (const Finding& f : explained(k).findings) EXPECT_TRUE(f.would_suffice.empty()) << f.text;
   for (const Finding& f : explained(good()).findings) EXPECT_FALSE(f.sufficient) << "it is believed already";
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "server/verification/verdict.hpp"
 #include "tests/support/convincing_evidence.hpp"
@@ -10,74 +11,42 @@
 namespace headframe {
 namespace {
 
-/// Where places look alike and the walls hold the placement loosely.
-Finding first_finding(double descriptors_compared) {
-  Evidence e = test::convincing();
-  e.look_alikes = 3;
-  e.weakest_hold = 0.05;
-  e.descriptors_compared = descriptors_compared;
-  e.descriptors_alike = descriptors_compared > 0 ? 0.9 : 0;
+Finding finding(Evidence e, std::string_view term) {
   e.probability = probability(RegistrationStatus::converged, e);
-  EXPECT_LT(e.probability, VerdictThresholds{}.accept_probability);
-  return findings_of(e).front();
-}
-
-TEST(Findings, WithoutDescriptorsMorePathWouldTellPlacesThatLookAlikeApart) {
-  const Finding f = first_finding(0);
-  EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
-  EXPECT_NE(f.text.find("no two keyframes of one known descriptor family"), std::string::npos) << f.text;
-  EXPECT_NE(f.text.find("36 m of path are shared"), std::string::npos) << f.text;
-  EXPECT_NE(f.would_suffice.find("m of path in common would suffice"), std::string::npos) << f.would_suffice;
-}
-
-TEST(Findings, WithoutDescriptorsPlacesThatLieApartAreSaid) {
-  Evidence e = test::convincing();
-  e.places = e.places_agreeing = 3;
-  e.overlap_m = 5.9;
-  e.weakest_hold = 0.071;
-  e.spread_m = 0.24;
-  e.probability = probability(RegistrationStatus::converged, e);
-  ASSERT_LT(e.probability, VerdictThresholds{}.accept_probability);
-  const Finding f = findings_of(e).front();
-  EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
-  EXPECT_NE(f.text.find("or lie apart (by 0.24 m)"), std::string::npos) << f.text;
-}
-
-TEST(Findings, WallsThatMatchFartherOffAreSaid) {
-  Evidence e = test::convincing();
-  e.overlap_m = 7;
-  e.support = 140;
   const auto found = findings_of(e);
-  const auto walls = std::find_if(found.begin(), found.end(),
-                                  [](const Finding& f) { return f.evidence == "walls farther off match"; });
-  ASSERT_NE(walls, found.end());
-  EXPECT_GT(walls->log_odds, 0);
-  EXPECT_NE(walls->text.find("match with a score of 140"), std::string::npos) << walls->text;
+  const auto at = std::find_if(found.begin(), found.end(), [&](const Finding& f) { return f.evidence == term; });
+  EXPECT_NE(at, found.end()) << term;
+  return at == found.end() ? Finding{} : *at;
 }
 
-TEST(Findings, ThatLittleTellsAShortOverlapFromACopySaysWhatWouldSuffice) {
+TEST(Findings, EveryTermIsSaidOnceTheStrongestAgainstFirst) {
   Evidence e = test::convincing();
-  e.overlap_m = 13;
-  e.support = 110;
-  e.rmse_m = 0.11;
-  Finding f = findings_of(e).front();
-  EXPECT_EQ(f.evidence, "little tells a short overlap from a copy");
-  EXPECT_LT(f.log_odds, 0);
-  EXPECT_NE(f.text.find("13 m of path are shared, the walls"), std::string::npos) << f.text;
-  EXPECT_NE(f.text.find("a score of 110, points scatter by 110 mm, no two"), std::string::npos) << f.text;
-  EXPECT_EQ(f.would_suffice.rfind("a score of 1", 0), 0U) << f.would_suffice;
-  e.descriptors_compared = 3;
+  e.look_alikes = 6;
   e.descriptors_alike = 0.7;
-  f = findings_of(e).front();
-  EXPECT_EQ(f.evidence, "little tells a short overlap from a copy");
-  EXPECT_NE(f.would_suffice.find("% alike would suffice"), std::string::npos) << f.would_suffice;
+  const auto found = findings_of(e);
+  EXPECT_EQ(found.size(), verdict_term_count);
+  EXPECT_EQ(found.front().evidence, "places look alike");
+  EXPECT_EQ(found[1].evidence, "descriptors agree");
+  for (const Finding& f : found) EXPECT_FALSE(f.text.empty());
 }
 
-TEST(Findings, WithDescriptorsOnesThatAgreeWould) {
-  const Finding f = first_finding(8);
-  EXPECT_EQ(f.evidence, "descriptors hardly tell it from another place");
-  EXPECT_EQ(f.text.find("m of path are shared"), std::string::npos) << f.text;
-  EXPECT_NE(f.would_suffice.find("% alike would suffice"), std::string::npos) << f.would_suffice;
+TEST(Findings, WhatAloneWouldSufficeIsSaid) {
+  Evidence e = test::convincing();
+  e.look_alikes = 6;
+  const Finding alike = finding(e, "places look alike");
+  EXPECT_NE(alike.text.find("at 6.0 other placements"), std::string::npos) << alike.text;
+  EXPECT_NE(alike.would_suffice.find("look-alikes at most would suffice"), std::string::npos);
+  e.overlap_m = 20;
+  const Finding path = finding(e, "path that is shared");
+  EXPECT_NE(path.would_suffice.find("m of path in common would suffice"), std::string::npos) << path.would_suffice;
+}
+
+TEST(Findings, WhatIsNotKnownIsSaidToBeSo) {
+  Evidence e = test::convincing();
+  e.support = e.descriptors_compared = 0;
+  EXPECT_NE(finding(e, "walls match").text.find("came from no search"), std::string::npos);
+  EXPECT_EQ(finding(e, "walls match").log_odds, 0);
+  EXPECT_NE(finding(e, "descriptors agree").text.find("say nothing"), std::string::npos);
 }
 
 }  // namespace
