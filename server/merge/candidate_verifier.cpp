@@ -30,11 +30,14 @@ void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgem
   judgement.evidence.descriptors_alike = found.mean();
 }
 
-/// The probability that the placement would have if all other evidence supported it.
-double most_probable(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
-  Judgement judgement{RegistrationStatus::converged, screened.place.registration.T_target_source, {}};
-  compare_descriptors(agreement, judgement);
-  return best_probability(screened, judgement.evidence);
+/// The probability that the placement would have if all that is not known yet supported it.
+double most_probable(const ScreeningResult& screened, const Case& c, const DescriptorAgreement& agreement,
+                     const JudgeConfig& config) {
+  Judgement best{RegistrationStatus::converged, screened.place.registration.T_target_source, ideal_evidence()};
+  compare_descriptors(agreement, best);
+  measure_overlap(best.evidence, c.a.stored, c.b.stored, best.T_a_b, config);
+  best.evidence.support = c.hypothesis.score;
+  return best_probability(screened, best.evidence);
 }
 
 template <class Judged>
@@ -85,14 +88,12 @@ std::vector<ScreeningResult> as_screened(std::size_t cases, const std::vector<Ho
 
 }  // namespace
 
-std::optional<Pose> note_rival(std::vector<Verdict>& verdicts, const VerdictThresholds& thresholds) {
+std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
   Judgement& first = verdicts.front().judgement;
-  const bool by_demands = first.evidence.probability >= thresholds.accept_probability;
   std::optional<Pose> T_rival;
   for (const Verdict& v : verdicts) {
     if (same_placement(v.judgement.T_a_b, first.T_a_b, v.p_b, same_as_rival)) continue;
-    const Evidence& e = v.judgement.evidence;
-    const double probability = by_demands ? e.probability : calibrated(e, thresholds);
+    const double probability = v.judgement.evidence.probability;
     if (T_rival && probability <= first.evidence.runner_up) continue;
     first.evidence.runner_up = probability;
     T_rival = v.judgement.T_a_b;
@@ -119,8 +120,8 @@ std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, con
     verdicts.push_back(one.verdict);
     weigh_among(judged, pair, cases[one.of], verdicts.back(), attempt.clouds);
   }
-  std::stable_sort(verdicts.begin(), verdicts.end(), [this](const Verdict& v, const Verdict& w) {
-    return calibrated(v.judgement.evidence, config_) > calibrated(w.judgement.evidence, config_);
+  std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {
+    return v.judgement.evidence.probability > w.judgement.evidence.probability;
   });
   return verdicts;
 }
@@ -136,7 +137,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
   for (const std::size_t i : by_promise(screened, agreement)) {
     if (judged_enough(out)) break;
     const SubmapCheck& place = screened[i].place;
-    const double most = all ? 1 : most_probable(screened[i], agreement);
+    const double most = all ? 1 : most_probable(screened[i], cases[i], agreement, judge_);
     if (!out.empty() && most < config_.candidate_probability) continue;  // the first is judged so that it can be shown
     const bool spared = std::any_of(out.begin(), out.end(), [&](const Judged& other) {
       return same_placement(other.verdict.judgement.T_a_b, place.registration.T_target_source, place.p_b,

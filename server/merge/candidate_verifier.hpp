@@ -16,9 +16,8 @@ struct Verdict {
 };
 
 /// Adds to the first verdict's evidence how probable the best other placement is, and returns that placement; nullopt
-/// if there is none. Both go by the demands among copies if the first reaches accept_probability, and else by what is
-/// told of them (calibrated()), so that they compare. There must be a verdict.
-std::optional<Pose> note_rival(std::vector<Verdict>& verdicts, const VerdictThresholds& thresholds);
+/// if there is none. There must be a verdict.
+std::optional<Pose> note_rival(std::vector<Verdict>& verdicts);
 
 /// Verifies placements of pairs of sessions. Stateless. Not thread safe; the verdicts do not depend on the number of
 /// threads.
@@ -35,7 +34,7 @@ class CandidateVerifier {
 
   /// Screens the cases and judges the promising ones that differ: four, or up to ten while none of them is likely.
   /// Unless `all` is set, placements are skipped that could neither beat a judged one nor cast doubt on it. The most
-  /// probable comes first, by calibrated(). `known`: what was found of the pair elsewhere, with hypotheses that are
+  /// probable comes first. `known`: what was found of the pair elsewhere, with hypotheses that are
   /// those of the cases; nullptr: nothing. The result is the same.
   std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
                                    const Attempt& attempt, const PairFindings* known = nullptr);

@@ -70,7 +70,7 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
   if (verdicts.empty()) verdicts.emplace_back();
   if (known) drop_ruled_out(pair, *known, verdicts);
   if (verdicts.empty()) return;  // the operator has ruled on all placements
-  const std::optional<Pose> T_a_b_runner_up = note_rival(verdicts, config);
+  const std::optional<Pose> T_a_b_runner_up = note_rival(verdicts);
   const Judgement& best = verdicts.front().judgement;
   const bool waits = verifier.ask_for_more(pair, verdicts, candidates.awaited, attempt);
   if (waits) judged.forget(pair.a, pair.b);  // it is judged again even if the clouds do not come

@@ -93,7 +93,7 @@ Result<HandPlacement> MergePipeline::place(SessionId a, SessionId b, const Pose&
   }
   std::vector<Verdict> verdicts = s.judge_by_hand(pair, at, attempt);
   const bool fits = nearest_to_hand(verdicts, at.hypothesis.T_a_b) == verdicts.begin();
-  const std::optional<Pose> T_rival = note_rival(verdicts, s.config);
+  const std::optional<Pose> T_rival = note_rival(verdicts);
   HandPlacement out = s.book.place(pair, verdicts.front().judgement, T_rival, fits, report);
   const Pose T_hand = by_ids(pair, at.hypothesis.T_a_b), T_now = out.alignment.T_a_b;
   const Eigen::Vector3d p = pair.a == a ? verdicts.front().p_b : at.hypothesis.T_a_b * verdicts.front().p_b;

