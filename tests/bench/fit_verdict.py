@@ -25,21 +25,21 @@ ACCEPTED = 0.9
 WRONG_WEIGHT = 2.5
 PULL = 3  # strength with which falls are drawn to nothing
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
-# Knots of each curve, and whether larger values are worse (+1) or better (-1).
+# Knots of each curve, whether larger values are worse (+1) or better (-1), and their unit.
 CURVES = {
-    "path that is shared": ([2, 3, 4, 4.5, 5, 5.5, 6, 6.6], -1),  # log2 of metres
-    "free space contradicts": ([-4, -3.3, -2.7, -2.3, -2, -1.7], 1),  # log10 of a share
-    "free space farther off contradicts": ([-3.5, -2.9, -2.6, -2.3, -2, -1.6], 1),  # log10 of a share
-    "points scatter about the surfaces": ([0.07, 0.09, 0.105, 0.12, 0.14, 0.18], 1),  # m
-    "places lie apart": ([0, 0.1, 0.25, 0.5, 1.2, 2.4, 4.8], 1),  # m
-    "places disagree": ([0, 0.15, 0.34, 0.6, 1], 1),  # share
-    "the mine repeats itself": ([0, 0.3, 1, 2], 1),  # aliases
-    "places look alike": ([0, 0.4, 1, 1.6, 2.3, 3.2, 4], 1),  # log2 of one more than look-alikes
-    "walls hold it": ([0.02, 0.04, 0.06, 0.09, 0.13, 0.2], -1),  # smallest eigenvalue
-    "surfaces across the tunnel match": ([0, 0.12, 0.25, 0.45], -1),  # share
-    "descriptors agree": ([0.5, 0.65, 0.72, 0.78, 0.83, 0.88, 0.92, 0.96], -1),  # similarity
-    "gravity disagrees": ([0, 0.25, 0.5, 1, 2], 1),  # degrees
-    "walls match": ([0, 2, 4, 6, 9, 14], -1),  # half-metre cells per metre
+    "path that is shared": ([2, 3, 4, 4.5, 5, 5.5, 6, 6.6], -1, "log2 of metres"),
+    "free space contradicts": ([-4, -3.3, -2.7, -2.3, -2, -1.7], 1, "log10 of a share"),
+    "free space farther off contradicts": ([-3.5, -2.9, -2.6, -2.3, -2, -1.6], 1, "log10 of a share"),
+    "points scatter about the surfaces": ([0.07, 0.09, 0.105, 0.12, 0.14, 0.18], 1, "m"),
+    "places lie apart": ([0, 0.1, 0.25, 0.5, 1.2, 2.4, 4.8], 1, "m"),
+    "places disagree": ([0, 0.15, 0.34, 0.6, 1], 1, "share"),
+    "the mine repeats itself": ([0, 0.3, 1, 2], 1, "aliases"),
+    "places look alike": ([0, 0.4, 1, 1.6, 2.3, 3.2, 4], 1, "log2 of one more than look-alikes"),
+    "walls hold it": ([0.02, 0.04, 0.06, 0.09, 0.13, 0.2], -1, "smallest eigenvalue"),
+    "surfaces across the tunnel match": ([0, 0.12, 0.25, 0.45], -1, "share"),
+    "descriptors agree": ([0.5, 0.65, 0.72, 0.78, 0.83, 0.88, 0.92, 0.96], -1, "similarity"),
+    "gravity disagrees": ([0, 0.25, 0.5, 1, 2], 1, "degrees"),
+    "walls match": ([0, 2, 4, 6, 9, 14], -1, "half-metre cells per metre"),
 }
 LEAST = {"free space contradicts": {-2.3: 3.4, -2: 2.6, -1.7: 2.6},
          "free space farther off contradicts": {-2.6: 2.9, -2.3: 3.1, -2: 3.1, -1.6: 3},
@@ -48,14 +48,14 @@ LEAST = {"free space contradicts": {-2.3: 3.4, -2: 2.6, -1.7: 2.6},
 
 def steps(term, values):
     """For each piece of the curve, how far down it the values lie, 0 to 1; a value that is not known lies nowhere."""
-    knots, worse = CURVES[term]
+    knots, worse, _ = CURVES[term]
     down = [np.clip((values - a) / (b - a), 0, 1) for a, b in zip(knots, knots[1:])]
     return [d if worse > 0 else 1 - d for d in down]
 
 
 def limits(term):
     """For each piece of the curve, the least and the most it may fall."""
-    knots, _ = CURVES[term]
+    knots = CURVES[term][0]
     return [(LEAST.get(term, {}).get(b, 0), STEEPEST * (b - a) / (knots[-1] - knots[0])) for a, b in zip(knots, knots[1:])]
 
 
@@ -97,7 +97,7 @@ def fit(X, y, low, high, rounds=60):
 
 def curve(term, falls, median):
     """Log-odds at the knots, 0 at the median; and what has to be added to the bias for that."""
-    knots, worse = CURVES[term]
+    knots, worse, _ = CURVES[term]
     down = np.r_[0, -np.cumsum(falls)] if worse > 0 else np.r_[-np.cumsum(falls[::-1])[::-1], 0]
     usual = np.interp(median, knots, down)
     return list(zip(knots, down - usual)), usual
@@ -142,19 +142,20 @@ def draw(out, curves):
             return "%.1f,%.1f" % ((wide - 40) * (k - first) / (last - first), (high - 50) * (top - v) / (top - low))
         parts.append('<text x="%d" y="%d">%s</text><svg x="%d" y="%d" width="%d" height="%d"><path class="zero" d="M%s L%s"/>'
                      '<polyline points="%s"/></svg><text class="end" x="%d" y="%d">%g</text><text class="end last" x="%d" y="%d">%g</text>'
+                     '<text class="end unit" x="%d" y="%d">%s</text>'
                      % (x0, y0 - 8, term, x0, y0, wide - 40, high - 50, at(first, 0), at(last, 0),
-                        " ".join(at(k, v) for k, v in knots), x0, y0 + high - 36, first, x0 + wide - 40, y0 + high - 36, last))
+                        " ".join(at(k, v) for k, v in knots), x0, y0 + high - 36, first, x0 + wide - 40, y0 + high - 36, last, x0 + (wide - 40) // 2, y0 + high - 36, CURVES[term][2]))
     rows = -(-len(curves) // across)
     with open(out, "w") as f:
         f.write('<svg xmlns="http://www.w3.org/2000/svg" width="%d" height="%d" font-family="sans-serif" font-size="11">'
-                "<style>polyline{fill:none;stroke:#2a7;stroke-width:2}.zero{stroke:#bbb}.end{fill:#888;font-size:9px}.last{text-anchor:end}</style>"
+                "<style>polyline{fill:none;stroke:#2a7;stroke-width:2}.zero{stroke:#bbb}.end{fill:#888;font-size:9px}.last{text-anchor:end}.unit{text-anchor:middle}</style>"
                 '<rect width="100%%" height="100%%" fill="white"/>%s'
                 '<text class="end" x="20" y="%d">log-odds from %g (cut off) to %.1f in each; grey: 0, the median of right placements</text></svg>\n'
                 % (wide * across, rows * high + 30, "".join(parts), rows * high + 20, low, top))
 
 
 def most_knots():
-    return max(len(knots) for knots, _ in CURVES.values())
+    return max(len(knots) for knots, _, _ in CURVES.values())
 
 
 def padded(knots):

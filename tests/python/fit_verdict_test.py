@@ -16,10 +16,10 @@ import fit_verdict as fit  # noqa: E402
 
 def drawn(count, rng):
     """Measures of each term, spread over its knots, and labels by known falls: 3 over all of two curves, else 0."""
-    values = {t: rng.uniform(knots[0], knots[-1], count) for t, (knots, _) in fit.CURVES.items()}
+    values = {t: rng.uniform(knots[0], knots[-1], count) for t, (knots, _, _) in fit.CURVES.items()}
     z = np.full(count, 2.0)
     for term in ("path that is shared", "places look alike"):
-        knots, worse = fit.CURVES[term]
+        knots, worse, _ = fit.CURVES[term]
         share = (values[term] - knots[0]) / (knots[-1] - knots[0])
         z -= 3 * (share if worse > 0 else 1 - share)
     return values, (rng.uniform(size=count) < 1 / (1 + np.exp(-z))).astype(float)
@@ -33,7 +33,7 @@ def fitted(values, y):
 
 def total(c, term):
     at = 1
-    for t, (knots, _) in fit.CURVES.items():
+    for t, (knots, _, _) in fit.CURVES.items():
         if t == term:
             return c[at:at + len(knots) - 1].sum()
         at += len(knots) - 1
@@ -75,7 +75,7 @@ def writes_what_the_product_reads(folder):
         curves = [[tuple(map(float, knot.split(","))) for knot in re.findall(r"\{([-0-9.e]+, [-0-9.]+)\}", line)]
                   for line in text.splitlines() if line.startswith("    {{{")]
         assert re.findall(r"^    // (.*)$", text, re.M) == list(fit.CURVES), "the terms, in their order"
-        for (term, (knots, worse)), curve in zip(fit.CURVES.items(), curves):
+        for (term, (knots, worse, _)), curve in zip(fit.CURVES.items(), curves):
             assert [k for k, _ in curve[:len(knots)]] == [float("%g" % k) for k in knots], term
             falls = -worse * np.diff([v for _, v in curve])
             assert (falls >= -0.011).all(), (term, curve)
