@@ -118,7 +118,8 @@ std::vector<std::string> missing_of(const ExplainedSession& a, const ExplainedSe
                     e.awaited_m));
     if (e.weakest_hold < held_well)
       missing.push_back("the position along the tunnel is held by nothing: drive on to a junction or a bend");
-    if (e.aliases > 0 && e.probability < config.accept_probability) missing.push_back("drive further together than the copies are long");
+    if (e.aliases > 0 && e.probability < config.accept_probability)
+      missing.push_back("drive further together than the copies are long");
   } else {
     missing.push_back("they do not meet as far as they have come, or the place looks too different: drive on");
   }

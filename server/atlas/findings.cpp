@@ -31,9 +31,10 @@ std::string look_alikes(const Evidence& e) {
 
 /// Without what changes of the mine explain, which does not count.
 std::string violation(const Evidence& e) {
-  std::string out = formatted("%.2f %% of the points lie where the other's rays passed through, at the place that "
-                              "contradicts most",
-                              100 * worst_place_contradiction(e));
+  std::string out = formatted(
+      "%.2f %% of the points lie where the other's rays passed through, at the place that "
+      "contradicts most",
+      100 * worst_place_contradiction(e));
   const double excused = excused_by_changes(e) * e.worst_place_explained;
   return excused > 0 ? out + formatted(", besides %.2f %% where the mine has changed", 100 * excused) : out;
 }
@@ -55,9 +56,9 @@ std::array<std::string, verdict_term_count> words_of(const Evidence& e) {
            formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m),
            formatted("places along the overlap, registered each by itself, would move by %.2f m", e.spread_m),
            formatted("%.0f of %.0f places along the overlap agree", e.places_agreeing, e.places), copies(e),
-           look_alikes(e),
-           formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),
+           look_alikes(e), formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),
            formatted("of the surfaces that face along the tunnel %.0f %% meet", 100 * e.end_on_match), descriptors(e),
+           descriptors(e) + formatted(", over %.0f m", e.overlap_m),
            formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), walls(e)}};
 }
 
@@ -72,6 +73,7 @@ struct Driver {
 /// In the order of verdict_measures().
 std::array<Driver, verdict_term_count> drivers_of(const Evidence& e) {
   constexpr const char* points = "%.3f %% at most would suffice";
+  const Driver alike{&Evidence::descriptors_alike, 1, "%.0f %% alike would suffice", 100};
   return {{{&Evidence::overlap_m, 200, "%.0f m of path in common would suffice"},
            {&Evidence::worst_place_violation, 0, points, 100},
            {&Evidence::farther_violation, 0, points, 100},
@@ -82,7 +84,8 @@ std::array<Driver, verdict_term_count> drivers_of(const Evidence& e) {
            {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
            {&Evidence::weakest_hold, 1. / 3, "a hold of %.3f would suffice"},
            {&Evidence::end_on_match, 1, "%.0f %% would suffice", 100},
-           {&Evidence::descriptors_alike, 1, "%.0f %% alike would suffice", 100},
+           alike,
+           alike,
            {&Evidence::tilt_deg, 0, "%.2f deg at most would suffice"},
            {&Evidence::support, 5000, "a score of %.0f would suffice"}}};
 }

@@ -132,7 +132,8 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   whole.evidence.weakest_hold = 1;
   measure_overlap(whole.evidence, a, b, T, judge);
   weigh(whole);
-  if (whole.evidence.probability < config_.candidate_probability) return wanted;
+  constexpr double may_be_believed = 0.5;
+  if (whole.evidence.probability < may_be_believed) return wanted;
   const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
   ask(pair.a, near_other(b, c.a.obtainable, T.inverse(), judge.meet_m), T * p_b, most, wanted);
   ask(pair.b, near_other(a, c.b.obtainable, T, judge.meet_m), p_b, most, wanted);

@@ -38,12 +38,13 @@ CURVES = {
     "walls hold it": ([0.02, 0.04, 0.06, 0.09, 0.13, 0.2], -1, "smallest eigenvalue"),
     "surfaces across the tunnel match": ([0, 0.12, 0.25, 0.45], -1, "share"),
     "descriptors agree": ([0.5, 0.65, 0.72, 0.78, 0.83, 0.88, 0.92, 0.96], -1, "similarity"),
+    "descriptors differ over little path": ([0, 1], 1, "how far"),
     "gravity disagrees": ([0, 0.25, 0.5, 1, 2], 1, "degrees"),
     "walls match": ([0, 2, 4, 6, 9, 14], -1, "half-metre cells per metre"),
 }
 LEAST = {"free space contradicts": {-2.3: 3.4, -2: 2.6, -1.7: 2.6},
          "free space farther off contradicts": {-2.6: 2.9, -2.3: 3.1, -2: 3.1, -1.6: 3},
-         "places lie apart": {2.4: 4, 4.8: 4}, "places disagree": {0.6: 2, 1: 3}, "descriptors agree": {0.65: 2.5}, "gravity disagrees": {2: 3}}
+         "places lie apart": {2.4: 4, 4.8: 4}, "places disagree": {0.6: 2, 1: 3}, "descriptors agree": {0.65: 2.5}, "descriptors differ over little path": {1: 3}, "gravity disagrees": {2: 3}}
 
 
 def steps(term, values):
@@ -125,8 +126,8 @@ def write(out, c, medians, rows, y):
                 "struct VerdictKnot {\n  double at = 0, log_odds = 0;\n};\n\n"
                 "/// The log-odds of a placement that is usual in everything, and the curves of all terms, in the order "
                 "of\n/// verdict_measures(). A curve with fewer knots than others ends in copies of its last one.\n"
-                "inline constexpr double verdict_bias = %.2f;\n"
-                "inline constexpr std::array<std::array<VerdictKnot, %d>, %d> verdict_curves{{\n%s}};\n\n"
+                "inline constexpr double verdict_bias = %.2f;\n// clang-format off\n"
+                "inline constexpr std::array<std::array<VerdictKnot, %d>, %d> verdict_curves{{\n%s}};\n// clang-format on\n\n"
                 "}  // namespace headframe\n" % (WRONG_WEIGHT, bias, most_knots(), len(medians), text))
 
 

@@ -182,7 +182,7 @@ TEST(Contacts, SessionsThatMeetByWayOfAnotherAreAlignedWhereTheyMeet) {
 }
 
 TEST(Contacts, WhatTheyRecordedStandsInAMineThatTurnsOutToRepeatItself) {
-  Base base(third_by_way_of_second(24));
+  Base base(third_by_way_of_second(12));
   const KeyframeRef late{3, 3};  // where the first and the third meet
   const KeyframeCloud cloud = base.shelf.clouds.extract(late).mapped();
   attempt_all(base);

@@ -36,7 +36,7 @@ class RequestsInDoubt : public testing::Test {
     }
   }
   /// Sequences asked of session 1, for a placement of which everything so far speaks, but over too little.
-  std::set<std::uint64_t> asked(double probability_of_places = 0.8) {
+  std::set<std::uint64_t> asked(double contradicted = 0) {
     const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity()}, shelves_);
     Judgement judged;
     judged.status = RegistrationStatus::converged;
@@ -44,7 +44,8 @@ class RequestsInDoubt : public testing::Test {
     Evidence& e = judged.evidence;
     e.pairs = 12;
     e.places = e.places_agreeing = 6;
-    e.inlier_fraction = probability_of_places;
+    e.inlier_fraction = 0.8;
+    e.worst_place_violation = contradicted;
     e.residual_m = 0.02;
     e.weakest_hold = 0.1;
     std::set<std::uint64_t> out;

@@ -33,7 +33,7 @@ Alignment good() {
   e.end_on_match = 0.5;
   e.descriptors_compared = 8;
   e.descriptors_alike = 0.88;
-  e.support = 450;
+  e.support = 400;
   e.tilt_deg = 0.2;
   return k;
 }
@@ -104,7 +104,7 @@ TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {
     std::string_view term;
   };
   for (const Case& c : {Case{&Evidence::worst_place_violation, 0.05, 1.02, "free space contradicts"},
-                        Case{&Evidence::descriptors_alike, 0.3, 0.98, "descriptors agree"},
+                        Case{&Evidence::descriptors_alike, 0.1, 0.98, "descriptors agree"},
                         Case{&Evidence::spread_m, 4, 1.02, "places lie apart"}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
@@ -211,13 +211,12 @@ TEST(Explain, EachPieceOfEvidenceHasTwoSides) {
     std::string_view term;
     const char* missing;
   };
-  for (const Case& c :
-       {Case{&Evidence::worst_place_violation, 0.01, "free space contradicts", "1.00 % of the points"},
-        Case{&Evidence::rmse_m, 0.16, "points scatter about the surfaces", "160 mm off"},
-        Case{&Evidence::places_agreeing, 2, "places disagree", "2 of 5 places"},
-        Case{&Evidence::weakest_hold, 0.01, "walls hold it", "drive on to a junction"},
-        Case{&Evidence::look_alikes, 5, "places look alike", "at 5.0 other placements"},
-        Case{&Evidence::descriptors_alike, 0.5, "descriptors agree", "50 % alike"}}) {
+  for (const Case& c : {Case{&Evidence::worst_place_violation, 0.01, "free space contradicts", "1.00 % of the points"},
+                        Case{&Evidence::rmse_m, 0.16, "points scatter about the surfaces", "160 mm off"},
+                        Case{&Evidence::places_agreeing, 2, "places disagree", "2 of 5 places"},
+                        Case{&Evidence::weakest_hold, 0.01, "walls hold it", "drive on to a junction"},
+                        Case{&Evidence::look_alikes, 5, "places look alike", "at 5.0 other placements"},
+                        Case{&Evidence::descriptors_alike, 0.5, "descriptors agree", "50 % alike"}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
     k.evidence.probability = 0.5;

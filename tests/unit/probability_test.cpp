@@ -22,15 +22,21 @@ struct Measure {
   double best, worst;
 };
 
-const std::vector<Measure> measures{
-    {&Evidence::overlap_m, 200, 0},           {&Evidence::worst_place_violation, 0, 0.2},
-    {&Evidence::farther_violation, 0, 0.2},   {&Evidence::rmse_m, 0, 0.3},
-    {&Evidence::spread_m, 0, 6},              {&Evidence::places_agreeing, 6, 0},
-    {&Evidence::aliases, 0, 6},               {&Evidence::repetition, 0, 2},
-    {&Evidence::look_alikes, 0, 20},          {&Evidence::mine_look_alikes, 0, 4},
-    {&Evidence::weakest_hold, 1. / 3, 0},     {&Evidence::end_on_match, 1, 0},
-    {&Evidence::descriptors_alike, 1, 0},     {&Evidence::tilt_deg, 0, 2.99},
-    {&Evidence::support, 1500, 1}};
+const std::vector<Measure> measures{{&Evidence::overlap_m, 200, 0},
+                                    {&Evidence::worst_place_violation, 0, 0.2},
+                                    {&Evidence::farther_violation, 0, 0.2},
+                                    {&Evidence::rmse_m, 0, 0.3},
+                                    {&Evidence::spread_m, 0, 6},
+                                    {&Evidence::places_agreeing, 6, 0},
+                                    {&Evidence::aliases, 0, 6},
+                                    {&Evidence::repetition, 0, 2},
+                                    {&Evidence::look_alikes, 0, 20},
+                                    {&Evidence::mine_look_alikes, 0, 4},
+                                    {&Evidence::weakest_hold, 1. / 3, 0},
+                                    {&Evidence::end_on_match, 1, 0},
+                                    {&Evidence::descriptors_alike, 1, 0},
+                                    {&Evidence::tilt_deg, 0, 2.99},
+                                    {&Evidence::support, 1500, 1}};
 
 TEST(Probability, EveryMeasureCountsAndWorseIsNeverBetter) {
   std::mt19937 rng(7);
@@ -121,7 +127,7 @@ TEST(Probability, FewDescriptorsSayLittle) {
   EXPECT_EQ(with(0, 0), with(0, 1)) << "nothing compared, nothing said";
   EXPECT_GT(with(1, 0.5), with(3, 0.5));
   EXPECT_GT(with(3, 0.6), with(12, 0.6));
-  EXPECT_LT(with(3, 0.95), with(12, 0.95));
+  EXPECT_LT(with(1, 0.9), with(12, 0.9));
 }
 
 /// A step of a hundredth of a curve's range moves no probability by more than .05.
@@ -139,8 +145,8 @@ TEST(Probability, HasNoCliffs) {
   }
 }
 
-/// Of measured placements: metres shared, scatter in mm, aliases, look-alikes and those of the mine, hold, end-on match,
-/// descriptors and their similarity, score of the walls.
+/// Of measured placements: metres shared, scatter in mm, aliases, look-alikes and those of the mine, hold, end-on
+/// match, descriptors and their similarity, score of the walls.
 Evidence measured(double overlap_m, double rmse_mm, double aliases, double look_alikes, double of_mine, double hold,
                   double end_on, double compared, double alike, double support) {
   Evidence e = convincing();
