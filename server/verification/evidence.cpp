@@ -46,23 +46,25 @@ constexpr std::array<EvidenceField, 34> fields{{
     {"probability_if_unique", &Evidence::probability_if_unique},
 }};
 
+/// The rim of a patch, a tenth of its points, is excused with it.
+double unexcused(double violation, double explained, const Evidence& e) {
+  constexpr double with_rim = 1.1;
+  return std::max(0.0, violation - excused_by_changes(e) * with_rim * explained);
+}
+
 }  // namespace
 
 double excused_by_changes(const Evidence& e) {
   return ramp(e.aliases, 1, 0) * ramp(e.repetition, copies_known, copies_known / 2) * ramp(e.look_alikes, 1, 0.5);
 }
 
-double freespace_contradiction(const Evidence& e) {
-  return e.freespace_violation - excused_by_changes(e) * e.freespace_explained;
-}
+double freespace_contradiction(const Evidence& e) { return unexcused(e.freespace_violation, e.freespace_explained, e); }
 
 double worst_place_contradiction(const Evidence& e) {
-  return e.worst_place_violation - excused_by_changes(e) * e.worst_place_explained;
+  return unexcused(e.worst_place_violation, e.worst_place_explained, e);
 }
 
-double farther_contradiction(const Evidence& e) {
-  return e.farther_violation - excused_by_changes(e) * e.farther_explained;
-}
+double farther_contradiction(const Evidence& e) { return unexcused(e.farther_violation, e.farther_explained, e); }
 
 double looks_like_itself(const Evidence& e) {
   return std::clamp(std::max((e.mine_look_alikes - 0.1) / 0.2, e.look_alikes - 1), 0.0, 1.0);
