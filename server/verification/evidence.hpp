@@ -70,7 +70,8 @@ inline constexpr double copies_known = 0.15;
 /// of a copy looks like a tunnel that was driven on.
 double excused_by_changes(const Evidence& evidence);
 
-/// The violations that count against the placement: all except those that changes explain and excuse.
+/// The violations that count against the placement: all except those that changes explain and excuse, and the rim of
+/// their patches (a tenth more).
 double freespace_contradiction(const Evidence& evidence);
 double worst_place_contradiction(const Evidence& evidence);
 double farther_contradiction(const Evidence& evidence);
