@@ -132,7 +132,7 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   whole.evidence.weakest_hold = 1;
   measure_overlap(whole.evidence, a, b, T, judge);
   weigh(whole);
-  constexpr double may_be_believed = 0.5;
+  constexpr double may_be_believed = 0.5;  // at 0.2, two that share nothing were asked for all their clouds
   if (whole.evidence.probability < may_be_believed) return wanted;
   const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
   ask(pair.a, near_other(b, c.a.obtainable, T.inverse(), judge.meet_m), T * p_b, most, wanted);

@@ -37,11 +37,13 @@ double descriptors_tell(const Evidence& e) {
   return ramp(e.descriptors_alike, 0.9, 0.95) * std::min(1.0, e.descriptors_compared / 4);
 }
 
-/// Look-alikes of the pair, or what is to be expected of 300 m of this mine; those that descriptors do not tell apart.
+/// Look-alikes of the pair, or what is to be expected of 300 m of this mine (200 to 400 m fit alike); those that
+/// descriptors do not tell apart.
 double like_places(const Evidence& e) {
   return (1 - descriptors_tell(e)) * std::max(e.look_alikes, 3 * e.mine_look_alikes);
 }
 
+/// Descriptors that are nearly equal hold it as if it were no straight tunnel (those hold by less than .05).
 double hold(const Evidence& e) { return std::max(e.weakest_hold, 0.05 * descriptors_tell(e)); }
 
 /// Of five keyframes and more (not of up to three) that agree to .72 and less (not from .76 on) over 40 m and less (not

@@ -10,9 +10,9 @@ knot, are never negative. Small falls are drawn to nothing. A wrong placement we
 wrong merge costs more; calibrated() takes that out of what people are told. LEAST holds falls where hardly any row
 lies, set by hand.
 
-Beside OUT.hpp it writes curves.svg, a picture of the curves. For each kind of world, prints how many right and wrong placements reach 0.9 with curves that were fitted without this
-kind; then the log loss and the expected calibration error of what is told. Writes OUT.hpp, a replacement for
-server/verification/verdict_curves.hpp. Needs numpy.
+For each kind of world, prints how many right and wrong placements reach 0.9 with curves that were fitted without this
+kind; then the log loss and the expected calibration error of what is told. Writes OUT.hpp and, beside it, curves.svg,
+replacements for those in server/verification. Needs numpy.
 """
 import datetime
 import os
@@ -22,8 +22,8 @@ import numpy as np
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
-WRONG_WEIGHT = 2.5
-PULL = 3  # strength with which falls are drawn to nothing
+WRONG_WEIGHT = 2.5  # accepts about as many right ones in mines left out as the rules by hand before did
+PULL = 3  # strength with which falls are drawn to nothing; 2 to 4 fit mines left out alike
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
 # Knots of each curve, whether larger values are worse (+1) or better (-1), and their unit.
 CURVES = {
@@ -172,7 +172,7 @@ def main(out, files):
     medians = {t: np.nanmedian(v[y == 1]) for t, v in values.items()}
     X = np.stack([s for t, v in values.items() for s in steps(t, np.where(np.isnan(v), medians[t], v))], 1)
     low, high = np.array([pair for t in terms for pair in limits(t)], float).T
-    kinds = np.array([r["kind"].rstrip("0123456789") for r in rows])
+    kinds = np.array([r["kind"] for r in rows])
     left_out = np.zeros(len(y))
     print("%-18s %6s %8s %6s %8s" % ("kind left out", "right", ">= 0.9", "wrong", ">= 0.9"))
     for kind in sorted(set(kinds)):

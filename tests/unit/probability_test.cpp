@@ -157,7 +157,7 @@ Evidence measured(double overlap_m, double rmse_mm, double aliases, double look_
   return e;
 }
 
-TEST(Probability, CopiesThatWereMergedOnceWait) {
+TEST(Probability, CopiesOfMinesThatWereMeasuredWait) {
   const double accepted = MergeConfig{}.accept_probability;
   EXPECT_LT(p(measured(19, 97, 0, 0.31, 0.27, 0.052, 0.25, 5, 0.906, 181)), accepted) << "a tunnel of equal pieces";
   EXPECT_LT(p(measured(33, 90, 0, 0, 0.06, 0.070, 0.62, 5, 0.762, 185)), accepted) << "nothing looks alike";
