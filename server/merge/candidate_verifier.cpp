@@ -208,7 +208,8 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
       e.aliases += alias_of(e, rival.evidence);
   weigh(verdict.judgement);
   if (e.probability >= config_.accept_probability) {
-    const LongRange far = check_long_range(pair, c, verdict.judgement, sessions_, submaps_, clouds, judge_);
+    const LongRange far =
+        check_long_range(pair, c, verdict.judgement, verdict.p_b, sessions_, submaps_, clouds, judge_);
     e.farther_violation = far.violation;
     e.farther_explained = far.violation - far.unexplained;
     // Unless the mine repeats itself or hardly any path is shared, only the stored clouds are used.

@@ -48,8 +48,9 @@ std::vector<T> spread_evenly(const std::vector<T>& all, std::size_t most) {
 
 }  // namespace
 
-LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged, const SessionMap& sessions,
-                           SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge) {
+LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,
+                           const Eigen::Vector3d& first_b, const SessionMap& sessions, SessionSubmaps& submaps,
+                           CloudSource& clouds, const JudgeConfig& judge) {
   LongRange out;
   std::vector<std::pair<std::size_t, std::size_t>> spots;  // keyframes of a and b
   double next_m = std::numeric_limits<double>::lowest();
@@ -75,8 +76,9 @@ LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgeme
     const Submap &of_a = *near[2 * i], &of_b = *near[2 * i + 1];
     SubmapCheck place = register_submaps(of_a, of_b, judged.T_a_b, judge.place);
     const Pose& T = place.registration.T_target_source;
+    const PlacementTolerance drift{judge.drift_allowed_m((of_b.p - first_b).norm()), judge.place_drift_rad};
     const bool drifted = place.registration.status != RegistrationStatus::too_little_overlap &&
-                         same_placement(T, judged.T_a_b, of_b.p, {judge.place_drift_m, judge.place_drift_rad});
+                         same_placement(T, judged.T_a_b, of_b.p, drift);
     check_free_space(place, *far[2 * i], *far[2 * i + 1], drifted ? T : judged.T_a_b, SessionSubmaps::far_config());
     if (drifted)
       check_free_space_again(place, *far[2 * i], *far[2 * i + 1], judged.T_a_b, SessionSubmaps::far_config());

@@ -18,7 +18,9 @@ struct LongRange {
 /// Looks for contradictions along the shared path, at spots for which all clouds within 25 m of path are stored; with
 /// incomplete surroundings distant walls prove nothing. Checks all such spots if the mine is known to repeat itself,
 /// else four. Takes some 20 ms for each spot, so it comes last.
-LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged, const SessionMap& sessions,
-                           SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge);
+/// first_b: where the placement was registered first, in b's frame; odometry has drifted since.
+LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,
+                           const Eigen::Vector3d& first_b, const SessionMap& sessions, SessionSubmaps& submaps,
+                           CloudSource& clouds, const JudgeConfig& judge);
 
 }  // namespace headframe

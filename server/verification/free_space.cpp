@@ -92,16 +92,17 @@ HEADFRAME_WIDE void move(const Eigen::Matrix4f& T, SightBlock& points) {
   }
 }
 
-void look(const View& view, const Points& points, std::span<const std::uint32_t> numbers, float reach_m,
+void look(const View& view, const Points& points, std::span<const std::uint32_t> numbers, float reach_m, float slack_m,
           std::array<Sight, SightBlock::most>& sights) {
   SightBlock block;
   for (const std::uint32_t n : numbers) block.add(points[n]);
   move(view.T_view_points.matrix(), block);
-  view.image->look(block, reach_m, sights);
+  view.image->look(block, reach_m, sights, slack_m);
 }
 
 /// What the views say of each point until it is settled; view by view, so that an image stays in the processor's cache.
-std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock, float reach_m, Answer settles) {
+std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock, float reach_m, Answer settles,
+                        float slack_m = 0) {
   std::vector<Answer> answers(rock.points.size());
   std::vector<std::uint32_t> open(rock.points.size());  // points of which more may be said
   std::iota(open.begin(), open.end(), 0);
@@ -111,7 +112,7 @@ std::vector<Answer> ask(const std::vector<View>& views, const SurfelCloud& rock,
     std::size_t still_open = 0;
     for (std::size_t first = 0; first < open.size(); first += sights.size()) {
       const auto block = std::span(open).subspan(first, std::min(sights.size(), open.size() - first));
-      look(view, rock.points, block, reach_m, sights);
+      look(view, rock.points, block, reach_m, slack_m, sights);
       std::size_t count = 0;
       for (std::size_t i = 0; i < block.size(); ++i) {
         known[count] = static_cast<std::uint8_t>(i);
@@ -151,11 +152,11 @@ SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const Place
 }
 
 std::vector<PointSight> sights_from(std::span<const PlacedView> a, const SurfelCloud& b, const Pose& T_a_b,
-                                    float reach_m, float leaf_m) {
+                                    float reach_m, float leaf_m, float slack_m) {
   const std::vector<View> views = seen_from(a, T_a_b);
   std::vector<PointSight> sights;
   sights.reserve(b.points.size());
-  for (const Answer& answer : ask(views, b, reach_m, settles_anothers))
+  for (const Answer& answer : ask(views, b, reach_m, settles_anothers, slack_m))
     sights.push_back(answer.hits + answer.through == 0 ? PointSight::unknown
                      : answer.through > answer.hits    ? PointSight::violated
                                                        : PointSight::seen);

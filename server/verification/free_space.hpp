@@ -44,9 +44,9 @@ SurfelCloud without_transients(const SurfelCloud& surfels, std::span<const Place
 
 /// What a's sweeps say of b's surfels (in b's local frame, one per leaf_m), up to a range of reach_m; one answer for
 /// each surfel, decided by the first eight sweeps that know anything of it. A ray that passes through a surface at a
-/// grazing angle does not count.
+/// grazing angle does not count. slack_m: of SightImage::look().
 std::vector<PointSight> sights_from(std::span<const PlacedView> a, const SurfelCloud& b, const Pose& T_a_b,
-                                    float reach_m, float leaf_m);
+                                    float reach_m, float leaf_m, float slack_m = 0);
 
 Visibility summed_up(std::span<const PointSight> sights);
 

@@ -30,10 +30,12 @@ struct JudgeConfig {
   // of 347 with a probability above .3.
   double doubted_violation = 0.001, refuting_violation = 0.02;
 
-  // How far a place's own registration may differ from the common one: the drift of both sessions.
+  // How far a place's own registration may differ from the common one: the drift of both sessions since the place that
+  // was registered first.
   double place_drift_m = 1.5;
   double place_drift_share = 0.02;  // plus this share of its distance from the first place
   double place_drift_rad = 0.07;
+  double drift_allowed_m(double from_first_m) const { return place_drift_m + place_drift_share * from_first_m; }
 
   // Placements that slide along a tunnel.
   double held_by_nothing = 0.009;  // weakest hold below which a tunnel is bare; 0.007 is the noise of scan lines

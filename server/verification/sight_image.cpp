@@ -74,9 +74,10 @@ std::size_t index_of(int row, int column) {
 constexpr int doubtful = 3;  // beside the values of Sight
 
 /// What the bins ahead say, without branches; doubtful where the bins around them have to be asked.
-HEADFRAME_WIDE void read_bins(const Directions& to, const Ranges& ahead, std::size_t count, int* answers) {
+HEADFRAME_WIDE void read_bins(const Directions& to, const Ranges& ahead, std::size_t count, float slack_m,
+                              int* answers) {
   for (std::size_t i = 0; i < count; ++i) {
-    const float range = to.range[i], tolerance = tolerance_m(range);
+    const float range = to.range[i], tolerance = tolerance_m(range) + slack_m;
     const auto metres = [](int cm) { return 0.01F * static_cast<float>(cm); };
     const int through = static_cast<int>(range < metres(ahead.nearest[i]) - tolerance),
               hidden = static_cast<int>(range >= metres(ahead.farthest[i]) + tolerance),
@@ -130,16 +131,17 @@ SightImage::Direction SightImage::direction(float x, float y, float z) {
   return {column_of(x, y), row_of(std::sqrt(x * x + y * y), z)};
 }
 
-Sight SightImage::look(const Eigen::Vector3f& point, float reach_m) const {
+Sight SightImage::look(const Eigen::Vector3f& point, float reach_m, float slack_m) const {
   SightBlock block;
   block.add(point);
   std::array<Sight, SightBlock::most> answers;
-  look(block, reach_m, answers);
+  look(block, reach_m, answers, slack_m);
   return answers[0];
 }
 
 /// Which way a comparison goes can hardly be predicted, so branches are left to the few points in doubt.
-void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, SightBlock::most> answers) const {
+void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, SightBlock::most> answers,
+                      float slack_m) const {
   Directions to;
   find_directions(points, to);
   Ranges ahead;
@@ -154,7 +156,7 @@ void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, 
     ahead.farthest[i] = bin.farthest_cm;
   }
   std::array<int, SightBlock::most> known;
-  read_bins(to, ahead, points.count, known.data());
+  read_bins(to, ahead, points.count, slack_m, known.data());
   std::array<std::uint8_t, SightBlock::most> in_doubt;
   std::size_t doubts = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
@@ -162,13 +164,14 @@ void SightImage::look(const SightBlock& points, float reach_m, std::span<Sight, 
     in_doubt[doubts] = static_cast<std::uint8_t>(i);
     doubts += static_cast<std::size_t>(known[i] == doubtful);
   }
-  for (const std::uint8_t i : std::span(in_doubt).first(doubts))
-    answers[i] = meets_around(to.row[i], to.column[i], to.range[i]) ? Sight::hit : Sight::unknown;
+  for (const std::uint8_t i : std::span(in_doubt).first(doubts)) {
+    const float tolerance = tolerance_m(to.range[i]) + slack_m;
+    answers[i] = meets_around(to.row[i], to.column[i], to.range[i], tolerance) ? Sight::hit : Sight::unknown;
+  }
 }
 
 /// A surface seen at a flat angle has very different ranges in neighbouring bins.
-bool SightImage::meets_around(int at_row, int at_column, float range) const {
-  const float tolerance = tolerance_m(range);
+bool SightImage::meets_around(int at_row, int at_column, float range, float tolerance) const {
   // The ranges between the nearest and the farthest of a bin belong to a slanted wall, or to dust and the wall behind
   // it.
   const auto meets = [&](const Bin& b) {

@@ -46,11 +46,13 @@ class SightImage {
   /// Points in the frame of the sweep's sensor (origin at the sensor).
   explicit SightImage(const Points& points);
 
-  /// Up to a range of reach_m. The tolerance grows with the range: 0.35 m + 3 %.
-  Sight look(const Eigen::Vector3f& point, float reach_m) const;
+  /// Up to a range of reach_m. The tolerance grows with the range: 0.35 m + 3 %, and slack_m for odometry that drifted
+  /// between the sweep and the point.
+  Sight look(const Eigen::Vector3f& point, float reach_m, float slack_m = 0) const;
 
   /// The same of all points of a block, faster than one by one; one answer for each.
-  void look(const SightBlock& points, float reach_m, std::span<Sight, SightBlock::most> answers) const;
+  void look(const SightBlock& points, float reach_m, std::span<Sight, SightBlock::most> answers,
+            float slack_m = 0) const;
 
   std::size_t bytes() const { return bins_.size() * sizeof(Bin); }
 
@@ -64,7 +66,7 @@ class SightImage {
     int column = 0, row = 0;
   };
   static Direction direction(float x, float y, float z);
-  bool meets_around(int row, int column, float range) const;
+  bool meets_around(int row, int column, float range, float tolerance) const;
   void sum_up(int row, int column);
   const Bin& bin(int row, int column) const;
 

@@ -22,7 +22,8 @@ struct SubmapConfig {
   std::size_t source_points = 8000;  // limit
   double look_m = 15;                // free space is checked at points nearer than this to the keyframe ...
   float look_leaf_m = 0.6F;          // ... one per cube of this edge ...
-  double view_reach_m = 25;          // ... from sweeps taken nearer than this
+  double view_reach_m = 25;          // ... from sweeps taken nearer than this ...
+  float look_slack_m = 0;            // ... with this much more tolerance, for drift between the sweep and the point
   RegistrationEngine engine = RegistrationEngine::vgicp;
 };
 

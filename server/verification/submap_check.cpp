@@ -93,8 +93,8 @@ double SubmapCheck::unexplained() const {
 void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
                       const SubmapConfig& config) {
   const auto reach_m = static_cast<float>(config.view_reach_m);
-  const auto of_b = sights_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m),
-             of_a = sights_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m);
+  const auto of_b = sights_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m, config.look_slack_m),
+             of_a = sights_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m, config.look_slack_m);
   check.b_by_a = summed_up(of_b);
   check.a_by_b = summed_up(of_a);
   check.changes.clear();

@@ -142,7 +142,7 @@ bool last_refutes(Places& places, const Pose& T_a_b, const JudgeConfig& config) 
 
 /// How far T_a_b may be off at the place because of drift between there and the first place.
 double drift_allowed_m(const SubmapCheck& place, const SubmapCheck& first, const JudgeConfig& config) {
-  return config.place_drift_m + config.place_drift_share * (place.p_b - first.p_b).norm();
+  return config.drift_allowed_m((place.p_b - first.p_b).norm());
 }
 
 bool within_drift(const SubmapCheck& place, const SubmapCheck& first, const Pose& T, const JudgeConfig& config) {
