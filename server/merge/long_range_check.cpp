@@ -72,6 +72,7 @@ LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgeme
   }
   const std::vector<SubmapPtr> near = submaps.near(asked, clouds), far = submaps.far(asked, clouds);
   std::vector<SubmapCheck> looked(spots.size());
+  const SubmapConfig seen = judge.with_drift(SessionSubmaps::far_config());
   for_blocks(spots.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Submap &of_a = *near[2 * i], &of_b = *near[2 * i + 1];
     SubmapCheck place = register_submaps(of_a, of_b, judged.T_a_b, judge.place);
@@ -79,9 +80,8 @@ LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgeme
     const PlacementTolerance drift{judge.drift_allowed_m((of_b.p - first_b).norm()), judge.place_drift_rad};
     const bool drifted = place.registration.status != RegistrationStatus::too_little_overlap &&
                          same_placement(T, judged.T_a_b, of_b.p, drift);
-    check_free_space(place, *far[2 * i], *far[2 * i + 1], drifted ? T : judged.T_a_b, SessionSubmaps::far_config());
-    if (drifted)
-      check_free_space_again(place, *far[2 * i], *far[2 * i + 1], judged.T_a_b, SessionSubmaps::far_config());
+    check_free_space(place, *far[2 * i], *far[2 * i + 1], drifted ? T : judged.T_a_b, seen);
+    if (drifted) check_free_space_again(place, *far[2 * i], *far[2 * i + 1], judged.T_a_b, seen);
     looked[i] = std::move(place);
   });
   std::vector<ChangePatch> changes;

@@ -22,8 +22,6 @@ SubmapConfig SessionSubmaps::far_config() {
   config.look_m = 25;
   config.look_leaf_m = 0.8F;
   config.view_reach_m = 35;
-  config.look_slack_m =
-      0.5F;  // 2 % of 25 m; 0.3 m clear half of the right placements that were contradicted, 0.5 m nearly all
   return config;
 }
 

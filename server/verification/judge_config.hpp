@@ -36,6 +36,12 @@ struct JudgeConfig {
   double place_drift_share = 0.02;  // plus this share of its distance from the first place
   double place_drift_rad = 0.07;
   double drift_allowed_m(double from_first_m) const { return place_drift_m + place_drift_share * from_first_m; }
+  /// With the tolerance for drift between a place and what is seen from it, which screening does without: it looks for
+  /// copies, and these contradict little.
+  SubmapConfig with_drift(SubmapConfig of_places) const {
+    of_places.look_slack_m = static_cast<float>(place_drift_share * of_places.look_m);
+    return of_places;
+  }
 
   // Placements that slide along a tunnel.
   double held_by_nothing = 0.009;  // weakest hold below which a tunnel is bare; 0.007 is the noise of scan lines

@@ -190,17 +190,19 @@ std::vector<bool> place_by_all(Places& places, const JudgeConfig& config, Judgem
   return agrees;
 }
 
-/// Checks the free space of all places. Drift does not contradict a placement; rock of another place does.
+/// Checks the free space of all places. Drift does not contradict a placement, neither between the places nor between a
+/// place and what is seen from it; rock of another place does.
 void check_places(Places& places, const std::vector<bool>& agrees, const Pose& T_a_b, const JudgeConfig& config) {
+  const SubmapConfig drifting = config.with_drift(config.place);
   std::vector<std::optional<Pose>> again;
   for (std::size_t i = 0; i < agrees.size(); ++i)
     again.push_back(agrees[i] ? T_a_b : across_within_drift(places.checks[i], places.checks[0], T_a_b, config));
   for_blocks(agrees.size(), 1, config.threads, [&](std::size_t i, std::size_t, std::size_t) {
     SubmapCheck& place = places.checks[i];
     const auto& [a, b] = places.pairs[i];
-    const bool known = agrees[i] && place.between().all() > 0;  // by its own registration
-    if (!known) check_free_space(place, *a, *b, agrees[i] ? place.registration.T_target_source : T_a_b, config.place);
-    if (again[i]) check_free_space_again(place, *a, *b, *again[i], config.place);
+    const bool clear = agrees[i] && place.between().all() > 0 && place.between().violated == 0;  // by screening
+    if (!clear) check_free_space(place, *a, *b, agrees[i] ? place.registration.T_target_source : T_a_b, drifting);
+    if (again[i]) check_free_space_again(place, *a, *b, *again[i], drifting);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "tests/scenario/drawn_base.hpp"
 #include "tests/scenario/drawn_copies.hpp"
@@ -12,6 +13,7 @@ namespace {
 
 using test::along_copies;
 using test::Base;
+using test::Box;
 using test::BoxMine;
 using test::Drive;
 using test::drive_through_copies;
@@ -105,6 +107,34 @@ TEST(Contacts, WhatWouldBeBelievedIsLookedAtFartherOff) {
   }
   attempt_all(same);
   EXPECT_EQ(between(same, 1, 2).state, AlignmentState::published) << "one mine";
+}
+
+/// 180 m with branches that differ, all of it, with odometry that makes paths too long by this share.
+Drive stretched(double share, double yaw_rad, unsigned seed) {
+  std::vector<Box> drifts{BoxMine::drift(0, 0, 180, 0)};
+  for (const auto& [x, y, width] : {std::array{15.0, 14.0, 4.0},
+                                    {32.0, -9.0, 6.0},
+                                    {47.0, 20.0, 4.0},
+                                    {61.0, -16.0, 3.0},
+                                    {74.0, 9.0, 7.0},
+                                    {88.0, 14.0, 3.0},
+                                    {101.0, -12.0, 5.0},
+                                    {119.0, 18.0, 4.0},
+                                    {131.0, -7.0, 8.0},
+                                    {150.0, 12.0, 3.0},
+                                    {168.0, -18.0, 5.0}})
+    drifts.push_back(BoxMine::drift(x, std::min(y, 0.0), x, std::max(y, 0.0), width));
+  Drive out = test::drive(BoxMine(drifts), {{2, 0}, {178, 0}}, yaw_rad, seed);
+  for (Keyframe& k : out.keyframes) k.T_local_sensor.translation() *= 1 + share;
+  return out;
+}
+
+TEST(Contacts, WhatOdometryStretchedIsNoContradictionFartherOff) {
+  Base base({stretched(0, 0, 5), stretched(0.025, 1.1, 6)});
+  attempt_all(base);
+  const Alignment& k = between(base, 1, 2);
+  EXPECT_LT(k.evidence.farther_violation, 0.001) << "the ends are 2.2 m off where the middle is right";
+  EXPECT_EQ(k.state, AlignmentState::published);
 }
 
 TEST(Contacts, AThirdSessionThatContradictsHoldsTheMergeBack) {

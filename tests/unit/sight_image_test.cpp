@@ -24,6 +24,8 @@ TEST(SightImage, HitThroughAndHidden) {
   EXPECT_EQ(image.look({5, 0, 0}, 30), Sight::hit);
   EXPECT_EQ(image.look({5 - 0.8F * tolerance, 0, 0}, 30), Sight::hit);
   EXPECT_EQ(image.look({5 - 1.6F * tolerance, 0, 0}, 30), Sight::through);
+  EXPECT_EQ(image.look({5 - 1.6F * tolerance, 0, 0}, 30, 0.8F * tolerance), Sight::hit) << "with slack";
+  EXPECT_EQ(image.look({5 - 1.6F * tolerance, 0, 0}, 30, 0.3F * tolerance), Sight::through);
   EXPECT_EQ(image.look({5 + 2 * tolerance, 0, 0}, 30), Sight::unknown) << "behind the wall";
   EXPECT_EQ(image.look({2, 0, 0}, 1.9F), Sight::unknown) << "out of reach";
   EXPECT_EQ(image.look({0.1F, 0, 3}, 30), Sight::unknown) << "above the field of view";
