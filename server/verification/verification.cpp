@@ -134,9 +134,10 @@ bool last_refutes(Places& places, const Pose& T_a_b, const JudgeConfig& config) 
   SubmapCheck& last = places.checks.back();
   if (!usable(last.registration)) return false;
   const auto& [a, b] = places.pairs.back();
-  check_free_space(last, *a, *b, last.registration.T_target_source, config.place);
+  const SubmapConfig drifting = config.with_drift(config.place);
+  check_free_space(last, *a, *b, last.registration.T_target_source, drifting);
   SubmapCheck least = last;
-  if (least.unexplained() >= config.refuting_violation) check_free_space_again(least, *a, *b, T_a_b, config.place);
+  if (least.unexplained() >= config.refuting_violation) check_free_space_again(least, *a, *b, T_a_b, drifting);
   return least.unexplained() >= config.refuting_violation;
 }
 
