@@ -47,10 +47,13 @@ double like_places(const Evidence& e) {
 double hold(const Evidence& e) { return std::max(e.weakest_hold, 0.05 * descriptors_tell(e)); }
 
 /// Of five keyframes and more (not of up to three) that agree to .72 and less (not from .76 on) over 40 m and less (not
-/// from 50 on). Whatever looks alike: in live drives through a cave of tiles, of whose likeness to itself nothing was
-/// known yet, copies of 34 to 40 m had .66 to .72.
+/// from 50 on); over 25 m and less (less so up to 32) to .78 and less (not from .82 on). Whatever looks alike: in live
+/// drives, of which little was known yet, copies of 34 to 40 m of a cave of tiles had .66 to .72, and a crosscut of a
+/// smooth tunnel over 23 m, .78.
 double differ_over_little_path(const Evidence& e) {
-  return ramp(e.descriptors_compared, 3, 5) * ramp(e.overlap_m, 50, 40) * ramp(e.descriptors_alike, 0.76, 0.72);
+  const double stricter = 0.06 * ramp(e.overlap_m, 32, 25);
+  return ramp(e.descriptors_compared, 3, 5) * ramp(e.overlap_m, 50, 40) *
+         ramp(e.descriptors_alike, 0.76 + stricter, 0.72 + stricter);
 }
 
 /// Half-metre cells of wall that match, per metre of shared path: a copy of a few tiles matches less far to its sides.

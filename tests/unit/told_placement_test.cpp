@@ -42,7 +42,7 @@ class ToldPlacement : public testing::Test {
 };
 
 TEST_F(ToldPlacement, IsACandidateByWhatIsTold) {
-  EXPECT_EQ(judged(0.1, 0.99), AlignmentState::candidate);
+  EXPECT_EQ(judged(0.12, 0.99), AlignmentState::candidate);
   EXPECT_GT(told(), config_.candidate_probability);
   EXPECT_EQ(judged(0.05, 0.99), AlignmentState::rejected);
   EXPECT_LT(told(), config_.candidate_probability);
