@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -79,6 +80,26 @@ TEST(Probability, WhatConvinces) {
   EXPECT_LT(with(&Evidence::look_alikes, 6), 0.9) << "36 m among many that look alike";
   EXPECT_LE(probability(RegistrationStatus::degenerate, convincing()), 0.4) << "slides: at most a candidate";
   EXPECT_EQ(probability(RegistrationStatus::too_little_overlap, convincing()), 0);
+}
+
+TEST(Probability, OverLittlePathDescriptorsHaveToAgreeTheMoreTheLessItIs) {
+  const auto doubt = [](double overlap_m, double alike, double compared = 5) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m;
+    e.descriptors_alike = alike;
+    e.descriptors_compared = compared;
+    const auto all = verdict_measures(e);
+    return std::find_if(all.begin(), all.end(),
+                        [](const VerdictTerm& t) { return t.name == "descriptors differ over little path"; })
+        ->value;
+  };
+  EXPECT_NEAR(doubt(40, 0.72), 1, 1e-9);
+  EXPECT_NEAR(doubt(40, 0.76), 0, 1e-9);
+  EXPECT_NEAR(doubt(25, 0.78), 1, 1e-9);
+  EXPECT_NEAR(doubt(25, 0.82), 0, 1e-9);
+  EXPECT_NEAR(doubt(32, 0.76), 0, 1e-9);
+  EXPECT_EQ(doubt(50, 0.6), 0);
+  EXPECT_EQ(doubt(25, 0.6, 3), 0) << "too few to tell";
 }
 
 TEST(Probability, ALongOverlapMakesUpForLikenessToOtherPlaces) {
