@@ -202,15 +202,8 @@ std::vector<Drive> third_by_way_of_second(double from_x_m) {
   return {test::drive_a_to_c(3), test::drive_b_to_a(3), third};
 }
 
-/// What the second shares with the first is nearly too short to be believed; it is believed here.
-MergeConfig believes_more() {
-  MergeConfig config = test::waits_for_no_others();
-  config.accept_probability = 0.8;
-  return config;
-}
-
 TEST(Contacts, SessionsThatMeetByWayOfAnotherAreAlignedWhereTheyMeet) {
-  Base base(third_by_way_of_second(6), believes_more());
+  Base base(third_by_way_of_second(6));
   attempt_all(base);
   ASSERT_EQ(base.pipeline.atlas().components.size(), 1U);
   EXPECT_EQ(between(base, 1, 3).state, AlignmentState::published);
@@ -219,7 +212,7 @@ TEST(Contacts, SessionsThatMeetByWayOfAnotherAreAlignedWhereTheyMeet) {
 }
 
 TEST(Contacts, WhatTheyRecordedStandsInAMineThatTurnsOutToRepeatItself) {
-  Base base(third_by_way_of_second(12), believes_more());
+  Base base(third_by_way_of_second(12));
   const KeyframeRef late{3, 3};  // where the first and the third meet
   const KeyframeCloud cloud = base.shelf.clouds.extract(late).mapped();
   attempt_all(base);
