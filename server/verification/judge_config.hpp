@@ -36,8 +36,8 @@ struct JudgeConfig {
   double place_drift_share = 0.02;  // plus this share of its distance from the first place
   double place_drift_rad = 0.07;
   double drift_allowed_m(double from_first_m) const { return place_drift_m + place_drift_share * from_first_m; }
-  /// With the tolerance for drift between a place and what is seen from it: 0.3 m of 15 m, 0.5 m of 25 m. Screening does
-  /// without, because the limits by which it counts copies were set without.
+  /// With the tolerance for drift between a place and what is seen from it: 0.3 m of 15 m, 0.5 m of 25 m. Screening
+  /// does without, because the limits by which it counts copies were set without.
   SubmapConfig with_drift(SubmapConfig of_places) const {
     of_places.look_slack_m = static_cast<float>(place_drift_share * of_places.look_m);
     return of_places;
