@@ -15,9 +15,10 @@ struct LongRange {
   std::set<KeyframeRef> wanted;  // clouds that could add evidence
 };
 
-/// Looks for contradictions along the shared path, at spots for which all clouds within 25 m of path are stored; with
-/// incomplete surroundings distant walls prove nothing. Checks all such spots if the mine is known to repeat itself,
-/// else four. Takes some 20 ms for each spot, so it comes last.
+/// Looks for contradictions along the shared path, or where two paths that never meet come nearest, at spots for which
+/// all clouds within 25 m of path are stored; with incomplete surroundings distant walls prove nothing. Checks all such
+/// spots if the mine is known to repeat itself, else four. Takes some 20 ms for each spot, so it comes last.
+///
 /// first_b: where the placement was registered first, in b's frame; odometry has drifted since.
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,
                            const Eigen::Vector3d& first_b, const SessionMap& sessions, SessionSubmaps& submaps,

@@ -109,6 +109,16 @@ TEST(Contacts, WhatWouldBeBelievedIsLookedAtFartherOff) {
   EXPECT_EQ(between(same, 1, 2).state, AlignmentState::published) << "one mine";
 }
 
+TEST(Contacts, PathsThatNeverMeetAreLookedAtFartherOffWhereTheyComeNearest) {
+  const auto farther_violation = [](double end_m) {
+    Base base({along_copies(99, 0, 5, 8, -3), along_copies(end_m, 1.1, 6, 8, 3)});
+    attempt_all(base);
+    return between(base, 1, 2).evidence.farther_violation;
+  };
+  EXPECT_LT(farther_violation(99), 0.0003) << "one mine";
+  EXPECT_GT(farther_violation(130), 0.001) << "two paths, 6 m apart";
+}
+
 /// 180 m with branches that differ, all of it, with odometry that makes paths too long by this share.
 Drive stretched(double share, double yaw_rad, unsigned seed) {
   std::vector<Box> drifts{BoxMine::drift(0, 0, 180, 0)};
