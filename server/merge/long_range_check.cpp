@@ -23,8 +23,7 @@ std::pair<const KeyframePosition*, double> nearest_to(const std::vector<Keyframe
 }
 
 /// How near the paths have to pass each other at a spot: 5 m; or, if they never do, as near as they come and 3 m more,
-/// 18 m at most. A wrong placement over 7 m of a cave, and one over 20 m of a tunnel, which only such spots contradict,
-/// were believed.
+/// 18 m at most. A wrong placement over 7 m of a cave, which only such a spot contradicts, was believed.
 double near_enough_m(const Case& c, const Pose& T_a_b, const JudgeConfig& judge) {
   constexpr double about_as_near_m = 3;
   double least_m = judge.far_m;
