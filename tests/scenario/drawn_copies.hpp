@@ -20,11 +20,11 @@ inline Drive drive_through_copies() {
   return drive(with_copies({BoxMine::drift(0, 0, 200, 0)}, 5), {{2, 0}, {198, 0}}, 0.7, 4);
 }
 
-/// A drift with branches that two mines have in common; 19 m beyond where both robots stopped one of them ends. In a
-/// wide one the robots drive aside_m from its middle.
+/// A drift with branches that two mines have in common; some metres beyond where both robots stopped, at 88 m, one of
+/// them ends. In a wide one the robots drive aside_m from its middle.
 inline Drive along_copies(double end_m, double yaw_rad, unsigned seed, double width_m = 4, double aside_m = 0) {
-  const BoxMine mine({BoxMine::drift(0, 0, 94, 0, width_m), BoxMine::drift(15, 0, 15, 14 + width_m / 2 - 2),
-                      BoxMine::drift(42, -9 - width_m / 2 + 2, 42, 0, 6), BoxMine::drift(66, 0, 66, 20),
+  const BoxMine mine({BoxMine::drift(0, 0, 94, 0, width_m), BoxMine::drift(15, 0, 15, 14),
+                      BoxMine::drift(42, -9, 42, 0, 6), BoxMine::drift(66, 0, 66, 20),
                       BoxMine::drift(80, -16, 80, 0, 3), BoxMine::drift(94, 0, end_m, 0, 10)});
   return drive(mine, {{2, aside_m}, {88, aside_m}}, yaw_rad, seed);
 }
