@@ -50,6 +50,11 @@ std::string walls(const Evidence& e) {
                    e.support, e.overlap_m);
 }
 
+std::string rock(const Evidence& e) {
+  if (!(e.rock_in_common > 0)) return "how much rock both saw is not known";
+  return formatted("both saw the rock in %.0f cubes of a metre", e.rock_in_common);
+}
+
 /// What a contribution means, in the order of verdict_measures().
 std::array<std::string, verdict_term_count> words_of(const Evidence& e) {
   return {{formatted("%.0f m of path are shared", e.overlap_m), violation(e), farther_violation(e),
@@ -59,7 +64,7 @@ std::array<std::string, verdict_term_count> words_of(const Evidence& e) {
            look_alikes(e), formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),
            formatted("of the surfaces that face along the tunnel %.0f %% meet", 100 * e.end_on_match), descriptors(e),
            descriptors(e) + formatted(", over %.0f m", e.overlap_m),
-           formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), walls(e)}};
+           formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), walls(e), rock(e)}};
 }
 
 /// The evidence that determines a contribution, and how to word it.
@@ -87,7 +92,8 @@ std::array<Driver, verdict_term_count> drivers_of(const Evidence& e) {
            alike,
            alike,
            {&Evidence::tilt_deg, 0, "%.2f deg at most would suffice"},
-           {&Evidence::support, 5000, "a score of %.0f would suffice"}}};
+           {&Evidence::support, 5000, "a score of %.0f would suffice"},
+           {&Evidence::rock_in_common, 10000, "%.0f would suffice"}}};
 }
 
 /// The value that would suffice with everything else unchanged: the nearest to the measured one. Nullopt if not even

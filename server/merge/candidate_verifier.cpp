@@ -40,6 +40,13 @@ double most_probable(const ScreeningResult& screened, const Case& c, const Descr
   return best_probability(screened, best.evidence);
 }
 
+/// What the probability would be if both sessions had seen any amount of rock.
+double probability_with_ample_rock(const Judgement& judgement) {
+  Evidence e = judgement.evidence;
+  e.rock_in_common = ideal_evidence().rock_in_common;
+  return probability(judgement.status, e);
+}
+
 template <class Judged>
 bool judged_enough(const std::vector<Judged>& all) {
   if (all.size() < judged_closely) return false;
@@ -198,7 +205,22 @@ std::vector<JudgedCase> CandidateVerifier::judge_ahead(const OrderedPair& pair, 
   return out;
 }
 
-/// Adds the other placements as aliases; a placement that would still be accepted is checked at long range.
+/// Adds what is seen farther off, and which clouds would show more of it. Unless the mine repeats itself, hardly any
+/// path is shared, or nothing but rock is lacking, only the stored clouds are used.
+void CandidateVerifier::look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds) {
+  Evidence& e = verdict.judgement.evidence;
+  const LongRange far = check_long_range(pair, c, verdict.judgement, verdict.p_b, sessions_, submaps_, clouds, judge_);
+  e.farther_violation = far.violation;
+  e.farther_explained = far.violation - far.unexplained;
+  e.rock_in_common = far.rock_in_common;
+  weigh(verdict.judgement);
+  const bool lacks_rock = e.probability < config_.accept_probability &&
+                          probability_with_ample_rock(verdict.judgement) >= config_.accept_probability;
+  if (e.repetition >= copies_known || e.overlap_m < short_path_m || lacks_rock)
+    verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
+}
+
+/// Adds the other placements as aliases; a placement that might still be accepted is looked at farther off.
 void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
                                     Verdict& verdict, CloudSource& clouds) {
   Evidence& e = verdict.judgement.evidence;
@@ -207,16 +229,8 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
         !same_placement(rival.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration))
       e.aliases += alias_of(e, rival.evidence);
   weigh(verdict.judgement);
-  if (e.probability >= config_.accept_probability) {
-    const LongRange far =
-        check_long_range(pair, c, verdict.judgement, verdict.p_b, sessions_, submaps_, clouds, judge_);
-    e.farther_violation = far.violation;
-    e.farther_explained = far.violation - far.unexplained;
-    // Unless the mine repeats itself or hardly any path is shared, only the stored clouds are used.
-    if (e.repetition >= copies_known || e.overlap_m < short_path_m)
-      verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
-    weigh(verdict.judgement);
-  }
+  if (probability_with_ample_rock(verdict.judgement) >= config_.accept_probability)
+    look_farther(pair, c, verdict, clouds);
   if (e.probability >= std::max(beyond_doubt, config_.accept_probability)) return;
   const auto near = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
   verdict.wanted.insert(verdict.wanted.end(), near.begin(), near.end());

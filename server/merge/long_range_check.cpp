@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/cloud/point_cloud.hpp"
 #include "server/session/same_placement.hpp"
 #include "server/support/parallel.hpp"
 
@@ -56,35 +57,68 @@ std::vector<T> spread_evenly(const std::vector<T>& all, std::size_t most) {
   return out;
 }
 
+/// Keyframes of both where one is looked at from the other.
+struct Spots {
+  std::vector<std::pair<std::size_t, std::size_t>> keyframes;  // of a and b
+  bool known = false;                                          // all clouds around them are stored
+};
+
+/// The spots whose surroundings are known; if there are none, those of which something is stored.
+Spots spots_of(const OrderedPair& pair, const Case& c, const Pose& T_a_b, const SessionMap& sessions,
+               const CloudSource& clouds, const JudgeConfig& judge, std::set<KeyframeRef>& wanted) {
+  Spots known{{}, true}, any;
+  const double near_m = near_enough_m(c, T_a_b, judge);
+  const auto add = [](Spots& to, std::size_t of_a, std::size_t of_b, const std::vector<double>& path_m) {
+    if (to.keyframes.empty() || path_m[of_b] >= path_m[to.keyframes.back().second] + step_m)
+      to.keyframes.emplace_back(of_a, of_b);
+  };
+  const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
+  for (const KeyframePosition& s : c.b.stored) {
+    const auto [other, distance_m] = nearest_to(c.a.stored, T_a_b * s.p);
+    if (distance_m > near_m) continue;
+    add(any, other->keyframe, s.keyframe, b.path_to_m);
+    const bool known_a = known_around(a, pair.a, other->keyframe, clouds, wanted),
+               known_b = known_around(b, pair.b, s.keyframe, clouds, wanted);
+    if (known_a && known_b) add(known, other->keyframe, s.keyframe, b.path_to_m);
+  }
+  return known.keyframes.empty() ? any : known;
+}
+
+void sum_up_contradictions(const std::vector<SubmapCheck>& looked, LongRange& out) {
+  std::vector<ChangePatch> changes;
+  for (const SubmapCheck& place : looked) changes.insert(changes.end(), place.changes.begin(), place.changes.end());
+  const bool may_be = plausible(joined(std::move(changes)));
+  for (const SubmapCheck& place : looked) {
+    const double violation = place.between().violation();
+    out.violation = std::max(out.violation, violation);
+    out.unexplained = std::max(out.unexplained, may_be ? place.unexplained() : violation);
+  }
+}
+
+/// Appends the points of one session's rock that the other saw.
+void add_seen(const Points& rock, std::span<const PointSight> seen, Points& out) {
+  for (std::size_t i = 0; i < rock.size(); ++i)
+    if (seen[i] == PointSight::seen) out.push_back(rock[i]);
+}
+
 }  // namespace
 
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,
                            const Eigen::Vector3d& first_b, const SessionMap& sessions, SessionSubmaps& submaps,
                            CloudSource& clouds, const JudgeConfig& judge) {
+  constexpr float cube_m = 1;
   LongRange out;
-  std::vector<std::pair<std::size_t, std::size_t>> spots;  // keyframes of a and b
-  double next_m = std::numeric_limits<double>::lowest();
-  const double near_m = near_enough_m(c, judged.T_a_b, judge);
-  for (const KeyframePosition& s : c.b.stored) {
-    const double path_m = sessions.at(pair.b).path_to_m[s.keyframe];
-    const auto [other, distance_m] = nearest_to(c.a.stored, judged.T_a_b * s.p);
-    if (distance_m > near_m || path_m < next_m) continue;
-    const bool known_a = known_around(sessions.at(pair.a), pair.a, other->keyframe, clouds, out.wanted),
-               known_b = known_around(sessions.at(pair.b), pair.b, s.keyframe, clouds, out.wanted);
-    if (!known_a || !known_b) continue;
-    next_m = path_m + step_m;
-    spots.emplace_back(other->keyframe, s.keyframe);
-  }
-  if (judged.evidence.repetition < copies_known) spots = spread_evenly(spots, spots_unless_copies);
+  Spots spots = spots_of(pair, c, judged.T_a_b, sessions, clouds, judge, out.wanted);
+  if (judged.evidence.repetition < copies_known) spots.keyframes = spread_evenly(spots.keyframes, spots_unless_copies);
   std::vector<SubmapRequest> asked;
-  for (const auto& [of_a, of_b] : spots) {
+  for (const auto& [of_a, of_b] : spots.keyframes) {
     asked.push_back(submaps.at(pair.a, of_a));
     asked.push_back(submaps.at(pair.b, of_b));
   }
   const std::vector<SubmapPtr> near = submaps.near(asked, clouds), far = submaps.far(asked, clouds);
-  std::vector<SubmapCheck> looked(spots.size());
+  std::vector<SubmapCheck> looked(spots.keyframes.size());
   const SubmapConfig seen = judge.with_drift(SessionSubmaps::far_config());
-  for_blocks(spots.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
+  for_blocks(looked.size(), 1, judge.threads, [&](std::size_t i, std::size_t, std::size_t) {
     const Submap &of_a = *near[2 * i], &of_b = *near[2 * i + 1];
     SubmapCheck place = register_submaps(of_a, of_b, judged.T_a_b, judge.place);
     const Pose& T = place.registration.T_target_source;
@@ -95,14 +129,14 @@ LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgeme
     if (drifted) check_free_space_again(place, *far[2 * i], *far[2 * i + 1], judged.T_a_b, seen);
     looked[i] = std::move(place);
   });
-  std::vector<ChangePatch> changes;
-  for (const SubmapCheck& place : looked) changes.insert(changes.end(), place.changes.begin(), place.changes.end());
-  const bool may_be = plausible(joined(std::move(changes)));
-  for (const SubmapCheck& place : looked) {
-    const double violation = place.between().violation();
-    out.violation = std::max(out.violation, violation);
-    out.unexplained = std::max(out.unexplained, may_be ? place.unexplained() : violation);
+  Points rock_of_a, rock_of_b;
+  for (std::size_t i = 0; i < looked.size(); ++i) {
+    add_seen(far[2 * i]->rock.points, looked[i].of_a, rock_of_a);
+    add_seen(far[2 * i + 1]->rock.points, looked[i].of_b, rock_of_b);
   }
+  out.rock_in_common =
+      static_cast<double>(voxel_grid(rock_of_a, cube_m).size() + voxel_grid(rock_of_b, cube_m).size()) / 2;
+  if (spots.known) sum_up_contradictions(looked, out);
   return out;
 }
 

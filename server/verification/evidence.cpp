@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 34> fields{{
+constexpr std::array<EvidenceField, 35> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -36,6 +36,7 @@ constexpr std::array<EvidenceField, 34> fields{{
     {"freespace_explained", &Evidence::freespace_explained},
     {"worst_place_explained", &Evidence::worst_place_explained},
     {"farther_explained", &Evidence::farther_explained},
+    {"rock_in_common", &Evidence::rock_in_common},
     {"weakest_hold", &Evidence::weakest_hold},
     {"end_on_match", &Evidence::end_on_match},
     {"descriptors_compared", &Evidence::descriptors_compared},

@@ -93,16 +93,17 @@ double SubmapCheck::unexplained() const {
 void check_free_space(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,
                       const SubmapConfig& config) {
   const auto reach_m = static_cast<float>(config.view_reach_m);
-  const auto of_b = sights_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m, config.look_slack_m),
-             of_a = sights_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m, config.look_slack_m);
-  check.b_by_a = summed_up(of_b);
-  check.a_by_b = summed_up(of_a);
+  check.of_b = sights_from(a.views, b.rock, T_a_b, reach_m, config.look_leaf_m, config.look_slack_m);
+  check.of_a = sights_from(b.views, a.rock, T_a_b.inverse(), reach_m, config.look_leaf_m, config.look_slack_m);
+  check.b_by_a = summed_up(check.of_b);
+  check.a_by_b = summed_up(check.of_a);
   check.changes.clear();
   const auto dates = dates_of(a.recorded, b.recorded);
   if (!dates || check.between().violated == 0) return;
   Points b_in_a = b.rock.points;
   for (auto& p : b_in_a) p = T_a_b.cast<float>() * p;
-  check.changes = find_patches({a.rock.points, of_a}, {std::move(b_in_a), of_b}, config.look_leaf_m, *dates);
+  check.changes =
+      find_patches({a.rock.points, check.of_a}, {std::move(b_in_a), check.of_b}, config.look_leaf_m, *dates);
 }
 
 void check_free_space_again(SubmapCheck& check, const Submap& a, const Submap& b, const Pose& T_a_b,

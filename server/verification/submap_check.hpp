@@ -20,8 +20,9 @@ struct SubmapCheck {
   Registration registration;
   double residual_m = 1;      // median distance along the normals of b's surface from a's, in cubes of half a metre
   Matched matched;            // at the registered transform
-  Visibility a_by_b, b_by_a;  // the rock of each session seen from the sweeps of the other
-  std::vector<ChangePatch> changes;  // violations that changes of the mine may explain, in a's frame
+  Visibility a_by_b, b_by_a;  // the rock of each session seen from the sweeps of the other ...
+  std::vector<PointSight> of_a, of_b;  // ... and each point of it by itself
+  std::vector<ChangePatch> changes;    // violations that changes of the mine may explain, in a's frame
 
   Visibility between() const;  // sum of both
   double unexplained() const;  // share of violations that no change explains

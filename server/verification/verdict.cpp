@@ -63,6 +63,10 @@ double walls_per_metre(const Evidence& e) {
   return e.support > 0 ? e.support / std::max(e.overlap_m, least_m) : unknown;
 }
 
+/// Halls that both looked into and walls that both passed, whatever path they share. A wrong placement is not
+/// contradicted by rock that neither saw. Not known if it was not looked at.
+double rock_in_common(const Evidence& e) { return e.rock_in_common > 0 ? std::log2(e.rock_in_common) : unknown; }
+
 /// The curve at x: linear between its knots, level outside them.
 double at(std::span<const VerdictKnot> curve, double x) {
   const auto next = std::upper_bound(curve.begin(), curve.end(), x,
@@ -91,6 +95,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_measures(const Evidence& e) 
       {"descriptors differ over little path", differ_over_little_path(e)},
       {"gravity disagrees", e.tilt_deg},
       {"walls match", walls_per_metre(e)},
+      {"rock that both saw", rock_in_common(e)},
   }};
 }
 

@@ -23,7 +23,7 @@ struct VerdictKnot {
 /// verdict_measures(). A curve with fewer knots than others ends in copies of its last one.
 inline constexpr double verdict_bias = 5.09;
 // clang-format off
-inline constexpr std::array<std::array<VerdictKnot, 8>, 14> verdict_curves{{
+inline constexpr std::array<std::array<VerdictKnot, 8>, 15> verdict_curves{{
     // path that is shared
     {{{2, -4.21}, {3, -4.21}, {4, -4.10}, {4.5, -2.61}, {5, -1.51}, {5.5, -0.27}, {6, 1.91}, {6.6, 4.52}}},
     // free space contradicts
@@ -52,6 +52,8 @@ inline constexpr std::array<std::array<VerdictKnot, 8>, 14> verdict_curves{{
     {{{0, 0.00}, {0.25, 0.00}, {0.5, 0.00}, {1, 0.00}, {2, -3.00}, {2, -3.00}, {2, -3.00}, {2, -3.00}}},
     // walls match
     {{{0, -1.67}, {2, -1.67}, {4, -1.67}, {6, -1.05}, {9, 1.05}, {14, 2.30}, {14, 2.30}, {14, 2.30}}},
+    // rock that both saw
+    {{{7, 0.00}, {8, 0.00}, {9, 0.00}, {10, 0.00}, {11, 0.00}, {11, 0.00}, {11, 0.00}, {11, 0.00}}},
 }};
 // clang-format on
 
