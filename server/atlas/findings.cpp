@@ -51,7 +51,7 @@ std::string walls(const Evidence& e) {
 }
 
 std::string rock(const Evidence& e) {
-  if (!(e.rock_in_common > 0)) return "how much rock both saw is not known";
+  if (e.rock_in_common <= 1) return "how much rock both saw is not known";
   return formatted("both saw the rock in %.0f cubes of a metre", e.rock_in_common);
 }
 

@@ -16,9 +16,10 @@ namespace {
 constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
 constexpr double likely = 0.3;  // probability_if_unique; set by hand
 
-/// Below this shared path, in metres, a placement is looked at farther off before it is accepted. With clouds on
-/// request one of a cave, over 9 m, was accepted at once; all clouds contradict it.
-constexpr double short_path_m = 15;
+/// Below this shared path, in metres, a placement is looked at farther off before it is accepted: it is believed
+/// because nothing contradicts there. With clouds on request one of a cave, over 9 m, was accepted at once; all clouds
+/// contradict it.
+constexpr double short_path_m = 30;
 
 /// Sets the descriptors' part of the evidence; spots where the mine has changed are left out.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
@@ -252,6 +253,7 @@ Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& 
   const double excused = excused_by_changes(known);
   out.evidence.freespace_explained *= excused;
   out.evidence.worst_place_explained *= excused;
+  out.evidence.rock_in_common = 1;  // it is not looked at farther off: little path by itself agrees with nothing
   weigh(out);
   return out;
 }

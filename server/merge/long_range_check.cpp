@@ -24,13 +24,13 @@ std::pair<const KeyframePosition*, double> nearest_to(const std::vector<Keyframe
 }
 
 /// How near the paths have to pass each other at a spot: close_m; or, if they never do, as near as they come and about
-/// the spacing of keyframes more, far_m at most. A wrong placement over 7 m of a cave, which only such a spot
+/// the spacing of keyframes more, apart_m at most. A wrong placement over 7 m of a cave, which only such a spot
 /// contradicts, was believed.
 double near_enough_m(const Case& c, const Pose& T_a_b, const JudgeConfig& judge) {
   constexpr double keyframe_spacing_m = 3;
-  double least_m = judge.far_m;
+  double least_m = judge.apart_m;
   for (const KeyframePosition& s : c.b.stored) least_m = std::min(least_m, nearest_to(c.a.stored, T_a_b * s.p).second);
-  return least_m <= judge.close_m ? judge.close_m : std::min(judge.far_m, least_m + keyframe_spacing_m);
+  return least_m <= judge.close_m ? judge.close_m : std::min(judge.apart_m, least_m + keyframe_spacing_m);
 }
 
 /// Whether all clouds of the path within look_m of a keyframe are stored. Adds those that are obtainable to `wanted`.

@@ -22,8 +22,8 @@ import numpy as np
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
-WRONG_WEIGHT = 2.2  # in mines left out as many wrong ones as with 2.5 and 63 more right pairs; with 2, 42 more and two wrong ones
-PULL = 3  # strength with which falls are drawn to nothing; 2 to 4 fit mines left out alike
+WRONG_WEIGHT = 2  # PLACEHOLDER
+PULL = 1  # PLACEHOLDER
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
 # Knots of each curve, whether larger values are worse (+1) or better (-1), and their unit.
 CURVES = {

@@ -37,7 +37,8 @@ const std::vector<Measure> measures{{&Evidence::overlap_m, 200, 0},
                                     {&Evidence::end_on_match, 1, 0},
                                     {&Evidence::descriptors_alike, 1, 0},
                                     {&Evidence::tilt_deg, 0, 2.99},
-                                    {&Evidence::support, 1500, 1}};
+                                    {&Evidence::support, 1500, 1},
+                                    {&Evidence::rock_in_common, 10000, 1}};
 
 TEST(Probability, EveryMeasureCountsAndWorseIsNeverBetter) {
   std::mt19937 rng(7);
@@ -129,13 +130,21 @@ TEST(Probability, WhatAllSessionsShowOfTheMineCountsLikeWhatThePairShows) {
 
 TEST(Probability, WhatIsNotKnownSaysNothing) {
   Evidence e = convincing();
-  const auto walls = [&] { return log_odds(e).contributions.back(); };
-  EXPECT_EQ(walls().name, "walls match");
-  EXPECT_GT(walls().value, 0);
+  const auto term = [&](std::string_view name) {
+    const auto all = log_odds(e).contributions;
+    return std::ranges::find(all, name, &VerdictTerm::name)->value;
+  };
+  EXPECT_GT(term("walls match"), 0);
   e.support = 1;
-  EXPECT_LT(walls().value, 0);
+  EXPECT_LT(term("walls match"), 0);
   e.support = 0;
-  EXPECT_EQ(walls().value, 0) << "it came from no search";
+  EXPECT_EQ(term("walls match"), 0) << "it came from no search";
+  e.rock_in_common = 10000;
+  EXPECT_GT(term("rock that both saw"), 0);
+  e.rock_in_common = 100;
+  EXPECT_LT(term("rock that both saw"), 0);
+  e.rock_in_common = 0;
+  EXPECT_EQ(term("rock that both saw"), 0) << "it was not looked at";
 }
 
 TEST(Probability, FewDescriptorsSayLittle) {
