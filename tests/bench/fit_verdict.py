@@ -6,9 +6,11 @@ usage: fit_verdict.py OUT.hpp ROWS.csv [ROWS.csv ...]
 ROWS.csv are files that ./run bench stages, merges, recordings, drawn-mines and rejudge write; their columns "term: ..."
 hold what each term measures. The log-odds of a placement are a constant plus one curve for each term, linear between
 the knots below and never rising towards the worse side: a logistic regression whose weights, the falls from knot to
-knot, are never negative. Small falls are drawn to nothing. A wrong placement weighs WRONG_WEIGHT right ones, because a
-wrong merge costs more; calibrated() takes that out of what people are told. LEAST holds falls where hardly any row
-lies, set by hand.
+knot, are never negative. They are drawn to the falls of the curves in place, server/verification/verdict_curves.hpp,
+which were fitted to rows that are not given here: so give each row to one fit only. A wrong placement weighs
+WRONG_WEIGHT right ones, because a wrong merge costs more; calibrated() takes that out of what people are told. The rows
+of known_copies.csv, the copies that looked most like right placements so far, take part in every fit. LEAST holds falls
+where hardly any row lies, set by hand.
 
 For each kind of world, prints how many right and wrong placements reach 0.9 with curves that were fitted without this
 kind; then the log loss and the expected calibration error of what is told. Writes OUT.hpp and, beside it, curves.svg,
@@ -16,15 +18,20 @@ replacements for those in server/verification. Needs numpy.
 """
 import datetime
 import os
+import re
 
 import numpy as np
 
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
-WRONG_WEIGHT = 2  # PLACEHOLDER
-PULL = 1  # PLACEHOLDER
+WRONG_WEIGHT = 1.25
+COPY_WEIGHT = 2  # of a known copy beside any other wrong placement: the least with which all of them wait
+PULL = 16  # strength with which falls are drawn to those in place; with 4 to 16 as many right placements of mines left out are believed, and no wrong one
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
+BENCH = os.path.dirname(os.path.abspath(__file__))
+COPIES = os.path.join(BENCH, "known_copies.csv")
+IN_PLACE = os.path.join(BENCH, "..", "..", "server", "verification", "verdict_curves.hpp")
 # Knots of each curve, whether larger values are worse (+1) or better (-1), and their unit.
 CURVES = {
     "path that is shared": ([2, 3, 4, 4.5, 5, 5.5, 6, 6.6], -1, "log2 of metres"),
@@ -33,7 +40,7 @@ CURVES = {
     "points scatter about the surfaces": ([0.07, 0.09, 0.105, 0.12, 0.14, 0.18], 1, "m"),
     "places lie apart": ([0, 0.1, 0.25, 0.5, 1.2, 2.4, 4.8], 1, "m"),
     "places disagree": ([0, 0.15, 0.34, 0.6, 1], 1, "share"),
-    "the mine repeats itself": ([0, 0.3, 1, 2], 1, "aliases"),
+    "the mine repeats itself": ([0, 0.3, 1, 2, 4], 1, "aliases"),
     "places look alike": ([0, 0.4, 1, 1.6, 2.3, 3.2, 4], 1, "log2 of one more than look-alikes"),
     "walls hold it": ([0.02, 0.04, 0.06, 0.09, 0.13, 0.2], -1, "smallest eigenvalue"),
     "surfaces across the tunnel match": ([0, 0.12, 0.25, 0.45], -1, "share"),
@@ -46,8 +53,8 @@ CURVES = {
 # Farther off, right placements show .12 % and less, but for one, and wrong ones .17 % and more (eleven mines of rounds 20
 # to 22 and generated ones, with the tolerance for drift).
 LEAST = {"free space contradicts": {-2.3: 3.4, -2: 2.6, -1.7: 2.6},
-         "free space farther off contradicts": {-2.9: 0.3, -2.6: 3.1, -2.3: 3.1, -2: 3.1, -1.6: 3},
-         "places lie apart": {2.4: 4, 4.8: 4}, "places disagree": {0.6: 2, 1: 3}, "descriptors agree": {0.65: 2.5}, "descriptors differ over little path": {1: 3}, "gravity disagrees": {2: 3}}
+         "free space farther off contradicts": {-2.9: 1.1, -2.6: 3.1, -2.3: 3.1, -2: 3.1, -1.6: 3},
+         "the mine repeats itself": {0.3: 1, 1: 0.7, 2: 0.3, 4: 1}, "places lie apart": {2.4: 4, 4.8: 4}, "places disagree": {0.6: 2, 1: 3}, "descriptors agree": {0.65: 2.5}, "descriptors differ over little path": {1: 3}, "gravity disagrees": {2: 3}}
 # Most a piece may fall. Along a narrow tunnel (4 x 3 m) both see half the rock that they see along usual ones.
 MOST = {"rock that both saw": 0.6}
 
@@ -77,20 +84,31 @@ def descend(gradient, curvature, low, high, sweeps=100):
     return step
 
 
-def fit(X, y, low, high, rounds=60):
-    """Bias and falls: Newton's method with limits."""
-    A, weight = np.c_[np.ones(len(y)), -X], np.where(y == 1, 1.0, WRONG_WEIGHT)
+def usual_bias(fallen, y, weight):
+    """The bias with which as much weight is believed as is right."""
+    least, most = -50.0, 50.0
+    for _ in range(50):
+        middle = (least + most) / 2
+        too_much = (weight / (1 + np.exp(np.clip(fallen - middle, -50, 50)))).sum() > weight[y == 1].sum()
+        least, most = (least, middle) if too_much else (middle, most)
+    return least
+
+
+def fit(X, y, weight, low, high, drawn_to, rounds=60):
+    """Bias and falls: Newton's method with limits. The falls are drawn to those given."""
+    A, pull = np.c_[np.ones(len(y)), -X], PULL * (np.arange(X.shape[1] + 1) > 0)
     low, high = np.r_[-np.inf, low], np.r_[np.inf, high]
+    drawn_to = np.clip(np.r_[usual_bias(X @ drawn_to, y, weight), drawn_to], low, high)
 
     def loss(c):
         z = A @ c
-        return (weight * np.logaddexp(0, np.where(y == 1, -z, z))).sum() + PULL * c[1:].sum()
+        return (weight * np.logaddexp(0, np.where(y == 1, -z, z))).sum() + (pull * (c - drawn_to) ** 2).sum() / 2
 
-    c = np.r_[2.0, low[1:]]
+    c = drawn_to
     for _ in range(rounds):
         p = 1 / (1 + np.exp(-np.clip(A @ c, -50, 50)))
-        gradient = A.T @ (weight * (p - y)) + PULL * (np.arange(len(c)) > 0)
-        curvature = (A * (weight * p * (1 - p))[:, None]).T @ A + 1e-3 * np.eye(len(c))
+        gradient = A.T @ (weight * (p - y)) + pull * (c - drawn_to)
+        curvature = (A * (weight * p * (1 - p))[:, None]).T @ A + np.diag(pull + 1e-3)
         step, before = descend(gradient, curvature, low - c, high - c), loss(c)
         size = 1.0
         while loss(c + size * step) > before and size > 1e-3:
@@ -99,6 +117,17 @@ def fit(X, y, low, high, rounds=60):
         if before - loss(c) < 1e-6 * before:
             break
     return c
+
+
+def falls_in_place(text):
+    """The falls from knot to knot of the curves in a header, in the order of CURVES; a term that is new falls nowhere."""
+    known = {term: [tuple(map(float, knot)) for knot in re.findall(r"\{(-?[0-9.e-]+), (-?[0-9.]+)\}", knots)]
+             for term, knots in re.findall(r"^    // (.*)\n    \{\{(.*)\}\},$", text, re.M)}
+    falls = []
+    for term, (knots, worse, _) in CURVES.items():
+        at, values = np.array(known.get(term, [(0, 0)])).T
+        falls += list(worse * -np.diff(np.interp(knots, at, values)))
+    return np.array(falls)
 
 
 def curve(term, falls, median):
@@ -170,25 +199,29 @@ def padded(knots):
 
 def main(out, files):
     terms = list(CURVES)
-    rows = load(files, lambda r: r["source"] == "judged" and r["status"] == "converged" and float(r["tilt_deg"]) < 3,
+    rows = load(files + [COPIES], lambda r: r["source"] == "judged" and r["status"] == "converged" and float(r["tilt_deg"]) < 3,
                 ["source", "status", "tilt_deg", "right", "kind", "mine"] + ["term: " + t for t in terms])
     y = np.array([float(r["right"]) for r in rows])
     values = {t: np.array([float(r["term: " + t]) for r in rows]) for t in terms}
     medians = {t: np.nanmedian(v[y == 1]) for t, v in values.items()}
     X = np.stack([s for t, v in values.items() for s in steps(t, np.where(np.isnan(v), medians[t], v))], 1)
     low, high = np.array([pair for t in terms for pair in limits(t)], float).T
+    with open(IN_PLACE) as f:
+        before = falls_in_place(f.read())
     kinds = np.array([r["kind"] for r in rows])
+    copies = kinds == "known copies"
+    weight = np.where(y == 1, 1.0, WRONG_WEIGHT) * np.where(copies, COPY_WEIGHT, 1.0)
     left_out = np.zeros(len(y))
     print("%-18s %6s %8s %6s %8s" % ("kind left out", "right", ">= 0.9", "wrong", ">= 0.9"))
-    for kind in sorted(set(kinds)):
+    for kind in sorted(set(kinds[~copies])):
         here = kinds == kind
-        c = fit(X[~here], y[~here], low, high)
+        c = fit(X[~here], y[~here], weight[~here], low, high, before)
         z = c[0] - X[here] @ c[1:]
         p, right = 1 / (1 + np.exp(-z)), y[here] == 1
         left_out[here] = 1 / (1 + np.exp(-z) / WRONG_WEIGHT)
         print("%-18s %6d %8d %6d %8d" % (kind, right.sum(), (p[right] >= ACCEPTED).sum(), (~right).sum(), (p[~right] >= ACCEPTED).sum()))
-    print("told: log loss %.3f, expected calibration error %.3f" % (log_loss(left_out, y), calibration_error(left_out, y)))
-    write(out, fit(X, y, low, high), medians, rows, y)
+    print("told: log loss %.3f, expected calibration error %.3f" % (log_loss(left_out[~copies], y[~copies]), calibration_error(left_out[~copies], y[~copies])))
+    write(out, fit(X, y, weight, low, high, before), medians, rows, y)
 
 
 if __name__ == "__main__":

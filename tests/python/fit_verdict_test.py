@@ -28,7 +28,7 @@ def drawn(count, rng):
 def fitted(values, y):
     X = np.stack([s for t, v in values.items() for s in fit.steps(t, v)], 1)
     low, high = np.array([pair for t in values for pair in fit.limits(t)], float).T
-    return fit.fit(X, y, low, high), low, high
+    return fit.fit(X, y, np.ones(len(y)), low, high, np.zeros(X.shape[1])), low, high
 
 
 def total(c, term):
@@ -40,7 +40,7 @@ def total(c, term):
 
 
 def finds_what_made_the_labels():
-    fit.LEAST, fit.MOST, fit.WRONG_WEIGHT, fit.PULL = {}, {}, 1, 1
+    fit.LEAST, fit.MOST, fit.PULL = {}, {}, 0.1
     c, low, high = fitted(*drawn(20000, np.random.default_rng(3)))
     assert (c[1:] >= low).all() and (c[1:] <= high + 1e-9).all()
     for term in fit.CURVES:

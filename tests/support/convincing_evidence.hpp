@@ -4,7 +4,8 @@
 
 namespace headframe::test {
 
-/// Of a placement that all speaks for: 36 m are shared, six places agree, and the walls match far to the sides.
+/// Of a placement that all speaks for: 36 m are shared, six places agree, the walls match far to the sides, and both saw
+/// much of the rock.
 inline Evidence convincing() {
   Evidence e;
   e.pairs = 12;
@@ -19,6 +20,7 @@ inline Evidence convincing() {
   e.descriptors_compared = 8;
   e.descriptors_alike = 0.88;
   e.support = 300;
+  e.rock_in_common = 1200;
   return e;
 }
 

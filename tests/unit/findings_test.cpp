@@ -33,9 +33,12 @@ TEST(Findings, EveryTermIsSaidOnceTheStrongestAgainstFirst) {
 
 TEST(Findings, WhatAloneWouldSufficeIsSaid) {
   Evidence e = test::convincing();
-  e.look_alikes = 6;
+  e.look_alikes = 12;
+  e.overlap_m = 25;
+  e.rock_in_common = 850;
+  e.support = 200;
   const Finding alike = finding(e, "places look alike");
-  EXPECT_NE(alike.text.find("at 6.0 other placements"), std::string::npos) << alike.text;
+  EXPECT_NE(alike.text.find("at 12.0 other placements"), std::string::npos) << alike.text;
   EXPECT_NE(alike.would_suffice.find("look-alikes at most would suffice"), std::string::npos);
   e.overlap_m = 20;
   const Finding path = finding(e, "path that is shared");
@@ -44,10 +47,12 @@ TEST(Findings, WhatAloneWouldSufficeIsSaid) {
 
 TEST(Findings, WhatIsNotKnownIsSaidToBeSo) {
   Evidence e = test::convincing();
-  e.support = e.descriptors_compared = 0;
+  e.support = e.descriptors_compared = e.rock_in_common = 0;
   EXPECT_NE(finding(e, "walls match").text.find("came from no search"), std::string::npos);
   EXPECT_EQ(finding(e, "walls match").log_odds, 0);
   EXPECT_NE(finding(e, "descriptors agree").text.find("say nothing"), std::string::npos);
+  EXPECT_NE(finding(e, "rock that both saw").text.find("is not known"), std::string::npos);
+  EXPECT_EQ(finding(e, "rock that both saw").log_odds, 0);
 }
 
 }  // namespace
