@@ -4,8 +4,8 @@
 
 namespace headframe::test {
 
-/// Of a placement that all speaks for: 36 m are shared, six places agree, the walls match far to the sides, and both saw
-/// much of the rock.
+/// Of a placement that all speaks for: 36 m are shared, six places agree, the walls match far to the sides, and both
+/// saw much of the rock.
 inline Evidence convincing() {
   Evidence e;
   e.pairs = 12;
