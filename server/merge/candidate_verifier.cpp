@@ -16,10 +16,9 @@ namespace {
 constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
 constexpr double likely = 0.3;  // probability_if_unique; set by hand
 
-/// Below this shared path, in metres, a placement is looked at farther off before it is accepted: it is believed
-/// because nothing contradicts there. With clouds on request one of a cave, over 9 m, was accepted at once; all clouds
-/// contradict it.
-constexpr double short_path_m = 30;
+/// Below this shared path, in metres, a placement is looked at farther off before it is accepted. With clouds on
+/// request one of a cave, over 9 m, was accepted at once; all clouds contradict it.
+constexpr double short_path_m = 15;
 
 /// Sets the descriptors' part of the evidence; spots where the mine has changed are left out.
 void compare_descriptors(const DescriptorAgreement& agreement, Judgement& judgement) {
@@ -39,13 +38,6 @@ double most_probable(const ScreeningResult& screened, const Case& c, const Descr
   measure_overlap(best.evidence, c.a.stored, c.b.stored, best.T_a_b, config);
   best.evidence.support = c.hypothesis.score;
   return best_probability(screened, best.evidence);
-}
-
-/// What the probability would be if both sessions had seen any amount of rock.
-double probability_with_ample_rock(const Judgement& judgement) {
-  Evidence e = judgement.evidence;
-  e.rock_in_common = ideal_evidence().rock_in_common;
-  return probability(judgement.status, e);
 }
 
 template <class Judged>
@@ -211,12 +203,9 @@ std::vector<JudgedCase> CandidateVerifier::judge_ahead(const OrderedPair& pair, 
 void CandidateVerifier::look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds) {
   Evidence& e = verdict.judgement.evidence;
   const LongRange far = check_long_range(pair, c, verdict.judgement, verdict.p_b, sessions_, submaps_, clouds, judge_);
-  e.farther_violation = far.violation;
-  e.farther_explained = far.violation - far.unexplained;
-  e.rock_in_common = far.rock_in_common;
+  far.tell(e);
   weigh(verdict.judgement);
-  const bool lacks_rock = e.probability < config_.accept_probability &&
-                          probability_with_ample_rock(verdict.judgement) >= config_.accept_probability;
+  const bool lacks_rock = e.probability < config_.accept_probability && might_be_accepted(verdict.judgement, config_);
   if (e.repetition >= copies_known || e.overlap_m < short_path_m || lacks_rock)
     verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
 }
@@ -230,8 +219,7 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
         !same_placement(rival.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration))
       e.aliases += alias_of(e, rival.evidence);
   weigh(verdict.judgement);
-  if (probability_with_ample_rock(verdict.judgement) >= config_.accept_probability)
-    look_farther(pair, c, verdict, clouds);
+  if (might_be_accepted(verdict.judgement, config_)) look_farther(pair, c, verdict, clouds);
   if (e.probability >= std::max(beyond_doubt, config_.accept_probability)) return;
   const auto near = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
   verdict.wanted.insert(verdict.wanted.end(), near.begin(), near.end());

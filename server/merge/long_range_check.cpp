@@ -103,6 +103,18 @@ void add_seen(const Points& rock, std::span<const PointSight> seen, Points& out)
 
 }  // namespace
 
+void LongRange::tell(Evidence& e) const {
+  e.farther_violation = violation;
+  e.farther_explained = violation - unexplained;
+  e.rock_in_common = rock_in_common;
+}
+
+bool might_be_accepted(const Judgement& judgement, const VerdictThresholds& thresholds) {
+  Evidence e = judgement.evidence;
+  e.rock_in_common = ideal_evidence().rock_in_common;
+  return probability(judgement.status, e) >= thresholds.accept_probability;
+}
+
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,
                            const Eigen::Vector3d& first_b, const SessionMap& sessions, SessionSubmaps& submaps,
                            CloudSource& clouds, const JudgeConfig& judge) {

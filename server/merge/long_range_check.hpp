@@ -15,7 +15,12 @@ struct LongRange {
   double unexplained = 0;        // ... without what changes of the mine explain
   double rock_in_common = 0;     // Evidence::rock_in_common
   std::set<KeyframeRef> wanted;  // clouds that could add evidence
+
+  void tell(Evidence& e) const;
 };
+
+/// Whether the placement would be probable enough if both sessions had seen any amount of rock.
+bool might_be_accepted(const Judgement& judgement, const VerdictThresholds& thresholds);
 
 /// Looks for contradictions and for rock in common along the shared path, or where two paths that never meet come
 /// nearest, at spots for which all clouds within 25 m of path are stored; with incomplete surroundings distant walls

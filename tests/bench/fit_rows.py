@@ -41,7 +41,7 @@ def calibration_error(p, y):
 
 
 def made_from(rows, y):
-    return "from %d right and %d wrong placements in %d mines of\n// %d kinds." % (
+    return "from %d right and %d wrong placements in %d mines of\n// %d kinds. Drawn to the curves that these replaced." % (
         y.sum(), len(y) - y.sum(), len({r["mine"] for r in rows}), len({r["kind"] for r in rows}))
 
 

@@ -25,8 +25,8 @@ import numpy as np
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
-WRONG_WEIGHT = 1.25
-COPY_WEIGHT = 2  # of a known copy beside any other wrong placement: the least with which all of them wait
+WRONG_WEIGHT = 1.25  # in mines left out as many right placements are believed as with 1 or 1.5, and no wrong one but a copy in a recorded tunnel
+COPY_WEIGHT = 2  # of a known copy beside any other wrong placement: with 1.5 the one of 54 m is accepted
 PULL = 16  # strength with which falls are drawn to those in place; with 4 to 16 as many right placements of mines left out are believed, and no wrong one
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
 BENCH = os.path.dirname(os.path.abspath(__file__))
