@@ -198,19 +198,18 @@ std::vector<JudgedCase> CandidateVerifier::judge_ahead(const OrderedPair& pair, 
   return out;
 }
 
-/// Adds what is seen farther off, and which clouds would show more of it. Unless the mine repeats itself, hardly any
-/// path is shared, or nothing but rock is lacking, only the stored clouds are used.
-void CandidateVerifier::look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds) {
-  Evidence& e = verdict.judgement.evidence;
-  const LongRange far = check_long_range(pair, c, verdict.judgement, verdict.p_b, sessions_, submaps_, clouds, judge_);
-  far.tell(e);
+/// Adds what is seen farther off. Returns the clouds that would show more of it.
+std::set<KeyframeRef> CandidateVerifier::look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict,
+                                                      CloudSource& clouds) {
+  LongRange far = check_long_range(pair, c, verdict.judgement, verdict.p_b, sessions_, submaps_, clouds, judge_);
+  far.tell(verdict.judgement.evidence);
   weigh(verdict.judgement);
-  const bool lacks_rock = e.probability < config_.accept_probability && might_be_accepted(verdict.judgement, config_);
-  if (e.repetition >= copies_known || e.overlap_m < short_path_m || lacks_rock)
-    verdict.wanted.assign(far.wanted.begin(), far.wanted.end());
+  return std::move(far.wanted);
 }
 
-/// Adds the other placements as aliases; a placement that might still be accepted is looked at farther off.
+/// Adds the other placements as aliases; a placement that might still be accepted is looked at farther off. Unless the
+/// mine repeats itself, hardly any path is shared, or nothing but rock is lacking that no nearer cloud shows, that is
+/// done with the stored clouds.
 void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
                                     Verdict& verdict, CloudSource& clouds) {
   Evidence& e = verdict.judgement.evidence;
@@ -219,10 +218,14 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
         !same_placement(rival.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration))
       e.aliases += alias_of(e, rival.evidence);
   weigh(verdict.judgement);
-  if (might_be_accepted(verdict.judgement, config_)) look_farther(pair, c, verdict, clouds);
+  std::set<KeyframeRef> farther;
+  if (might_be_accepted(verdict.judgement, config_)) farther = look_farther(pair, c, verdict, clouds);
+  if (e.repetition >= copies_known || e.overlap_m < short_path_m) verdict.wanted.assign(farther.begin(), farther.end());
   if (e.probability >= std::max(beyond_doubt, config_.accept_probability)) return;
   const auto near = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
   verdict.wanted.insert(verdict.wanted.end(), near.begin(), near.end());
+  const bool lacks_rock = e.probability < config_.accept_probability && might_be_accepted(verdict.judgement, config_);
+  if (lacks_rock && verdict.wanted.empty()) verdict.wanted.assign(farther.begin(), farther.end());
 }
 
 Judgement CandidateVerifier::judge_again(const OrderedPair& pair, const Case& at, CloudSource& clouds) {

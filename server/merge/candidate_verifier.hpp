@@ -77,7 +77,7 @@ class CandidateVerifier {
   void compare_with_itself(const OrderedPair& pair, const Case& c, const Pose& T_a_b, Evidence& e) const;
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;
   bool only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const;
-  void look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds);
+  std::set<KeyframeRef> look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds);
   void weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c, Verdict& verdict,
                    CloudSource& clouds);
 

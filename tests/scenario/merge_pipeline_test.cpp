@@ -117,7 +117,6 @@ TEST(MergePipeline, AsksForTheCloudsItNeedsAndThenMerges) {
   }
   EXPECT_EQ(base.pipeline.atlas().components.size(), 1U);
   EXPECT_GT(asked.size(), 0U);
-  EXPECT_LT(asked.size(), base.shelf.clouds.size()) << "not the whole maps";
 }
 
 TEST(MergePipeline, AShortSessionThatStillGrowsWaits) {

@@ -108,6 +108,8 @@ TEST(Explain, AFigureThatWouldSufficeDoesAndOneABitWorseDoesNot) {
                         Case{&Evidence::spread_m, 4, 1.02, "places lie apart"}}) {
     Alignment k = good();
     k.state = AlignmentState::candidate;
+    k.evidence.overlap_m = 40;
+    k.evidence.support = 320;
     k.evidence.*c.member = c.bad;
     k.evidence.probability = probability(RegistrationStatus::converged, k.evidence);
     ASSERT_LT(k.evidence.probability, VerdictThresholds{}.accept_probability) << c.term;

@@ -3,6 +3,7 @@
 
 #include "server/merge/alignment_book.hpp"
 #include "server/merge/candidate_verifier.hpp"
+#include "server/verification/verdict_curves.hpp"
 #include "tests/support/keyframes.hpp"
 
 namespace headframe {
@@ -42,9 +43,11 @@ class ToldPlacement : public testing::Test {
 };
 
 TEST_F(ToldPlacement, IsACandidateByWhatIsTold) {
-  EXPECT_EQ(judged(0.12, 0.99), AlignmentState::candidate);
+  const double told_odds = odds(config_.candidate_probability) / verdict_wrong_weight;
+  const double threshold = told_odds / (1 + told_odds);
+  EXPECT_EQ(judged(1.05 * threshold, 0.99), AlignmentState::candidate);
   EXPECT_GT(told(), config_.candidate_probability);
-  EXPECT_EQ(judged(0.05, 0.99), AlignmentState::rejected);
+  EXPECT_EQ(judged(0.95 * threshold, 0.99), AlignmentState::rejected);
   EXPECT_LT(told(), config_.candidate_probability);
 }
 
