@@ -68,18 +68,17 @@ Spots spots_of(const OrderedPair& pair, const Case& c, const Pose& T_a_b, const 
                const CloudSource& clouds, const JudgeConfig& judge, std::set<KeyframeRef>& wanted) {
   Spots known{{}, true}, any;
   const double near_m = near_enough_m(c, T_a_b, judge);
-  const auto add = [](Spots& to, std::size_t of_a, std::size_t of_b, const std::vector<double>& path_m) {
-    if (to.keyframes.empty() || path_m[of_b] >= path_m[to.keyframes.back().second] + step_m)
-      to.keyframes.emplace_back(of_a, of_b);
-  };
   const Session &a = sessions.at(pair.a), &b = sessions.at(pair.b);
+  const auto far_enough = [&](const Spots& from, std::size_t of_b) {
+    return from.keyframes.empty() || b.path_to_m[of_b] >= b.path_to_m[from.keyframes.back().second] + step_m;
+  };
   for (const KeyframePosition& s : c.b.stored) {
     const auto [other, distance_m] = nearest_to(c.a.stored, T_a_b * s.p);
-    if (distance_m > near_m) continue;
-    add(any, other->keyframe, s.keyframe, b.path_to_m);
+    if (distance_m > near_m || !far_enough(known, s.keyframe)) continue;
+    if (far_enough(any, s.keyframe)) any.keyframes.emplace_back(other->keyframe, s.keyframe);
     const bool known_a = known_around(a, pair.a, other->keyframe, clouds, wanted),
                known_b = known_around(b, pair.b, s.keyframe, clouds, wanted);
-    if (known_a && known_b) add(known, other->keyframe, s.keyframe, b.path_to_m);
+    if (known_a && known_b) known.keyframes.emplace_back(other->keyframe, s.keyframe);
   }
   return known.keyframes.empty() ? any : known;
 }

@@ -49,8 +49,8 @@ struct Evidence {
   double worst_place_explained = 0;  // an edge, between sessions recorded more than an hour apart; likewise for the
   double farther_explained = 0;      // other two
   double weakest_hold = 0;  // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
-  /// Cubes of a metre in which both sessions met rock, up to 25 m from the spots of the overlap that were looked at;
-  /// the mean of both. A lower limit where clouds are missing; 0 unless it was looked at.
+  /// Cubes of a metre in which both met rock, up to 25 m from the spots looked at; the mean of both, at least where
+  /// clouds are missing. 0: not looked at, which says nothing; 1: not either, and as little as possible is assumed.
   double rock_in_common = 0;
   double end_on_match = 0;  // share of the surfaces facing along the weakest axis that meet such a surface of the other
   double descriptors_compared = 0;   // keyframes of the longer session within 3 m of one of the other's

@@ -40,7 +40,7 @@ def total(c, term):
 
 
 def finds_what_made_the_labels():
-    fit.LEAST, fit.MOST, fit.PULL = {}, {}, 0.1
+    fit.LEAST, fit.PULL = {}, 0.1
     c, low, high = fitted(*drawn(20000, np.random.default_rng(3)))
     assert (c[1:] >= low).all() and (c[1:] <= high + 1e-9).all()
     for term in fit.CURVES:
