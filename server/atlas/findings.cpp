@@ -44,6 +44,12 @@ std::string farther_violation(const Evidence& e) {
                    100 * farther_contradiction(e));
 }
 
+std::string scatter(const Evidence& e) {
+  const std::string out = formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m);
+  if (!(e.own_scatter_m > 0)) return out + "; how rough the rock is was not measured";
+  return out + formatted(", and %.0f mm off those of their own session", 1000 * e.own_scatter_m);
+}
+
 std::string walls(const Evidence& e) {
   if (!(e.support > 0)) return "the placement came from no search of the walls";
   return formatted("the walls of both sessions, also far from the paths, match with a score of %.0f over %.0f m",
@@ -51,14 +57,13 @@ std::string walls(const Evidence& e) {
 }
 
 std::string rock(const Evidence& e) {
-  if (e.rock_in_common <= 1) return "how much rock both saw is not known";
+  if (e.rock_in_common <= hardly_any_rock) return "how much rock both saw is not known";
   return formatted("both saw the rock in %.0f cubes of a metre", e.rock_in_common);
 }
 
 /// What a contribution means, in the order of verdict_measures().
 std::array<std::string, verdict_term_count> words_of(const Evidence& e) {
-  return {{formatted("%.0f m of path are shared", e.overlap_m), violation(e), farther_violation(e),
-           formatted("points lie %.0f mm off the surfaces, root mean square", 1000 * e.rmse_m),
+  return {{formatted("%.0f m of path are shared", e.overlap_m), violation(e), farther_violation(e), scatter(e),
            formatted("places along the overlap, registered each by itself, would move by %.2f m", e.spread_m),
            formatted("%.0f of %.0f places along the overlap agree", e.places_agreeing, e.places), copies(e),
            look_alikes(e), formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),

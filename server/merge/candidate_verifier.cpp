@@ -207,7 +207,7 @@ std::set<KeyframeRef> CandidateVerifier::look_farther(const OrderedPair& pair, c
   return std::move(far.wanted);
 }
 
-/// Adds the other placements as aliases; a placement that might still be accepted is looked at farther off. Unless the
+/// Adds the other placements as aliases; a placement that may be right is looked at farther off. Unless the
 /// mine repeats itself, hardly any path is shared, or nothing but rock is lacking that no nearer cloud shows, that is
 /// done with the stored clouds.
 void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
@@ -218,13 +218,16 @@ void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const Ordere
         !same_placement(rival.T_a_b, verdict.judgement.T_a_b, verdict.p_b, same_registration))
       e.aliases += alias_of(e, rival.evidence);
   weigh(verdict.judgement);
+  const double most = probability_with_ample_rock(verdict.judgement);
   std::set<KeyframeRef> farther;
-  if (might_be_accepted(verdict.judgement, config_)) farther = look_farther(pair, c, verdict, clouds);
+  if (most >= config_.candidate_probability) farther = look_farther(pair, c, verdict, clouds);
+  if (most < config_.accept_probability) farther.clear();
   if (e.repetition >= copies_known || e.overlap_m < short_path_m) verdict.wanted.assign(farther.begin(), farther.end());
   if (e.probability >= std::max(beyond_doubt, config_.accept_probability)) return;
   const auto near = requests_.clouds_for_verdict(pair, c, verdict.judgement, verdict.p_b);
   verdict.wanted.insert(verdict.wanted.end(), near.begin(), near.end());
-  const bool lacks_rock = e.probability < config_.accept_probability && might_be_accepted(verdict.judgement, config_);
+  const bool lacks_rock = e.probability < config_.accept_probability &&
+                          probability_with_ample_rock(verdict.judgement) >= config_.accept_probability;
   if (lacks_rock && verdict.wanted.empty()) verdict.wanted.assign(farther.begin(), farther.end());
 }
 
@@ -244,7 +247,8 @@ Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& 
   const double excused = excused_by_changes(known);
   out.evidence.freespace_explained *= excused;
   out.evidence.worst_place_explained *= excused;
-  out.evidence.rock_in_common = 1;  // it is not looked at farther off: little path by itself agrees with nothing
+  out.evidence.rock_in_common =
+      hardly_any_rock;  // it is not looked at farther off: little path by itself agrees with nothing
   weigh(out);
   return out;
 }

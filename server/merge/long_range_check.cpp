@@ -108,10 +108,10 @@ void LongRange::tell(Evidence& e) const {
   e.rock_in_common = rock_in_common;
 }
 
-bool might_be_accepted(const Judgement& judgement, const VerdictThresholds& thresholds) {
+double probability_with_ample_rock(const Judgement& judgement) {
   Evidence e = judgement.evidence;
   e.rock_in_common = ideal_evidence().rock_in_common;
-  return probability(judgement.status, e) >= thresholds.accept_probability;
+  return probability(judgement.status, e);
 }
 
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,

@@ -19,8 +19,8 @@ struct LongRange {
   void tell(Evidence& e) const;
 };
 
-/// Whether the placement would be probable enough if both sessions had seen any amount of rock.
-bool might_be_accepted(const Judgement& judgement, const VerdictThresholds& thresholds);
+/// How probable the placement would be if both sessions had seen any amount of rock.
+double probability_with_ample_rock(const Judgement& judgement);
 
 /// Looks for contradictions and for rock in common along the shared path, or where two paths that never meet come
 /// nearest, at spots for which all clouds within 25 m of path are stored; with incomplete surroundings distant walls

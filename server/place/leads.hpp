@@ -41,7 +41,7 @@ struct LeadSeats {
   /// cells of 1.5 m.
   std::size_t coarse_matches = 1000;
   WallSearchSteps steps = {};
-  std::size_t spare = 4;    // refined to half a cell: this many times the quota, half as many of `coherent`
+  std::size_t spare = 8;    // refined to half a cell: this many times the quota, half as many of `coherent`
   bool second_part = true;  // for each placement also the part whose walls meet most, though they contradict more
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "server/registration/gauss_newton.hpp"
 
@@ -85,6 +86,12 @@ Registration align(const VoxelMaps& target, const Points& source, const Points& 
                    const VgicpConfig& config) {
   const VgicpPair pair{&target, &source, &source_normals};
   return align(std::span(&pair, 1), T_0, config);
+}
+
+double scatter_m(const VoxelMaps& target, const Points& points, const Points& normals, const VgicpConfig& config) {
+  const Source source{target.back(), points, normals, scattered(points.size(), config.levels.back().source_points)};
+  const NormalEquations sums = linearise(source, Pose::Identity(), mean_point(points), config, nullptr);
+  return std::sqrt(sums.squared_plane_m2 / std::max(1.0, sums.inliers));
 }
 
 }  // namespace headframe

@@ -45,6 +45,9 @@ struct VgicpPair {
 /// One transform for several pairs at once, as if they were one map; they share a level's number of source points.
 Registration align(std::span<const VgicpPair> pairs, const Pose& T_target_source_0, const VgicpConfig& config);
 
+/// How far the points lie off the target's surfaces where they are: Registration::rmse_m without a registration.
+double scatter_m(const VoxelMaps& target, const Points& points, const Points& normals, const VgicpConfig& config = {});
+
 /// Selects at most `most` of `count` points, scattered like a Weyl sequence so that the selection does not align with
 /// the rings of a lidar.
 std::vector<std::uint32_t> scattered(std::size_t count, std::size_t most);

@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 35> fields{{
+constexpr std::array<EvidenceField, 36> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -17,6 +17,7 @@ constexpr std::array<EvidenceField, 35> fields{{
     {"inlier_fraction", &Evidence::inlier_fraction},
     {"matched_share", &Evidence::matched_share},
     {"rmse_m", &Evidence::rmse_m},
+    {"own_scatter_m", &Evidence::own_scatter_m},
     {"residual_m", &Evidence::residual_m},
     {"spread_m", &Evidence::spread_m},
     {"overlap_m", &Evidence::overlap_m},

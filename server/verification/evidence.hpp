@@ -24,6 +24,7 @@ struct Evidence {
   double inlier_fraction = 0;  // share of the longer session's points at these places that have a partner
   double matched_share = 0;    // of the points about which the other map can say anything: share on its surface
   double rmse_m = 0;           // of the inliers, along the normals
+  double own_scatter_m = 0;    // of each session's own points about its own surfaces there; 0: not measured
   double residual_m = 0;       // median distance from the other's surface, with each place registered independently
   double spread_m = 0;         // root mean square of how far the places' own registrations differ from T_a_b
   double overlap_m = 0;        // shared path, mean of both: in full within 4 m of the other path, fading out at 16 m
@@ -50,7 +51,7 @@ struct Evidence {
   double farther_explained = 0;      // other two
   double weakest_hold = 0;  // smallest eigenvalue of the normals' mean outer product: 0 slides freely, 1/3 is held
   /// Cubes of a metre in which both met rock, up to 25 m from the spots looked at; the mean of both, at least where
-  /// clouds are missing. 0: not looked at, which says nothing; 1: not either, and as little as possible is assumed.
+  /// clouds are missing. 0: not looked at, which says nothing. hardly_any_rock: not either, and as little is assumed.
   double rock_in_common = 0;
   double end_on_match = 0;  // share of the surfaces facing along the weakest axis that meet such a surface of the other
   double descriptors_compared = 0;   // keyframes of the longer session within 3 m of one of the other's
@@ -65,6 +66,9 @@ struct Evidence {
 /// in a tunnel with less hold can be told from its neighbours. In the recordings right placements match 0.22 and more,
 /// wrong ones 0.07.
 inline constexpr double held_well = 0.03, ends_meet = 0.12;
+
+/// Evidence::rock_in_common where it is not looked at, though a placement that shares little rock is to be doubted.
+inline constexpr double hardly_any_rock = 1;
 
 /// Repetition from which on the database is known to hold copies. Over all recordings at once it is 0.05.
 inline constexpr double copies_known = 0.15;

@@ -52,6 +52,7 @@ Submap make_submap(std::span<const PlacedCloud> clouds, const Eigen::Vector3d& p
   const SurfelCloud all = sphere(clouds, p, config.radius_m + config.slack_m, config.leaf_m);
   out.target = make_voxel_maps(all.points, all.normals);
   out.source = thinned(within(all, p, config.radius_m), config.source_points);
+  out.scatter_m = scatter_m(out.target, out.source.points, out.source.normals);
   out.views = views_near(clouds, p, config.view_reach_m);
   out.rock = without_transients(sphere(clouds, p, config.look_m, config.look_leaf_m), out.views, reach_m);
   return out;

@@ -32,7 +32,8 @@ struct Submap {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  // position of the keyframe
   SurfelCloud source;                           // of a registration
   VoxelMaps target;
-  SurfelCloud rock;  // without what its own sweeps see through
+  double scatter_m = 0;  // of the source about the target's surfaces: how rough the rock is, and the lidar's noise
+  SurfelCloud rock;      // without what its own sweeps see through
   std::vector<PlacedView> views;
   Recorded recorded;
 };

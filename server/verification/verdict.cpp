@@ -63,6 +63,10 @@ double walls_per_metre(const Evidence& e) {
   return e.support > 0 ? e.support / std::max(e.overlap_m, least_m) : unknown;
 }
 
+/// How much farther the points of each session lie off the other's surfaces than off its own: rough rock scatters in
+/// any mine, also where the placement is right. Not known of evidence from before this was measured.
+double scatter(const Evidence& e) { return e.own_scatter_m > 0 ? e.rmse_m / e.own_scatter_m : unknown; }
+
 /// Halls that both looked into and walls that both passed, whatever path they share. A wrong placement is not
 /// contradicted by rock that neither saw. Not known if it was not looked at.
 double rock_in_common(const Evidence& e) { return e.rock_in_common > 0 ? std::log2(e.rock_in_common) : unknown; }
@@ -84,7 +88,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_measures(const Evidence& e) 
       {"path that is shared", std::log2(std::max(e.overlap_m, 1.0))},
       {"free space contradicts", decades(worst_place_contradiction(e), 1e-4)},
       {"free space farther off contradicts", decades(farther_contradiction(e), 3e-4)},
-      {"points scatter about the surfaces", e.rmse_m},
+      {"points scatter about the surfaces", scatter(e)},
       {"places lie apart", e.spread_m},
       {"places disagree", 1 - e.places_agreeing / std::max(1.0, e.places)},
       {"the mine repeats itself", copies(e)},

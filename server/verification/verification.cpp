@@ -53,13 +53,19 @@ std::vector<Change> gather_changes(Evidence& e, const std::vector<SubmapCheck>& 
   return changes;
 }
 
-void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vector<bool>& agrees, const Pose& T) {
+/// The submaps of both sessions at the places at which a placement is judged, and what was found there.
+struct Places {
+  std::vector<SubmapPair> pairs;
+  std::vector<SubmapCheck> checks;
+};
+
+void gather(Evidence& e, const Places& places, const std::vector<bool>& agrees, const Pose& T) {
   Visibility a_by_b, b_by_a;
   std::vector<double> residuals;
   double squared = 0, inliers = 0;
   Matched matched;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const SubmapCheck& p = places[i];
+  for (std::size_t i = 0; i < places.checks.size(); ++i) {
+    const SubmapCheck& p = places.checks[i];
     a_by_b += p.a_by_b;
     b_by_a += p.b_by_a;
     e.worst_place_violation = std::max(e.worst_place_violation, p.between().violation());
@@ -73,10 +79,12 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
     residuals.push_back(p.residual_m);
     squared += (T * p.p_b - p.p_a).squaredNorm();
     e.rmse_m += p.registration.rmse_m;
+    e.own_scatter_m += std::hypot(places.pairs[i].a->scatter_m, places.pairs[i].b->scatter_m) / std::numbers::sqrt2;
   }
   e.inlier_fraction = inliers / e.places;
   e.matched_share = matched.share();
   e.rmse_m /= e.places_agreeing;
+  e.own_scatter_m /= e.places_agreeing;
   e.spread_m = std::sqrt(squared / e.places_agreeing);
   std::sort(residuals.begin(), residuals.end());
   e.residual_m = residuals[residuals.size() / 2];
@@ -88,12 +96,6 @@ void gather(Evidence& e, const std::vector<SubmapCheck>& places, const std::vect
   e.overlap_b = share(b_by_a.seen, b_by_a.all());
   e.tilt_deg = tilt_rad(T) * 180 / std::numbers::pi;
 }
-
-/// The places at which a placement is judged: the submaps of both sessions, and what was found there.
-struct Places {
-  std::vector<SubmapPair> pairs;
-  std::vector<SubmapCheck> checks;
-};
 
 /// Registers the places from number `first` on, each by itself.
 void register_each(Places& places, std::size_t first, const Pose& T_a_b, const JudgeConfig& config) {
@@ -232,7 +234,7 @@ Judgement judge(const Scene& scene, const ScreeningResult& first, const JudgeCon
     if (out.status == RegistrationStatus::too_little_overlap) return out;
     check_places(places, agrees, out.T_a_b, config);
   }
-  gather(out.evidence, places.checks, agrees, out.T_a_b);
+  gather(out.evidence, places, agrees, out.T_a_b);
   out.changes = gather_changes(out.evidence, places.checks);
   measure_overlap(out.evidence, scene.a, scene.b, out.T_a_b, config);
   weigh(out);

@@ -12,10 +12,17 @@ using test::along_copies;
 using test::Base;
 using test::Drive;
 
-double rock_in_common(Drive first, Drive second) {
+/// Of two drives; of the first, every so many clouds are lost (0: none).
+Evidence evidence(Drive first, Drive second, std::size_t every_lost = 0) {
   Base base({std::move(first), std::move(second)});
+  for (std::size_t k = every_lost; every_lost > 0 && k <= base.drive(1).clouds.size(); k += every_lost)
+    base.shelf.clouds.erase({1, k});
   base.pipeline.attempt(1, base.shelf);
-  return base.pipeline.alignments().front().evidence.rock_in_common;
+  return base.pipeline.alignments().front().evidence;
+}
+
+double rock_in_common(Drive first, Drive second) {
+  return evidence(std::move(first), std::move(second)).rock_in_common;
 }
 
 TEST(LongRange, TheRockThatBothSawIsCountedWhicheverCameFirst) {
@@ -33,6 +40,16 @@ TEST(LongRange, AWideDriftShowsMoreRockOverTheSamePath) {
     return rock_in_common(along_copies(99, 0, 5, width_m), along_copies(99, 1.1, 6, width_m));
   };
   EXPECT_GT(in_drift(8), 1.3 * in_drift(4));
+}
+
+/// What no cloud shows may be open ground, through which rays may pass; what both clouds show is rock.
+TEST(LongRange, WhereCloudsAreMissingRockCountsAndNothingContradicts) {
+  const Drive ends = along_copies(94, 0, 5), goes_on = along_copies(110, 1.1, 6);
+  const Evidence all = evidence(ends, goes_on), lacking = evidence(ends, goes_on, 6);
+  EXPECT_GT(all.farther_violation, 0.002) << "one of the mines ends";
+  EXPECT_EQ(lacking.farther_violation, 0);
+  EXPECT_GT(lacking.rock_in_common, 0.5 * all.rock_in_common);
+  EXPECT_LT(lacking.rock_in_common, 1.1 * all.rock_in_common);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ inline Evidence convincing() {
   e.matched_share = 0.9;
   e.residual_m = 0.02;
   e.rmse_m = 0.09;
+  e.own_scatter_m = 0.06;
   e.overlap_m = 36;
   e.weakest_hold = 0.1;
   e.end_on_match = 0.5;

@@ -24,6 +24,7 @@ Alignment good() {
   e.places = e.places_agreeing = 5;
   e.inlier_fraction = 0.9;
   e.rmse_m = 0.05;
+  e.own_scatter_m = 0.035;
   e.overlap_a = 0.6;
   e.overlap_b = 0.5;
   e.seen_points = 20000;

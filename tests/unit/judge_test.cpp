@@ -64,6 +64,8 @@ TEST(Judge, TellsTheRightPlaceFromAWrongOne) {
   EXPECT_LT((right.T_a_b * crossing - truth * crossing).norm(), 0.05);
   EXPECT_NEAR(right.T_a_b.linear().determinant(), 1, 1e-9);
   EXPECT_GT(right.evidence.places, 1);
+  EXPECT_GT(right.evidence.own_scatter_m, 0);
+  EXPECT_LT(right.evidence.own_scatter_m, right.evidence.rmse_m) << "no session scatters less about the other's walls";
   JudgeConfig with_threads;
   with_threads.threads = 3;
   EXPECT_EQ(right.T_a_b.matrix(), judged(clouds_a, clouds_b, guess, crossing, with_threads).T_a_b.matrix());

@@ -152,6 +152,23 @@ TEST(Probability, WhatIsNotKnownSaysNothing) {
   EXPECT_EQ(term("rock that both saw"), 0) << "it was not looked at";
 }
 
+TEST(Probability, RoughRockMayScatterMore) {
+  Evidence e = convincing();
+  const double usual = p(e);
+  e.rmse_m *= 1.5;
+  EXPECT_LT(p(e), usual);
+  e.own_scatter_m *= 1.5;
+  EXPECT_NEAR(p(e), usual, 1e-12) << "the points of each session scatter as much about its own surfaces";
+  const auto scatter = [&] {
+    const auto all = log_odds(e).contributions;
+    return std::ranges::find(all, "points scatter about the surfaces", &VerdictTerm::name)->value;
+  };
+  e.own_scatter_m = e.rmse_m / 2;
+  EXPECT_LT(scatter(), 0);
+  e.own_scatter_m = 0;
+  EXPECT_EQ(scatter(), 0) << "not measured";
+}
+
 TEST(Probability, FewDescriptorsSayLittle) {
   const auto with = [&](double compared, double alike) {
     Evidence e = convincing();
@@ -180,14 +197,16 @@ TEST(Probability, HasNoCliffs) {
   }
 }
 
-/// Of measured placements: metres shared, scatter in mm, aliases, look-alikes and those of the mine, hold, end-on
-/// match, descriptors and their similarity, score of the walls. Of rock that both saw, as much as wrong placements over
-/// as much path show; the same placements are in tests/bench/known_copies.csv.
-Evidence measured(double overlap_m, double rmse_mm, double aliases, double look_alikes, double of_mine, double hold,
-                  double end_on, double compared, double alike, double support) {
+/// Of measured placements: metres shared, scatter in mm, the usual scatter of such rock about its own surfaces,
+/// aliases, look-alikes and those of the mine, hold, end-on match, descriptors and their similarity, score of the
+/// walls. Of rock that both saw, as much as wrong placements over as much path show; the same placements are in
+/// tests/bench/known_copies.csv.
+Evidence measured(double overlap_m, double rmse_mm, double own_mm, double aliases, double look_alikes, double of_mine,
+                  double hold, double end_on, double compared, double alike, double support) {
   Evidence e = convincing();
   e.spread_m = 0.1;
-  e.overlap_m = overlap_m, e.rmse_m = rmse_mm / 1000, e.aliases = aliases, e.look_alikes = look_alikes;
+  e.overlap_m = overlap_m, e.rmse_m = rmse_mm / 1000, e.own_scatter_m = own_mm / 1000;
+  e.aliases = aliases, e.look_alikes = look_alikes;
   e.mine_look_alikes = of_mine, e.weakest_hold = hold, e.end_on_match = end_on;
   e.descriptors_compared = compared, e.descriptors_alike = alike, e.support = support;
   e.rock_in_common = 600 + 10 * overlap_m;
@@ -196,12 +215,12 @@ Evidence measured(double overlap_m, double rmse_mm, double aliases, double look_
 
 TEST(Probability, CopiesOfMinesThatWereMeasuredWait) {
   const double accepted = MergeConfig{}.accept_probability;
-  EXPECT_LT(p(measured(19, 97, 0, 0.31, 0.27, 0.052, 0.25, 5, 0.906, 181)), accepted) << "a tunnel of equal pieces";
-  EXPECT_LT(p(measured(33, 90, 0, 0, 0.06, 0.070, 0.62, 5, 0.762, 185)), accepted) << "nothing looks alike";
-  EXPECT_LT(p(measured(16, 130, 0, 0.01, 0, 0.152, 0.45, 0, 0, 174)), accepted) << "rough tunnel, no descriptors";
-  EXPECT_LT(p(measured(28, 96, 0, 0.83, 0, 0.035, 0.20, 7, 0.872, 251)), accepted) << "nearly straight";
-  EXPECT_LT(p(measured(54, 88, 3, 3.12, 1.10, 0.061, 0.54, 9, 0.779, 476)), accepted) << "beside three aliases";
-  EXPECT_LT(p(measured(7, 111, 0, 0.11, 0, 0.046, 0.31, 0, 0, 123)), accepted) << "hardly any path is shared";
+  EXPECT_LT(p(measured(19, 97, 65, 0, 0.31, 0.27, 0.052, 0.25, 5, 0.906, 181)), accepted) << "a tunnel of equal pieces";
+  EXPECT_LT(p(measured(33, 90, 52, 0, 0, 0.06, 0.070, 0.62, 5, 0.762, 185)), accepted) << "nothing looks alike";
+  EXPECT_LT(p(measured(16, 130, 67, 0, 0.01, 0, 0.152, 0.45, 0, 0, 174)), accepted) << "rough tunnel, no descriptors";
+  EXPECT_LT(p(measured(28, 96, 58, 0, 0.83, 0, 0.035, 0.20, 7, 0.872, 251)), accepted) << "nearly straight";
+  EXPECT_LT(p(measured(54, 88, 52, 3, 3.12, 1.10, 0.061, 0.54, 9, 0.779, 476)), accepted) << "beside three aliases";
+  EXPECT_LT(p(measured(7, 111, 52, 0, 0.11, 0, 0.046, 0.31, 0, 0, 123)), accepted) << "hardly any path is shared";
 }
 
 }  // namespace

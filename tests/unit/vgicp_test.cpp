@@ -148,5 +148,31 @@ TEST(Vgicp, BadCloudsGiveAStatus) {
             RegistrationStatus::too_little_overlap);
 }
 
+TEST(Vgicp, ScatterIsWhatARegistrationWouldReport) {
+  const Surfels a = seen_from(crossing(), T_a, 1), b = seen_from(crossing(), T_a, 2);
+  const VoxelMaps map = make_voxel_maps(a.points, a.normals);
+  VgicpConfig as_it_is;
+  as_it_is.iterations = 0;
+  const Registration r = align(map, b.points, b.normals, Pose::Identity(), as_it_is);
+  EXPECT_GT(r.rmse_m, 0);
+  EXPECT_EQ(scatter_m(map, b.points, b.normals), r.rmse_m);
+  EXPECT_EQ(scatter_m(map, {}, {}), 0);
+}
+
+TEST(Vgicp, ScatterOfAPlaneIsItsNoise) {
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<float> u(-10, 10);
+  const auto rough = [&](float noise_m) {
+    std::normal_distribution<float> normal(0, noise_m);
+    Points points(40000);
+    for (auto& p : points) p = {u(rng), u(rng), normal(rng) + 0.25F};
+    const Points normals(points.size(), Eigen::Vector3f::UnitZ());
+    return scatter_m(make_voxel_maps(points, normals), points, normals);
+  };
+  const double smooth_m = rough(0.01F), rough_m = rough(0.04F);
+  EXPECT_NEAR(smooth_m, 0.01, 0.002);
+  EXPECT_NEAR(rough_m, 0.04, 0.008);
+}
+
 }  // namespace
 }  // namespace headframe
