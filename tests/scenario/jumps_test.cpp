@@ -87,7 +87,7 @@ TEST(Jumps, WhoDrivesBackOverItsPathIsNotCut) {
   ASSERT_GT(farthest_m(), 50) << "where it drives on there is no keyframe near the last one";
   MergeConfig config = test::waits_for_no_others();
   config.shown_more_m = config.shown_doubt_m = 0;  // the second drive is short, and this mine is all alike
-  Base base({back, test::drive(other_mine(), {{20, -33}, {20, 0}}, 0.7, 7)}, config);
+  Base base({back, test::drive(other_mine(), {{20, -33}, {20, 0}, {30, 0}}, 0.7, 7)}, config);
   settle(base);
   EXPECT_EQ(base.pipeline.cut(1).why, "");
   EXPECT_TRUE(together(base, 1, 2)) << "by what came after the way back";
