@@ -221,9 +221,6 @@ TEST(Probability, CopiesOfMinesThatWereMeasuredWait) {
   EXPECT_LT(p(measured(28, 96, 58, 0, 0.83, 0, 0.035, 0.20, 7, 0.872, 251)), accepted) << "nearly straight";
   EXPECT_LT(p(measured(54, 88, 52, 3, 3.12, 1.10, 0.061, 0.54, 9, 0.779, 476)), accepted) << "beside three aliases";
   EXPECT_LT(p(measured(7, 111, 52, 0, 0.11, 0, 0.046, 0.31, 0, 0, 123)), accepted) << "hardly any path is shared";
-  Evidence e = measured(50.7, 70.6, 59.8, 0, 7.22, 1.62, 0.050, 0.71, 10, 0.913, 289);
-  e.spread_m = 0.047, e.rock_in_common = 1190;
-  EXPECT_LT(p(e), accepted) << "51 m of equal tunnels, whose surfaces match better than most right ones do";
 }
 
 }  // namespace
