@@ -207,9 +207,9 @@ std::set<KeyframeRef> CandidateVerifier::look_farther(const OrderedPair& pair, c
   return std::move(far.wanted);
 }
 
-/// Adds the other placements as aliases; a placement that may be right is looked at farther off. Unless the
-/// mine repeats itself, hardly any path is shared, or nothing but rock is lacking that no nearer cloud shows, that is
-/// done with the stored clouds.
+/// Adds the other placements as aliases; a placement that may be right is looked at farther off. Unless it could be
+/// accepted, and the mine repeats itself, hardly any path is shared, or nothing but rock is lacking that no nearer
+/// cloud shows, that is done with the stored clouds.
 void CandidateVerifier::weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c,
                                     Verdict& verdict, CloudSource& clouds) {
   Evidence& e = verdict.judgement.evidence;
@@ -247,8 +247,8 @@ Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& 
   const double excused = excused_by_changes(known);
   out.evidence.freespace_explained *= excused;
   out.evidence.worst_place_explained *= excused;
-  out.evidence.rock_in_common =
-      hardly_any_rock;  // it is not looked at farther off: little path by itself agrees with nothing
+  // It is not looked at farther off, and little path by itself agrees with nothing.
+  out.evidence.rock_in_common = hardly_any_rock;
   weigh(out);
   return out;
 }
