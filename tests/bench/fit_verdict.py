@@ -9,8 +9,8 @@ the knots below and never rising towards the worse side: a logistic regression w
 knot, are never negative. They are drawn to the falls of the curves in place, server/verification/verdict_curves.hpp,
 which were fitted to rows that are not given here: so give each row to one fit only. A wrong placement weighs
 WRONG_WEIGHT right ones; calibrated() takes that out of what people are told. The rows of known_copies.csv, the copies
-that looked most like right placements so far, take part in every fit, each weighing so many times a wrong placement as its row says, as
-much as it takes to keep it waiting. LEAST holds falls
+that looked most like right placements so far, take part in every fit, each weighing so many times a wrong placement
+as its row says, as much as it takes to keep it waiting. LEAST holds falls
 where hardly any row lies, set by hand.
 
 For each kind of world, prints how many right and wrong placements reach 0.9 with curves that were fitted without this
