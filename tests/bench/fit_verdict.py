@@ -203,7 +203,7 @@ def padded(knots):
 def main(out, files):
     terms = list(CURVES)
     rows = load(files + [COPIES], lambda r: r["source"] == "judged" and r["status"] == "converged" and float(r["tilt_deg"]) < 3,
-                ["source", "status", "tilt_deg", "right", "kind", "mine"] + ["term: " + t for t in terms])
+                ["source", "status", "tilt_deg", "own_scatter_m", "right", "kind", "mine"] + ["term: " + t for t in terms])
     y = np.array([float(r["right"]) for r in rows])
     values = {t: np.array([float(r["term: " + t]) for r in rows]) for t in terms}
     medians = {t: np.nanmedian(v[y == 1]) for t, v in values.items()}

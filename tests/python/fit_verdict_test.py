@@ -63,10 +63,10 @@ def writes_what_the_product_reads(folder):
     values, y = drawn(600, np.random.default_rng(5))
     with open(rows, "w", newline="") as f:
         csv_rows = csv.writer(f)
-        csv_rows.writerow(["source", "kind", "mine", "right", "status"] + ["term: " + t for t in values] + ["tilt_deg"])
+        csv_rows.writerow(["source", "kind", "mine", "right", "status"] + ["term: " + t for t in values] + ["tilt_deg", "own_scatter_m"])
         for i in range(len(y)):
             csv_rows.writerow(["judged", "cave%d" % (i % 2) if i % 3 else "rough1", "m%d" % (i % 9), int(y[i]), "converged"]
-                              + [v[i] for v in values.values()] + [0.1])
+                              + [v[i] for v in values.values()] + [0.1, 0.06])
     done = subprocess.run([sys.executable, os.path.join(BENCH, "fit_verdict.py"), out, rows], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "cave " in done.stdout and "rough " in done.stdout, done.stdout
