@@ -31,12 +31,13 @@ Eigen::Vector3d place_of(const Lead& lead, std::span<const Keyframe> part) {
   Eigen::Vector3d out = position(part[part.size() / 2]);
   if (lead.fit.met == 0) return out;
   double nearest = std::numeric_limits<double>::max();
+  const Eigen::Vector2d middle = lead.middle_b();
   for (const Keyframe& k : part)
-    if (const double d = (position(k).head<2>() - lead.fit.middle).squaredNorm(); d < nearest) {
+    if (const double d = (position(k).head<2>() - middle).squaredNorm(); d < nearest) {
       nearest = d;
       out.z() = position(k).z();
     }
-  out.head<2>() = lead.fit.middle;
+  out.head<2>() = middle;
   return out;
 }
 
@@ -92,10 +93,10 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
   std::vector<Hypothesis> out;
   for (const Lead& lead : leads) {
     const auto part = [](const Piece& p, std::span<const Keyframe> of) { return of.subspan(p.begin, p.end - p.begin); };
-    const auto part_a = part(lead.a->piece, a.keyframes), part_b = part(lead.part->piece, b.keyframes);
+    const auto part_a = part(lead.a_on_b ? lead.part->piece : lead.a->piece, a.keyframes),
+               part_b = part(lead.a_on_b ? lead.b->piece : lead.part->piece, b.keyframes);
     const bool itself = a.id == b.id;  // a copy is judged at the middle of its path: ends look alike more often
-    Hypothesis h{flat_placement(lead.match), lead.fit.score(),
-                 itself ? position(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
+    Hypothesis h{lead.T_a_b(), lead.fit.score(), itself ? position(part_b[part_b.size() / 2]) : place_of(lead, part_b)};
     h.source = lead.source;
     h.T_a_b.translation().z() = likely_height_m(part_a, part_b, h.T_a_b, lead.height_m);
     if (std::any_of(out.begin(), out.end(),
@@ -114,7 +115,8 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
 const Found* HypothesisFinder::find_within(const SessionView& session) {
   LeadSeats of_walls_alone{
       8, 0, 0, 0, std::min<std::size_t>(60, config_.seats.coarse_matches), rough(config_.seats.steps)};
-  of_walls_alone.second_part = false;  // what the verdict demands of a mine that repeats itself was set without
+  of_walls_alone.both_orders = of_walls_alone.second_part =
+      false;  // what the verdict demands of a mine that repeats itself was set without
   Found& known = found_[{session.id, session.id}];
   known = {};
   if (session.keyframes.empty()) return &known;
@@ -154,6 +156,7 @@ std::vector<Hypothesis> HypothesisFinder::search_apart(const SessionView& a, con
 std::vector<double> HypothesisFinder::promises(std::span<const std::pair<SessionView, SessionView>> pairs) {
   // More rotations and placements find hardly any other partners (tests/bench/README.md, large databases).
   LeadSeats few{.walls = 4, .coherent = 0, .places = 0, .votes = 2, .steps = rough(config_.seats.steps)};
+  few.both_orders = false;
   few.coarse_matches = std::min<std::size_t>(120, config_.seats.coarse_matches);
   few.steps.quarter_turns = std::min<std::size_t>(15, few.steps.quarter_turns);
   few.steps.peaks = std::min<std::size_t>(50, few.steps.peaks);

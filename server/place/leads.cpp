@@ -26,17 +26,20 @@ double by_score(const Lead& lead) { return lead.fit.score(); }
 
 WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0}; }
 
-Eigen::Vector3d middle_of(const Lead& lead) { return {lead.fit.middle.x(), lead.fit.middle.y(), 0}; }
+Eigen::Vector3d middle_of(const Lead& lead) { return {lead.middle_b().x(), lead.middle_b().y(), 0}; }
 
-/// The parts of b's level that support the placement most: by score, which a part that hardly meets a may win, and, if
-/// `second`, by WallFit::lenient.
-void add_best_parts(const SessionWalls::Level& a, const SessionWalls::Level& b, const WallMatch& match, bool second,
-                    Leads& out) {
+WallMatch inverse(const WallMatch& m) { return {-m.yaw_rad, -middle_at({-m.yaw_rad}, m.shift_m), m.score}; }
+
+/// The parts that support the placement of b on a most: by score, which a part that hardly meets the other level may
+/// win, and, if `second`, by WallFit::lenient.
+void add_best_parts(const SessionWalls::Level& a, const SessionWalls::Level& b, bool a_on_b, const WallMatch& placement,
+                    bool second, Leads& out) {
+  const WallMatch match = a_on_b ? inverse(placement) : placement;
   const SessionWalls::Part *by_score = nullptr, *by_walls = nullptr;
   double best_score = std::numeric_limits<double>::lowest();
   int most_walls = std::numeric_limits<int>::lowest();
-  for (const auto& part : b.parts) {
-    const WallFit fit = a.field.fit(part.map, match);
+  for (const auto& part : (a_on_b ? a : b).parts) {
+    const WallFit fit = (a_on_b ? b : a).field.fit(part.map, match);
     if (fit.score() > best_score) {
       by_score = &part;
       best_score = fit.score();
@@ -46,8 +49,8 @@ void add_best_parts(const SessionWalls::Level& a, const SessionWalls::Level& b, 
       most_walls = fit.lenient();
     }
   }
-  if (by_score) out.push_back({&a, by_score, match, {}});
-  if (second && by_walls != by_score) out.push_back({&a, by_walls, match, {}});
+  if (by_score) out.push_back({&a, &b, by_score, a_on_b, match, {}});
+  if (second && by_walls != by_score) out.push_back({&a, &b, by_walls, a_on_b, match, {}});
 }
 
 /// A placement proposed by descriptors may fit no walls nearby; then it stays where it is instead of moving to where
@@ -56,7 +59,7 @@ void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agree
   for_blocks(leads.size(), 4, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       Lead& lead = leads[i];
-      const WallField& field = lead.a->field;
+      const WallField& field = lead.field();
       const WallMap& part = lead.part->map;
       const WallMatch refined = field.refine(part, lead.match, step, lead.around);
       lead.fit = field.fit(part, refined, lead.around);
@@ -65,7 +68,7 @@ void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agree
         lead.match = refined;
       else
         lead.fit = field.fit(part, lead.match, lead.around);
-      const Agreement alike = agreement.at(flat_placement(lead.match), Heights::any);
+      const Agreement alike = agreement.at(lead.T_a_b(), Heights::any);
       lead.promise = std::max(0.0, lead.fit.score()) * alike.cautious() * alike.cautious();
     }
   });
@@ -81,35 +84,43 @@ Leads best_of(const Leads& leads, std::size_t most, Rank&& rank) {
   for (const auto& [worth, i] : order) {
     if (kept.size() == most) break;
     const Lead& lead = leads[i];
-    const Pose T = flat_placement(lead.match);
+    const Pose T = lead.T_a_b();
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const Lead& k) {
-      return k.a == lead.a && same_placement(flat_placement(k.match), T, middle_of(lead), same_hypothesis);
+      return k.a == lead.a && same_placement(k.T_a_b(), T, middle_of(lead), same_hypothesis);
     });
     if (!known) kept.push_back(lead);
   }
   return kept;
 }
 
-Leads search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seats, int threads) {
+/// Placements from the coarse search with the parts of b that support them; and, if both_orders, with those of a.
+std::vector<Leads> search(const SessionWalls& a, const SessionWalls& b, const LeadSeats& seats, int threads) {
   const std::size_t most = seats.coarse_matches;
-  Leads found;
+  std::vector<Leads> found(seats.both_orders ? 2 : 1);
+  const auto add = [&](const SessionWalls::Level& level_a, const SessionWalls::Level& level_b,
+                       const std::vector<WallMatch>& matches, bool a_on_b) {
+    std::vector<Leads> best(matches.size());
+    for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t i = begin; i < end; ++i)
+        add_best_parts(level_a, level_b, a_on_b, matches[i], seats.second_part, best[i]);
+    });
+    for (const Leads& leads : best) found[a_on_b].insert(found[a_on_b].end(), leads.begin(), leads.end());
+  };
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
       if (level_b.parts.size() <= laid_whole) {
         const auto matches = search_walls(level_a.map, level_a.field, level_b.map, most, seats.steps, threads);
-        std::vector<Leads> best(matches.size());
-        for_blocks(matches.size(), 16, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
-          for (std::size_t i = begin; i < end; ++i)
-            add_best_parts(level_a, level_b, matches[i], seats.second_part, best[i]);
-        });
-        for (const Leads& leads : best) found.insert(found.end(), leads.begin(), leads.end());
+        add(level_a, level_b, matches, false);
+        if (seats.both_orders) add(level_a, level_b, matches, true);
         continue;
       }
       // Over hundreds of metres, drift and half a rotation step move the ends of a right placement off the walls.
-      for (const auto& part : level_b.parts)
-        for (const WallMatch& m :
-             search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads))
-          found.push_back({&level_a, &part, m, {}});
+      for (const auto& part : level_b.parts) {
+        const auto matches =
+            search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads);
+        for (const WallMatch& m : matches) found.front().push_back({&level_a, &level_b, &part, false, m, {}});
+        if (seats.both_orders) add(level_a, level_b, matches, true);
+      }
     }
   return found;
 }
@@ -130,7 +141,10 @@ const SessionWalls::Part* part_with(const SessionWalls& walls, std::size_t keyfr
 
 }  // namespace
 
-Pose flat_placement(const WallMatch& m) { return pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), 0}); }
+Pose Lead::T_a_b() const {
+  const WallMatch m = a_on_b ? inverse(match) : match;
+  return pose_from_yaw(m.yaw_rad, {m.shift_m.x(), m.shift_m.y(), 0});
+}
 
 std::vector<Pose> initial_transforms(const Keyframe& a, const Keyframe& b, std::size_t most_yaws) {
   std::vector<Pose> out;
@@ -161,16 +175,18 @@ std::vector<PlacedPair> placed_pairs(std::span<const Keyframe> of_a, std::span<c
 
 std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const DescriptorAgreement& agreement,
                              const LeadSeats& seats, int threads) {
-  Leads found = search(a, b, seats, threads);
-  refine(found, WallField::Step::coarse, agreement, threads);
-  // Half a cell off, a right placement contradicts in many cells: until it is refined, the score tells more.
-  Leads coherent = best_of(found, seats.spare / 2 * seats.coherent, by_score),
-        likely = best_of(found, seats.spare * seats.walls, by_promise);
-  refine(coherent, WallField::Step::fine, agreement, threads);
-  refine(likely, WallField::Step::fine, agreement, threads);
-  for (Lead& lead : coherent) lead.source = ProposalSource::coherent_walls;
-  Leads out = best_of(likely, seats.walls, by_promise);
-  for (Lead& lead : best_of(coherent, seats.coherent, by_coherence)) out.push_back(lead);
+  Leads out;
+  for (Leads& found : search(a, b, seats, threads)) {
+    refine(found, WallField::Step::coarse, agreement, threads);
+    // Half a cell off, a right placement contradicts in many cells: until it is refined, the score tells more.
+    Leads coherent = best_of(found, seats.spare / 2 * seats.coherent, by_score),
+          likely = best_of(found, seats.spare * seats.walls, by_promise);
+    refine(coherent, WallField::Step::fine, agreement, threads);
+    refine(likely, WallField::Step::fine, agreement, threads);
+    for (Lead& lead : coherent) lead.source = ProposalSource::coherent_walls;
+    for (const Lead& lead : best_of(likely, seats.walls, by_promise)) out.push_back(lead);
+    for (const Lead& lead : best_of(coherent, seats.coherent, by_coherence)) out.push_back(lead);
+  }
   return out;
 }
 
@@ -182,8 +198,10 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
     const auto* level = level_with(a, pair.a);
     const auto* part = part_with(b, pair.b);
     if (!level || !part) continue;
-    const Surroundings here{position(of_b[pair.b]).head<2>(), place_radius_m};
-    found.push_back({level, part, flat(pair.T_a_b), {}, ProposalSource::places, 0, here, pair.T_a_b.translation().z()});
+    Lead lead{level, level_with(b, pair.b), part, false, flat(pair.T_a_b), {}, ProposalSource::places};
+    lead.around = {position(of_b[pair.b]).head<2>(), place_radius_m};
+    lead.height_m = pair.T_a_b.translation().z();
+    found.push_back(lead);
   }
   refine(found, WallField::Step::coarse, agreement, threads);
   Leads best = best_of(found, seats.spare * seats.places, by_coherence);
@@ -210,7 +228,7 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
   Leads out;
   for (const Pose& T : chosen)
     for (const auto& level_a : a.levels)
-      for (const auto& level_b : b.levels) add_best_parts(level_a, level_b, flat(T), seats.second_part, out);
+      for (const auto& level_b : b.levels) add_best_parts(level_a, level_b, false, flat(T), seats.second_part, out);
   for (Lead& lead : out) lead.source = ProposalSource::votes;
   refine(out, WallField::Step::coarse, agreement, threads);
   refine(out, WallField::Step::fine, agreement, threads);

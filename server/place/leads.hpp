@@ -21,16 +21,24 @@ enum class ProposalSource {
   hand,            // the operator placed one session on the other, roughly
 };
 
-/// A proposed placement, and the part of b that supports it most.
+/// A proposed placement, and the part of one session that supports it most, laid on a level of the other.
 struct Lead {
   const SessionWalls::Level* a = nullptr;
-  const SessionWalls::Part* part = nullptr;
-  WallMatch match;
-  WallFit fit;  // of that part
+  const SessionWalls::Level* b = nullptr;
+  const SessionWalls::Part* part = nullptr;  // of b, laid on a; or, if a_on_b, of a, laid on b
+  bool a_on_b = false;
+  WallMatch match;  // of the part on the level
+  WallFit fit;      // likewise
   ProposalSource source = ProposalSource::walls;
   double promise = 0;  // fit.score(), weighted by the similarity of the descriptors along both paths
   std::optional<Surroundings> around = std::nullopt;  // for source `places`: the walls used to refine and score it
   std::optional<double> height_m = std::nullopt;      // for source `places`: of b's frame in a's, by the two keyframes
+
+  const WallField& field() const { return a_on_b ? b->field : a->field; }
+  /// Without height.
+  Pose T_a_b() const;
+  /// The middle of the walls that meet, in b's frame.
+  Eigen::Vector2d middle_b() const { return a_on_b ? middle_at(match, fit.middle) : fit.middle; }
 };
 
 /// How many proposals of each method are passed on.
@@ -42,6 +50,7 @@ struct LeadSeats {
   std::size_t coarse_matches = 1000;
   WallSearchSteps steps = {};
   std::size_t spare = 8;    // refined to half a cell: this many times the quota, half as many of `coherent`
+  bool both_orders = true;  // parts of a are laid on b, too, with seats of their own
   bool second_part = true;  // for each placement also the part whose walls meet most, though they contradict more
 };
 
@@ -67,9 +76,6 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
 std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,
                              std::span<const PlacedPair> placed, const DescriptorAgreement& agreement,
                              const LeadSeats& seats, int threads);
-
-/// The placement as a transform without height.
-Pose flat_placement(const WallMatch& match);
 
 /// FRAME's T_0 for each of the best yaw differences: places the levelled frame of keyframe b on that of keyframe a.
 /// Empty without w.

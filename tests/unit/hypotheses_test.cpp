@@ -53,15 +53,45 @@ TEST(Hypotheses, APieceThatHardlyMeetsTheMapDoesNotHideTheOneThatFits) {
   const Eigen::Vector3d start = position(b.keyframes[3]);
   const auto found = [&](bool second_part) {
     LeadSeats seats;
+    seats.both_orders = false;
     seats.second_part = second_part;
     seats.steps.quarter_turns = 15;  // so coarse that the right placement contradicts before it is refined
     const std::vector<Lead> leads = wall_leads(walls_a, walls_b, DescriptorAgreement({}, b.keyframes), seats, 1);
     return std::any_of(leads.begin(), leads.end(), [&](const Lead& lead) {
-      const Pose T = flat_placement(lead.match);
+      const Pose T = lead.T_a_b();
       return (T * start - truth * start).norm() < 1.5 && rotation_angle_rad(T.inverse() * truth) < 5 * rad_per_deg;
     });
   };
   EXPECT_FALSE(found(false)) << "the piece with the best score is one that does not meet a's walls";
+  EXPECT_TRUE(found(true));
+}
+
+TEST(Hypotheses, WhereOnePathCrossesTheOtherOnAnotherLevelTheShorterIsLaidOnTheLonger) {
+  const std::vector<test::Box> shared{BoxMine::drift(0, 0, 60, 0), BoxMine::drift(30, 0, 30, 30, 6)};
+  const auto with = [&](std::vector<test::Box> level) {
+    level.insert(level.end(), shared.begin(), shared.end());
+    return BoxMine(level);
+  };
+  // Both pass y = 50, b above a; all of b's pieces that hold the shared junction hold this, too, but not all of a's.
+  const BoxMine lower = with({BoxMine::drift(60, 0, 60, 50), BoxMine::drift(60, 50, -30, 50)});
+  const BoxMine upper =
+      with({BoxMine::drift(30, 30, 30, 53), BoxMine::drift(30, 53, 0, 53), BoxMine::drift(0, 53, 0, 160)});
+  const auto a = drive(lower, {{0, 0}, {30, 0}, {30, 28}, {30, 0}, {60, 0}, {60, 50}, {-30, 50}}, 0, 1);
+  const auto b = drive(upper, {{0, 0}, {30, 0}, {30, 53}, {0, 53}, {0, 160}}, 1, 2);
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  const SessionWalls walls_a(a.keyframes), walls_b(b.keyframes);
+  const Eigen::Vector3d start = position(b.keyframes[3]);
+  const auto found = [&](bool both_orders) {
+    LeadSeats seats;
+    seats.both_orders = both_orders;
+    const std::vector<Lead> leads = wall_leads(walls_a, walls_b, DescriptorAgreement({}, b.keyframes), seats, 1);
+    return std::any_of(leads.begin(), leads.end(), [&](const Lead& lead) {
+      const Pose T = lead.T_a_b();
+      return lead.a_on_b == both_orders && (T * start - truth * start).norm() < 1.5 &&
+             rotation_angle_rad(T.inverse() * truth) < 5 * rad_per_deg;
+    });
+  };
+  EXPECT_FALSE(found(false)) << "what lies above one another contradicts";
   EXPECT_TRUE(found(true));
 }
 
