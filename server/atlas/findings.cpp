@@ -58,7 +58,8 @@ std::string walls(const Evidence& e) {
 
 std::string rock(const Evidence& e) {
   if (e.rock_in_common <= hardly_any_rock) return "how much rock both saw is not known";
-  return formatted("both saw the rock in %.0f cubes of a metre", e.rock_in_common);
+  return formatted("both saw the rock in %.0f cubes of a metre, %.0f for each metre of tunnel looked at",
+                   e.rock_in_common, rock_per_metre(e));
 }
 
 /// What a contribution means, in the order of verdict_measures().

@@ -238,7 +238,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   e.similar_places = published.evidence.similar_places;
   e.farther_violation = published.evidence.farther_violation;
   e.farther_explained = published.evidence.farther_explained;
-  e.rock_in_common = published.evidence.rock_in_common;
+  e.rock_in_common = rock_as_dense(published.evidence, e);
   e.support = published.evidence.support;
   e.path_m = published.evidence.path_m;
   e.runner_up = published.evidence.runner_up;

@@ -73,6 +73,13 @@ inline constexpr double hardly_any_rock = 1;
 /// Repetition from which on the database is known to hold copies. Over all recordings at once it is 0.05.
 inline constexpr double copies_known = 0.15;
 
+/// Evidence::rock_in_common per metre of the tunnel that was looked at: the shared path, and what is seen beyond its
+/// ends.
+double rock_per_metre(const Evidence& evidence);
+
+/// The rock in common that `now` has if it is as dense as `then`, when it was last looked at; more path may be shared.
+double rock_as_dense(const Evidence& then, const Evidence& now);
+
 /// How far changes of the mine excuse contradictions, 0 to 1. Not at all where the mine repeats itself, because the end
 /// of a copy looks like a tunnel that was driven on.
 double excused_by_changes(const Evidence& evidence);

@@ -62,8 +62,8 @@ Evidence ideal_evidence() {
   Evidence e;
   e.places = e.places_agreeing = e.inlier_fraction = e.matched_share = e.weakest_hold = e.end_on_match = 1;
   e.descriptors_alike = e.own_scatter_m = 1;
-  e.descriptors_compared = e.pairs = e.overlap_m = e.rock_in_common = std::numeric_limits<double>::max();
-  e.support = std::numeric_limits<double>::infinity();
+  e.descriptors_compared = e.pairs = e.overlap_m = std::numeric_limits<double>::max();
+  e.rock_in_common = e.support = std::numeric_limits<double>::infinity();
   return e;
 }
 

@@ -67,9 +67,10 @@ double walls_per_metre(const Evidence& e) {
 /// any mine, also where the placement is right. Not known of evidence from before this was measured.
 double scatter(const Evidence& e) { return e.own_scatter_m > 0 ? e.rmse_m / e.own_scatter_m : unknown; }
 
-/// Halls that both looked into and walls that both passed, whatever path they share. A wrong placement is not
-/// contradicted by rock that neither saw. Not known if it was not looked at.
-double rock_in_common(const Evidence& e) { return e.rock_in_common > 0 ? std::log2(e.rock_in_common) : unknown; }
+/// Halls, crossings and side walls that both saw, whatever path they share. A wrong placement is not contradicted by
+/// rock that neither saw; and a copy of a drift over 50 m shows as much rock as a right placement at a junction, but
+/// not as much per metre. Not known if it was not looked at.
+double rock(const Evidence& e) { return e.rock_in_common > 0 ? std::log2(rock_per_metre(e)) : unknown; }
 
 /// The curve at x: linear between its knots, level outside them.
 double at(std::span<const VerdictKnot> curve, double x) {
@@ -99,7 +100,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_measures(const Evidence& e) 
       {"descriptors differ over little path", differ_over_little_path(e)},
       {"gravity disagrees", e.tilt_deg},
       {"walls match", walls_per_metre(e)},
-      {"rock that both saw", rock_in_common(e)},
+      {"rock that both saw", rock(e)},
   }};
 }
 

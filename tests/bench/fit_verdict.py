@@ -35,7 +35,7 @@ COPIES = os.path.join(BENCH, "known_copies.csv")
 IN_PLACE = os.path.join(BENCH, "..", "..", "server", "verification", "verdict_curves.hpp")
 # Knots of each curve, whether larger values are worse (+1) or better (-1), and their unit.
 CURVES = {
-    "path that is shared": ([2, 3, 4, 4.5, 5, 5.5, 6, 6.6], -1, "log2 of metres"),
+    "path that is shared": ([2, 3, 4, 4.5, 5, 5.5, 6, 6.4], -1, "log2 of metres"),
     "free space contradicts": ([-4, -3.3, -2.7, -2.3, -2, -1.7], 1, "log10 of a share"),
     "free space farther off contradicts": ([-3.5, -2.9, -2.6, -2.3, -2, -1.6], 1, "log10 of a share"),
     "points scatter about the surfaces": ([1.2, 1.5, 1.7, 1.9, 2.2, 2.8], 1, "times as much as about their own"),
@@ -49,7 +49,7 @@ CURVES = {
     "descriptors differ over little path": ([0, 1], 1, "how far"),
     "gravity disagrees": ([0, 0.25, 0.5, 1, 2], 1, "degrees"),
     "walls match": ([0, 2, 4, 6, 9, 14], -1, "half-metre cells per metre"),
-    "rock that both saw": ([8, 9, 9.6, 10.2, 10.8, 11.4], -1, "log2 of cubes of a metre"),
+    "rock that both saw": ([2, 2.8, 3.3, 3.75, 4.15, 4.6, 5.2], -1, "log2 of cubes of a metre per metre"),
 }
 # Farther off, right placements show .12 % and less, but for one, and wrong ones .17 % and more (eleven mines of rounds 20
 # to 22 and generated ones, with the tolerance for drift); a drawn mine whose end alone differs, at .3 %, reached .903 over

@@ -160,7 +160,7 @@ TEST(CloudsOnRequest, BeforeAMergeIsBelievedBothAreAskedWhetherTheirMineRepeatsI
 }
 
 TEST(CloudsOnRequest, InAMineOfCopiesTheLookFartherOffIsWaitedFor) {
-  OnRequest base({test::along_copies(100, 0, 5), test::along_copies(130, 1.1, 6), test::drive_through_copies()},
+  OnRequest base({test::along_copies(103, 0, 5), test::along_copies(140, 1.1, 6), test::drive_through_copies()},
                  {1, 2});
   bool waited = false;
   base.send_all([&](const AttemptReport&) {

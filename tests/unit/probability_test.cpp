@@ -40,6 +40,12 @@ const std::vector<Measure> measures{{&Evidence::overlap_m, 200, 0},
                                     {&Evidence::support, 1500, 1},
                                     {&Evidence::rock_in_common, 10000, 1}};
 
+/// More path shows more walls and more rock.
+void show_as_much_per_metre(Evidence& e) {
+  e.support = 9 * std::max(10.0, e.overlap_m);
+  e.rock_in_common = 20 * (e.overlap_m + 35);
+}
+
 TEST(Probability, EveryMeasureCountsAndWorseIsNeverBetter) {
   std::mt19937 rng(7);
   std::uniform_real_distribution<double> share(0, 1);
@@ -51,7 +57,7 @@ TEST(Probability, EveryMeasureCountsAndWorseIsNeverBetter) {
       double before = 1;
       for (double worse = 0; worse <= 1; worse += 0.02) {
         e.*m.member = std::lerp(m.best, m.worst, worse);
-        if (m.member == &Evidence::overlap_m) e.support = 9 * std::max(10.0, e.overlap_m);
+        if (m.member == &Evidence::overlap_m) show_as_much_per_metre(e);
         EXPECT_LE(p(e), before + 1e-12);
         before = p(e);
       }
@@ -59,6 +65,7 @@ TEST(Probability, EveryMeasureCountsAndWorseIsNeverBetter) {
     Evidence good = convincing(), bad = convincing();
     good.*m.member = m.best;
     bad.*m.member = m.worst;
+    if (m.member == &Evidence::overlap_m) show_as_much_per_metre(good), show_as_much_per_metre(bad);
     EXPECT_GT(p(good), p(bad) + 0.002);
   }
 }
@@ -133,23 +140,41 @@ TEST(Probability, WhatAllSessionsShowOfTheMineCountsLikeWhatThePairShows) {
   EXPECT_EQ(p(e), p(of_pair)) << "the same is not counted twice";
 }
 
+double term(const Evidence& e, std::string_view name) {
+  const auto all = log_odds(e).contributions;
+  return std::ranges::find(all, name, &VerdictTerm::name)->value;
+}
+
 TEST(Probability, WhatIsNotKnownSaysNothing) {
   Evidence e = convincing();
-  const auto term = [&](std::string_view name) {
-    const auto all = log_odds(e).contributions;
-    return std::ranges::find(all, name, &VerdictTerm::name)->value;
-  };
-  EXPECT_GT(term("walls match"), 0);
+  EXPECT_GT(term(e, "walls match"), 0);
   e.support = 1;
-  EXPECT_LT(term("walls match"), 0);
+  EXPECT_LT(term(e, "walls match"), 0);
   e.support = 0;
-  EXPECT_EQ(term("walls match"), 0) << "it came from no search";
+  EXPECT_EQ(term(e, "walls match"), 0) << "it came from no search";
   e.rock_in_common = 10000;
-  EXPECT_GT(term("rock that both saw"), 0);
+  EXPECT_GT(term(e, "rock that both saw"), 0);
   e.rock_in_common = 100;
-  EXPECT_LT(term("rock that both saw"), 0);
+  EXPECT_LT(term(e, "rock that both saw"), 0);
   e.rock_in_common = 0;
-  EXPECT_EQ(term("rock that both saw"), 0) << "it was not looked at";
+  EXPECT_EQ(term(e, "rock that both saw"), 0) << "it was not looked at";
+}
+
+TEST(Probability, RockIsCountedPerMetreOfTunnel) {
+  Evidence junction = convincing(), drift = convincing();
+  junction.overlap_m = 15, drift.overlap_m = 50;
+  junction.rock_in_common = drift.rock_in_common = 1200;
+  EXPECT_GT(term(junction, "rock that both saw"), term(drift, "rock that both saw") + 1);
+  EXPECT_DOUBLE_EQ(rock_per_metre(junction), 24);
+  drift.rock_in_common = rock_as_dense(junction, drift);
+  EXPECT_DOUBLE_EQ(drift.rock_in_common, 24 * 85) << "more path is shared since it was looked at";
+  EXPECT_EQ(term(junction, "rock that both saw"), term(drift, "rock that both saw"));
+  junction.rock_in_common = hardly_any_rock;
+  EXPECT_EQ(rock_as_dense(junction, drift), hardly_any_rock) << "it was not looked at";
+  const Evidence ideal = ideal_evidence();
+  for (std::size_t i = 0; i < verdict_term_count; ++i)
+    EXPECT_GE(log_odds(ideal).contributions[i].value, log_odds(convincing()).contributions[i].value)
+        << log_odds(ideal).contributions[i].name << ": what is not known yet may be as good as anything";
 }
 
 TEST(Probability, RoughRockMayScatterMore) {
@@ -220,6 +245,7 @@ TEST(Probability, CopiesOfMinesThatWereMeasuredWait) {
   EXPECT_LT(p(measured(16, 130, 67, 0, 0.01, 0, 0.152, 0.45, 0, 0, 174)), accepted) << "rough tunnel, no descriptors";
   EXPECT_LT(p(measured(28, 96, 58, 0, 0.83, 0, 0.035, 0.20, 7, 0.872, 251)), accepted) << "nearly straight";
   EXPECT_LT(p(measured(54, 88, 52, 3, 3.12, 1.10, 0.061, 0.54, 9, 0.779, 476)), accepted) << "beside three aliases";
+  EXPECT_LT(p(measured(51, 71, 60, 0, 7.22, 1.62, 0.050, 0.71, 10, 0.913, 289)), accepted) << "one of equal tunnels";
   EXPECT_LT(p(measured(7, 111, 52, 0, 0.11, 0, 0.046, 0.31, 0, 0, 123)), accepted) << "hardly any path is shared";
 }
 
