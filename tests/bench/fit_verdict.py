@@ -27,9 +27,10 @@ import numpy as np
 from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
-WRONG_WEIGHT = 1.25  # with 1, seven more right ones of 726 in mines left out, and two more copies over 25 and 45 m of equal tunnels
+WRONG_WEIGHT = 1.25  # with 1, seven more right ones of 726 in mines left out, and three more wrong ones, two of them copies over 25 and 45 m of equal tunnels
 PULL = 4  # strength with which falls are drawn to those in place: with 4, as many right placements of mines left out are believed as with 8 or 16, and one or two wrong ones fewer
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
+MOST_ROCK = 7  # log2 of cubes per metre: no median is as high; until 2026-11-30 rows held the log2 of all cubes, 8 to 11
 BENCH = os.path.dirname(os.path.abspath(__file__))
 COPIES = os.path.join(BENCH, "known_copies.csv")
 IN_PLACE = os.path.join(BENCH, "..", "..", "server", "verification", "verdict_curves.hpp")
@@ -204,6 +205,8 @@ def main(out, files):
     terms = list(CURVES)
     rows = load(files + [COPIES], lambda r: r["source"] == "judged" and r["status"] == "converged" and float(r["tilt_deg"]) < 3,
                 ["source", "status", "tilt_deg", "own_scatter_m", "right", "kind", "mine"] + ["term: " + t for t in terms])
+    if np.nanmedian([float(r["term: rock that both saw"]) for r in rows]) > MOST_ROCK:
+        sys.exit("%s: 'rock that both saw' is not per metre of tunnel; run ./run bench rejudge on these rows first" % ", ".join(files))
     y = np.array([float(r["right"]) for r in rows])
     values = {t: np.array([float(r["term: " + t]) for r in rows]) for t in terms}
     medians = {t: np.nanmedian(v[y == 1]) for t, v in values.items()}

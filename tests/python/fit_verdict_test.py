@@ -82,6 +82,14 @@ def writes_what_the_product_reads(folder):
     assert os.path.getsize(os.path.join(folder, "curves.svg")) > 1000
     refused = subprocess.run([sys.executable, os.path.join(BENCH, "fit_verdict.py"), out, rows + ".none"], capture_output=True, text=True)
     assert refused.returncode != 0 and "no such file" in refused.stderr
+    with open(rows) as f:
+        of_cubes = list(csv.DictReader(f))
+    with open(rows, "w", newline="") as f:
+        out_rows = csv.DictWriter(f, list(of_cubes[0]))
+        out_rows.writeheader()
+        out_rows.writerows({**r, "term: rock that both saw": float(r["term: rock that both saw"]) + 6} for r in of_cubes)
+    refused = subprocess.run([sys.executable, os.path.join(BENCH, "fit_verdict.py"), out, rows], capture_output=True, text=True)
+    assert refused.returncode != 0 and "not per metre" in refused.stderr and "rejudge" in refused.stderr
 
 
 with tempfile.TemporaryDirectory() as of_test:
