@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t judged_closely = 4, judged_in_doubt = 10;
 constexpr double likely = 0.3;  // probability_if_unique; set by hand
 
+/// Of the cases that failed at the place where they were tried, so many request clouds of another; set by hand.
+constexpr std::size_t likeliest = 3;
+
 /// Below this shared path, in metres, a placement is looked at farther off before it is accepted. With clouds on
 /// request one of a cave, over 9 m, was accepted at once; all clouds contradict it.
 constexpr double short_path_m = 15;
@@ -101,8 +104,8 @@ std::optional<Pose> note_rival(std::vector<Verdict>& verdicts) {
   return T_rival;
 }
 
-std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
-                                                    const Attempt& attempt, const PairFindings* known) {
+Verdicts CandidateVerifier::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
+                                        const Attempt& attempt, const PairFindings* known) {
   for (const SessionId id : {pair.a, pair.b}) (void)self_.of(id, attempt.clouds);
   std::vector<ScreeningResult> screened;
   {
@@ -123,7 +126,16 @@ std::vector<Verdict> CandidateVerifier::judge_cases(const OrderedPair& pair, con
   std::stable_sort(verdicts.begin(), verdicts.end(), [](const Verdict& v, const Verdict& w) {
     return v.judgement.evidence.probability > w.judgement.evidence.probability;
   });
-  return verdicts;
+  return {std::move(verdicts), clouds_for_another_look(pair, cases, screened)};
+}
+
+/// One place may say nothing, also of the right placement. What was proposed after a hopeful case is not tried again.
+std::vector<KeyframeRef> CandidateVerifier::clouds_for_another_look(
+    const OrderedPair& pair, const std::vector<Case>& cases, const std::vector<ScreeningResult>& screened) const {
+  std::vector<KeyframeRef> wanted;
+  for (std::size_t i = 0; i < std::min(likeliest, cases.size()) && !screened[i].hopeful && wanted.empty(); ++i)
+    wanted = requests_.clouds_for_further_screening(pair, cases[i]);
+  return wanted;
 }
 
 /// Judges each placement on its own, as if the mine held no copies.
@@ -268,18 +280,21 @@ Judgement CandidateVerifier::judge_placement(const OrderedPair& pair, const Pose
   return out;
 }
 
-bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
+bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const Verdicts& verdicts, std::size_t awaited,
                                      const Attempt& attempt) const {
-  if (!convinces(verdicts.front().judgement.evidence, config_)) {
-    const auto asks =
-        std::find_if(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return !v.wanted.empty(); });
-    if (asks == verdicts.end())
-      return only_likeness_speaks_against(pair, verdicts.front()) && ask_for_all(pair, attempt);
-    attempt.want(asks->wanted);
+  const std::vector<Verdict>& all = verdicts.judged;
+  if (!convinces(all.front().judgement.evidence, config_)) {
+    const auto asks = std::find_if(all.begin(), all.end(), [](const Verdict& v) { return !v.wanted.empty(); });
+    if (asks != all.end())
+      attempt.want(asks->wanted);
+    else if (only_likeness_speaks_against(pair, all.front()))
+      return ask_for_all(pair, attempt);
+    else if (awaited == 0)
+      attempt.want(verdicts.another_look);
     return false;
   }
   if (awaited > 0) return false;  // it has to wait for its rivals anyway
-  std::vector<KeyframeRef> wanted = verdicts.front().wanted;
+  std::vector<KeyframeRef> wanted = all.front().wanted;
   for (const SessionId id : {pair.a, pair.b})
     for (const KeyframeRef& k : self_.last(id).wanted)
       if (attempt.clouds.state(k) == CloudState::obtainable) wanted.push_back(k);

@@ -15,6 +15,12 @@ struct Verdict {
   std::vector<KeyframeRef> wanted = {};           // clouds that could add evidence
 };
 
+/// What the cases of a pair came to.
+struct Verdicts {
+  std::vector<Verdict> judged;                 // the most probable first
+  std::vector<KeyframeRef> another_look = {};  // clouds with which a likely case could be tried where it was not yet
+};
+
 /// Adds to the first verdict's evidence how probable the best other placement is, and returns that placement; nullopt
 /// if there is none. There must be a verdict.
 std::optional<Pose> note_rival(std::vector<Verdict>& verdicts);
@@ -36,8 +42,8 @@ class CandidateVerifier {
   /// Unless `all` is set, placements are skipped that could neither beat a judged one nor cast doubt on it. The most
   /// probable comes first. `known`: what was found of the pair elsewhere, with hypotheses that are
   /// those of the cases; nullptr: nothing. The result is the same.
-  std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all,
-                                   const Attempt& attempt, const PairFindings* known = nullptr);
+  Verdicts judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, bool all, const Attempt& attempt,
+                       const PairFindings* known = nullptr);
 
   /// Of the screened cases those that judge_cases() will probably judge, as far as these two sessions say.
   std::vector<JudgedCase> judge_ahead(const OrderedPair& pair, const std::vector<Case>& cases,
@@ -57,9 +63,9 @@ class CandidateVerifier {
   /// The same, with the aliases and look-alikes that each session has within itself.
   Judgement judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds);
 
-  /// Requests the clouds that the verdicts want. Returns true if the best would be accepted but has to wait for them.
-  /// awaited: the number of cases that already wait for clouds.
-  bool ask_for_more(const OrderedPair& pair, const std::vector<Verdict>& verdicts, std::size_t awaited,
+  /// Requests the clouds that the verdicts want; if none wants any, those for another look. Returns true if the best
+  /// would be accepted but has to wait for them. awaited: the number of cases that already wait for clouds.
+  bool ask_for_more(const OrderedPair& pair, const Verdicts& verdicts, std::size_t awaited,
                     const Attempt& attempt) const;
 
  private:
@@ -75,6 +81,8 @@ class CandidateVerifier {
   /// Sets what the mine shows of itself, and each of the two sessions where T_a_b puts them on each other. Similar
   /// places count wherever they are, because they say that a mine may hold copies.
   void compare_with_itself(const OrderedPair& pair, const Case& c, const Pose& T_a_b, Evidence& e) const;
+  std::vector<KeyframeRef> clouds_for_another_look(const OrderedPair& pair, const std::vector<Case>& cases,
+                                                   const std::vector<ScreeningResult>& screened) const;
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;
   bool only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const;
   std::set<KeyframeRef> look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds);

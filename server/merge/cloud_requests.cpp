@@ -7,11 +7,12 @@ namespace headframe {
 namespace {
 
 const double spot_m = SubmapConfig{}.radius_m;
-constexpr std::size_t more = 2;           // times as many clouds as for the first look
-constexpr std::size_t cases_awaited = 1;  // number of cases that may wait for a first look at a time
-constexpr std::size_t cases_asking = 10;  // only the best cases request clouds; others use the stored ones
-constexpr double settled_m = 3;           // a cloud this near to a place is enough for it; set by hand ...
-constexpr double drifted_m = 0.08;        // ... unless the places differ by more than this; set by hand
+const double further_spot_m = spot_m / 2;  // those of the first place say nothing, so they are not enough
+constexpr std::size_t more = 2;            // times as many clouds as for the first look
+constexpr std::size_t cases_awaited = 1;   // number of cases that may wait for a first look at a time
+constexpr std::size_t cases_asking = 10;   // only the best cases request clouds; others use the stored ones
+constexpr double settled_m = 3;            // a cloud this near to a place is enough for it; set by hand ...
+constexpr double drifted_m = 0.08;         // ... unless the places differ by more than this; set by hand
 constexpr double rival_share = 0.7;  // share of the support: weaker rivals of an accepted placement request no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {
@@ -90,22 +91,42 @@ void CloudRequests::ask(SessionId id, std::vector<KeyframePosition> obtainable, 
   for (const KeyframePosition& s : obtainable) wanted.push_back({id, sessions_.at(id).keyframes[s.keyframe].sequence});
 }
 
+/// Requests the clouds nearest to a keyframe, unless enough within reach_m of it are stored.
+void CloudRequests::ask_around(SessionId id, const NearbyKeyframes& nearby, std::size_t keyframe, double reach_m,
+                               std::vector<KeyframeRef>& wanted) const {
+  const Eigen::Vector3d p = sessions_.at(id).keyframes[keyframe].T_local_sensor.translation();
+  const auto here = [&](const KeyframePosition& s) { return (s.p - p).norm() < reach_m; };
+  const auto enough = static_cast<std::size_t>(config_.clouds_requested),
+             stored = static_cast<std::size_t>(std::count_if(nearby.stored.begin(), nearby.stored.end(), here));
+  std::vector<KeyframePosition> around;
+  std::copy_if(nearby.obtainable.begin(), nearby.obtainable.end(), std::back_inserter(around), here);
+  if (stored < enough) ask(id, std::move(around), p, enough - stored, wanted);
+}
+
 std::vector<KeyframeRef> CloudRequests::clouds_for_screening(const OrderedPair& pair, const Case& c) const {
   std::vector<KeyframeRef> wanted;
   if (none_to_come(c)) return wanted;
   const auto meeting = first_meeting(all_of(c.a), all_of(c.b), c.hypothesis.T_a_b, c.hypothesis.place_b, JudgeConfig{});
   if (!meeting) return wanted;
-  const auto ask_around = [&](SessionId id, const NearbyKeyframes& nearby, std::size_t keyframe) {
-    const Eigen::Vector3d p = sessions_.at(id).keyframes[keyframe].T_local_sensor.translation();
-    const auto here = [&](const KeyframePosition& s) { return (s.p - p).norm() < spot_m; };
-    const auto enough = static_cast<std::size_t>(config_.clouds_requested),
-               stored = static_cast<std::size_t>(std::count_if(nearby.stored.begin(), nearby.stored.end(), here));
-    std::vector<KeyframePosition> around;
-    std::copy_if(nearby.obtainable.begin(), nearby.obtainable.end(), std::back_inserter(around), here);
-    if (stored < enough) ask(id, std::move(around), p, enough - stored, wanted);
-  };
-  ask_around(pair.a, c.a, meeting->keyframe_a);
-  ask_around(pair.b, c.b, meeting->keyframe_b);
+  ask_around(pair.a, c.a, meeting->keyframe_a, spot_m, wanted);
+  ask_around(pair.b, c.b, meeting->keyframe_b, spot_m, wanted);
+  return wanted;
+}
+
+std::vector<KeyframeRef> CloudRequests::clouds_for_further_screening(const OrderedPair& pair, const Case& c) const {
+  std::vector<KeyframeRef> wanted;
+  if (none_to_come(c)) return wanted;
+  const auto a = all_of(c.a), b = all_of(c.b);
+  const Pose& T = c.hypothesis.T_a_b;
+  const auto meeting = first_meeting(a, b, T, c.hypothesis.place_b, JudgeConfig{});
+  if (!meeting) return wanted;
+  const Eigen::Vector3d first = sessions_.at(pair.b).keyframes[meeting->keyframe_b].T_local_sensor.translation();
+  std::size_t looked = 0;
+  for (const KeyframePosition& place : other_places(a, b, T, first, JudgeConfig{})) {
+    if (!wanted.empty() || looked++ == JudgeConfig{}.further_places) break;
+    ask_around(pair.a, c.a, nearest_to(a, T * place.p).position->keyframe, further_spot_m, wanted);
+    ask_around(pair.b, c.b, place.keyframe, further_spot_m, wanted);
+  }
   return wanted;
 }
 

@@ -46,6 +46,9 @@ class CloudRequests {
   /// Obtainable clouds around the spot where the hypothesis is screened.
   std::vector<KeyframeRef> clouds_for_screening(const OrderedPair& pair, const Case& c) const;
 
+  /// The same for one further place of the overlap, for when the first said nothing.
+  std::vector<KeyframeRef> clouds_for_further_screening(const OrderedPair& pair, const Case& c) const;
+
   /// Clouds of the whole overlap, for when a first look found neither agreement nor contradiction.
   std::vector<KeyframeRef> clouds_for_contact(const OrderedPair& pair, const Case& c) const;
 
@@ -61,6 +64,8 @@ class CloudRequests {
 
  private:
   NearbyKeyframes nearby(SessionId id, SessionId other, const Pose& T_id_other, const CloudSource& clouds) const;
+  void ask_around(SessionId id, const NearbyKeyframes& nearby, std::size_t keyframe, double reach_m,
+                  std::vector<KeyframeRef>& wanted) const;
   void ask(SessionId id, std::vector<KeyframePosition> obtainable, const Eigen::Vector3d& p, std::size_t most,
            std::vector<KeyframeRef>& wanted) const;
 

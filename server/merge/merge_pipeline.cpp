@@ -64,14 +64,14 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 
   // 8: registration, then what the paper lacks: evidence, and a runner-up.
   const bool known_so_far = elsewhere && candidates.cases.size() == found->hypotheses.size();
-  std::vector<Verdict> verdicts =
-      judge_cases(pair, candidates.cases, known, known_so_far ? &*elsewhere : nullptr, attempt, look);
-  for (const Verdict& v : verdicts) trace.judged.push_back(by_ids(pair, v.judgement));
-  if (verdicts.empty()) verdicts.emplace_back();
-  if (known) drop_ruled_out(pair, *known, verdicts);
-  if (verdicts.empty()) return;  // the operator has ruled on all placements
-  const std::optional<Pose> T_a_b_runner_up = note_rival(verdicts);
-  const Judgement& best = verdicts.front().judgement;
+  Verdicts verdicts = judge_cases(pair, candidates.cases, known, known_so_far ? &*elsewhere : nullptr, attempt, look);
+  std::vector<Verdict>& all = verdicts.judged;
+  for (const Verdict& v : all) trace.judged.push_back(by_ids(pair, v.judgement));
+  if (all.empty()) all.emplace_back();
+  if (known) drop_ruled_out(pair, *known, all);
+  if (all.empty()) return;  // the operator has ruled on all placements
+  const std::optional<Pose> T_a_b_runner_up = note_rival(all);
+  const Judgement& best = all.front().judgement;
   const bool waits = verifier.ask_for_more(pair, verdicts, candidates.awaited, attempt);
   if (waits) judged.forget(pair.a, pair.b);  // it is judged again even if the clouds do not come
   if (candidates.cases.empty() || (candidates.awaited > 0 && best.evidence.probability >= config.accept_probability))
@@ -82,15 +82,15 @@ void MergePipeline::State::merge_pair(const OrderedPair& pair, const Attempt& at
 /// Where a pair shares something, the right placement is nearly always among the first proposals: of 477 merges of made
 /// and crossed drives it was beyond the second in 12, beyond the third in 7, and beyond the fourth in the same 7. The
 /// others show copies and rivals.
-std::vector<Verdict> MergePipeline::State::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases,
-                                                       const Alignment* known, const PairFindings* found_elsewhere,
-                                                       const Attempt& attempt, Look look) {
+Verdicts MergePipeline::State::judge_cases(const OrderedPair& pair, const std::vector<Case>& cases,
+                                           const Alignment* known, const PairFindings* found_elsewhere,
+                                           const Attempt& attempt, Look look) {
   constexpr std::size_t likeliest = 3;
   const bool ruled = known && known->ruling != Ruling::none;
   if (look == Look::at_the_likeliest_first && !book.live(pair.a, pair.b) && cases.size() > likeliest) {
     const std::vector<Case> first(cases.begin(), cases.begin() + likeliest);
-    std::vector<Verdict> verdicts = verifier.judge_cases(pair, first, ruled, attempt, found_elsewhere);
-    if (std::none_of(verdicts.begin(), verdicts.end(), [this](const Verdict& v) {
+    Verdicts verdicts = verifier.judge_cases(pair, first, ruled, attempt, found_elsewhere);
+    if (std::none_of(verdicts.judged.begin(), verdicts.judged.end(), [this](const Verdict& v) {
           return v.judgement.evidence.probability_if_unique >= config.candidate_probability;
         }))
       return verdicts;

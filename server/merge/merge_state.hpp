@@ -40,8 +40,8 @@ struct MergePipeline::State {
   /// Whether a look at the likeliest placements decides if the others of a pair are looked at.
   enum class Look { at_all, at_the_likeliest_first };
   void merge_pair(const OrderedPair& pair, const Attempt& attempt, Look look = Look::at_all);
-  std::vector<Verdict> judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, const Alignment* known,
-                                   const PairFindings* found_elsewhere, const Attempt& attempt, Look look);
+  Verdicts judge_cases(const OrderedPair& pair, const std::vector<Case>& cases, const Alignment* known,
+                       const PairFindings* found_elsewhere, const Attempt& attempt, Look look);
   void merge_with_partners(SessionId id, const Attempt& attempt);
   std::vector<SessionId> most_promising(SessionId id, std::vector<SessionId> ranked, AttemptReport& report);
   void settle_others(SessionId id, const Attempt& attempt);

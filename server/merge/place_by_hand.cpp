@@ -43,7 +43,7 @@ std::vector<Verdict> MergePipeline::State::judge_by_hand(const OrderedPair& pair
   std::vector<Case> cases;
   for (const Hypothesis& h : around(T_a_b, middle_of_overlap(at)))
     cases.push_back(requests.make_case(pair.a, pair.b, h, attempt.clouds));
-  std::vector<Verdict> alone = verifier.judge_cases(pair, cases, true, attempt);
+  std::vector<Verdict> alone = verifier.judge_cases(pair, cases, true, attempt).judged;
   const auto best = nearest_to_hand(alone, T_a_b);
   if (best == alone.end())
     return {Verdict{verifier.judge_placement(pair, T_a_b, attempt.clouds), middle_of_overlap(at)}};
@@ -55,7 +55,7 @@ std::vector<Verdict> MergePipeline::State::judge_by_hand(const OrderedPair& pair
   if (const Found* found = propose(pair, attempt.report))
     for (const Hypothesis& h : found->hypotheses)
       cases.push_back(requests.make_case(pair.a, pair.b, h, attempt.clouds));
-  std::vector<Verdict> all = verifier.judge_cases(pair, cases, true, attempt);
+  std::vector<Verdict> all = verifier.judge_cases(pair, cases, true, attempt).judged;
   if (nearest_to_hand(all, T_a_b) == all.end()) all.push_back(*best);
   const auto by_hand = nearest_to_hand(all, T_a_b);
   std::rotate(all.begin(), by_hand, by_hand + 1);

@@ -15,7 +15,7 @@ constexpr double contradicted = 7;
 /// The first place may say nothing, as at the foot of a ramp, where the nearest keyframes stand on two levels. Cases
 /// that fail there, but were proposed before the first that does not, are tried at further places, if among the first
 /// eight; when all were tried, the same pairs merged.
-constexpr std::size_t looked_at_again = 8, further_places = 2;
+constexpr std::size_t looked_at_again = 8;
 
 /// Of JudgeConfig::screened_fully. Of 394 pairs one more merges, and none fewer (tests/bench/README.md).
 constexpr std::size_t screened_by_score = 3;
@@ -58,7 +58,7 @@ std::vector<Meeting> further_of(const Case& c, const Meeting& first, const Judge
   const auto at =
       std::find_if(b.begin(), b.end(), [&](const KeyframePosition& s) { return s.keyframe == first.keyframe_b; });
   std::vector<KeyframePosition> places = other_places(a, b, T, at->p, judge);
-  if (places.size() > further_places) places.resize(further_places);
+  if (places.size() > judge.further_places) places.resize(judge.further_places);
   std::vector<Meeting> out(places.size());
   std::transform(places.begin(), places.end(), out.begin(), [&](const KeyframePosition& place) {
     return Meeting{nearest_to(a, T * place.p).position->keyframe, place.keyframe};

@@ -21,6 +21,7 @@ struct JudgeConfig {
 
   // Screening.
   std::size_t screened_fully = 14;   // hypotheses that are registered fully, after all were registered coarsely
+  std::size_t further_places = 2;    // at which a hypothesis is tried that failed at the first place
   double hopeless_inliers = 0.15;    // inlier fraction at the first place below which a hypothesis is dropped
   double hopeless_violation = 0.08;  // share of violated points above which it is dropped
 

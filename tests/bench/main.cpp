@@ -57,6 +57,7 @@ struct Options {
   std::vector<std::filesystem::path> sets;                                  // of stages
   std::vector<std::filesystem::path> rows;                                  // of rejudge
   bool crossed = false;                                                     // sessions of different sets
+  bool on_request = false;                                                  // the clouds of stages
   double days_apart = 0;                                                    // sessions of stages
   std::vector<std::string> set_families{std::string(default_family_name)};  // the robots take them in turn
   std::vector<std::string> families{"learned", "scan_context", "lidar_iris"};
@@ -145,8 +146,9 @@ int run(const Options& options) {
   part("recordings", false, [&] { return recordings_crossed(options.recordings, options.out); });
   part("merge-times", false, merge_times);
   part("stages", false, [&] {
-    return (options.crossed ? stages_crossed : stages)(options.sets, options.set_families, options.days_apart,
-                                                       options.out);
+    const StagesBench bench{options.sets, options.set_families, options.days_apart,
+                            options.on_request ? Clouds::on_request : Clouds::at_once, options.out};
+    return (options.crossed ? stages_crossed : stages)(bench);
   });
   part("localize", false, [&] {
     LocalizeBench bench = options.localize;
@@ -205,6 +207,7 @@ int main(int argc, char** argv) {
   stages->add_option("DIR", options.sets, "data sets (with truth.json and truth/ROBOT.txt), or folders of them")
       ->required();
   stages->add_flag("--crossed", options.crossed, "every two sessions of different sets of one world instead");
+  stages->add_flag("--on-request", options.on_request, "robots send the clouds that the server asks for");
   stages->add_option("--family", options.set_families, "of descriptors: the robots of a set take these in turn")
       ->delimiter(',')
       ->allow_extra_args(false);

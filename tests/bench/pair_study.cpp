@@ -47,13 +47,15 @@ class PairStudy {
     near_m_ = std::max(8.0, row_.nearest_m + 4);
   }
 
-  PairRow run(VerdictRows& rows) {
-    PipelineRun run;
+  PairRow run(Clouds clouds, VerdictRows& rows) {
+    PipelineRun run(clouds);
     run.add(a_);
     run.take_as_tried();
     run.add(b_);
     row_.ms = wall_ms([&] { row_.times = run.attempt(2); });
     row_.ms -= row_.times.loop_closures_ms;  // after the merge was told
+    row_.clouds = a_.clouds.size() + b_.clouds.size();
+    row_.clouds_sent = clouds == Clouds::at_once ? row_.clouds : run.came();
     for (const PairTrace& trace : run.traces) {
       row_.proposals = std::max(row_.proposals, static_cast<int>(trace.proposed.size()));
       for (std::size_t i = 0; i < trace.proposed.size(); ++i)
@@ -106,8 +108,8 @@ void print_lost(const PairRow& r) {
 
 }  // namespace
 
-PairRow study(const DrivenSession& a, const DrivenSession& b, const InCommon& truth, VerdictRows& rows) {
-  return PairStudy(a, b, truth).run(rows);
+PairRow study(const DrivenSession& a, const DrivenSession& b, const InCommon& truth, Clouds clouds, VerdictRows& rows) {
+  return PairStudy(a, b, truth).run(clouds, rows);
 }
 
 bool degenerate(const PairRow& r) { return r.oracle.status == RegistrationStatus::degenerate; }

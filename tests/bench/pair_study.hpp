@@ -20,6 +20,7 @@ struct PairRow {
   Judgement oracle;
   bool merged = false, right = false;
   double te_m = -1, ms = 0;
+  std::size_t clouds = 0, clouds_sent = 0;  // of both sessions; those that the server asked for
   StageTimes times;
   std::optional<Evidence> found;  // of the alignment that was recorded, with its error
   double found_te_m = -1;
@@ -34,7 +35,7 @@ struct InCommon {
 InCommon path_in_common(const DrivenSession& a, const DrivenSession& b);
 
 /// Tries to merge b with a in a database of these two. Judged placements, and the true one, go into `rows`.
-PairRow study(const DrivenSession& a, const DrivenSession& b, const InCommon& truth, VerdictRows& rows);
+PairRow study(const DrivenSession& a, const DrivenSession& b, const InCommon& truth, Clouds clouds, VerdictRows& rows);
 
 /// The true placement slides along a smooth tunnel.
 bool degenerate(const PairRow& r);

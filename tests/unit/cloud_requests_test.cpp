@@ -59,6 +59,10 @@ class RequestsInDoubt : public testing::Test {
     const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity()}, shelves_);
     return requests_.clouds_to_settle({1, 2}, c, spread_m);
   }
+  std::vector<KeyframeRef> for_another_look() {
+    const Case c = requests_.make_case(1, 2, {.T_a_b = Pose::Identity(), .place_b = {10, 0, 0}}, shelves_);
+    return requests_.clouds_for_further_screening({1, 2}, c);
+  }
   static std::set<std::uint64_t> of(const std::vector<KeyframeRef>& wanted, SessionId id) {
     std::set<std::uint64_t> out;
     for (const KeyframeRef& k : wanted)
@@ -98,6 +102,24 @@ TEST_F(RequestsInDoubt, AreForThoseThatLookOnFromFartherOffNext) {
 TEST_F(RequestsInDoubt, AreNoneForWhatCanNotBeBelieved) {
   bring(1, last_that_meets);
   EXPECT_TRUE(asked(0.05).empty());
+}
+
+TEST_F(RequestsInDoubt, AreForTwoFurtherPlacesWhereTheFirstSaysNothing) {
+  std::set<std::uint64_t> seen;
+  for (std::size_t place = 0; place < JudgeConfig{}.further_places; ++place) {
+    const auto wanted = for_another_look();
+    const std::set<std::uint64_t> around = of(wanted, 2);
+    const auto enough = static_cast<std::size_t>(config_.clouds_requested);
+    ASSERT_EQ(around.size(), enough);
+    EXPECT_EQ(of(wanted, 1).size(), enough) << "of both";
+    EXPECT_LT(*around.rbegin() - *around.begin(), enough) << "around one place";
+    for (const std::uint64_t s : around) {
+      EXPECT_TRUE(seen.insert(s).second) << "another each time";
+      EXPECT_GT(std::abs(static_cast<double>(s) - 11), 4) << "and not the first, at 11";
+    }
+    for (const KeyframeRef& k : wanted) shelves_.stored.insert(k);
+  }
+  EXPECT_TRUE(for_another_look().empty());
 }
 
 TEST_F(RequestsInDoubt, OfAMergeThatIsSettledAreForOneOfEachSessionAtEveryPlaceWhereNoneIsNear) {

@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "server/merge/pair_search.hpp"
 #include "tests/scenario/drawn_base.hpp"
 
 namespace headframe {
@@ -46,6 +47,29 @@ class ScreeningBehindDust : public testing::Test {
     return screen({1, 2}, cases, submaps, shelf_, judge);
   }
 
+  /// Clouds are with the robots and come as they are asked for; returns how often, until nothing more is wanted.
+  int rounds_of_asking(const std::vector<Hypothesis>& hypotheses, std::vector<Verdict>& verdicts) {
+    for (const auto& [ref, cloud] : shelf_.clouds) shelf_.on_robots.insert(ref);
+    HypothesisFinder finder(finder_config(config_));
+    SessionSubmaps submaps(config_, sessions_);
+    SelfSimilarity self(config_, sessions_, finder, submaps, requests_);
+    CandidateVerifier verifier(config_, sessions_, submaps, self, requests_);
+    std::vector<KeyframeRef> wanted = requests_.clouds_for_screening({1, 2}, requests_.make_case(1, 2, right_, shelf_));
+    int rounds = 0;
+    for (; !wanted.empty(); ++rounds) {
+      for (const KeyframeRef& ref : wanted) shelf_.on_robots.erase(ref);
+      std::vector<Case> cases;
+      for (const Hypothesis& h : hypotheses) cases.push_back(requests_.make_case(1, 2, h, shelf_));
+      AttemptReport report;
+      Verdicts all = verifier.judge_cases({1, 2}, cases, false, {shelf_, report});
+      verdicts = all.judged;
+      if (all.judged.empty()) all.judged.emplace_back();
+      verifier.ask_for_more({1, 2}, all, 0, {shelf_, report});
+      wanted = report.wanted;
+    }
+    return rounds;
+  }
+
   MergeConfig config_;
   SessionMap sessions_{config_};
   CloudRequests requests_{config_, sessions_};
@@ -61,6 +85,25 @@ TEST_F(ScreeningBehindDust, ARightPlacementIsFoundAtAnotherPlace) {
     const Pose off = right_.T_a_b.inverse() * found.place.registration.T_target_source;
     EXPECT_LT((off * found.place.p_b - found.place.p_b).norm(), 0.1);
     EXPECT_GT((found.place.p_b - right_.place_b).norm(), 8) << "not in the dust";
+  }
+}
+
+TEST_F(ScreeningBehindDust, CloudsOfAnotherPlaceAreAskedForIfTheyAreWithTheRobots) {
+  std::vector<Verdict> verdicts;
+  EXPECT_GE(rounds_of_asking({right_}, verdicts), 2);
+  ASSERT_FALSE(verdicts.empty());
+  EXPECT_GT((verdicts.front().p_b - right_.place_b).norm(), 8) << "not in the dust";
+  EXPECT_LT((verdicts.front().judgement.T_a_b.inverse() * right_.T_a_b).translation().norm(), 0.2);
+}
+
+TEST_F(ScreeningBehindDust, OnlyTheThreeLikeliestAskForAnotherPlace) {
+  Hypothesis nowhere = right_;
+  nowhere.T_a_b = Eigen::Translation3d(500, 0, 0) * right_.T_a_b;
+  for (const std::size_t before : {2, 3}) {
+    std::vector<Hypothesis> all(before, nowhere);
+    all.push_back(right_);
+    std::vector<Verdict> verdicts;
+    EXPECT_EQ(rounds_of_asking(all, verdicts) > 1, before < 3);
   }
 }
 
