@@ -113,8 +113,12 @@ std::vector<Hypothesis> HypothesisFinder::search(const SessionView& a, const Ses
 }
 
 const Found* HypothesisFinder::find_within(const SessionView& session) {
-  LeadSeats of_walls_alone{
-      8, 0, 0, 0, std::min<std::size_t>(60, config_.seats.coarse_matches), rough(config_.seats.steps)};
+  LeadSeats of_walls_alone{.walls = 8,
+                           .coherent = 0,
+                           .places = 0,
+                           .votes = 0,
+                           .coarse_matches = std::min<std::size_t>(60, config_.seats.coarse_matches),
+                           .steps = rough(config_.seats.steps)};
   // What the verdict demands of a mine that repeats itself was set without.
   of_walls_alone.both_orders = of_walls_alone.second_part = false;
   Found& known = found_[{session.id, session.id}];

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 #include "common/descriptor/circular.hpp"
 #include "common/geometry/se3.hpp"
@@ -14,6 +14,7 @@ namespace headframe {
 namespace {
 
 using Leads = std::vector<Lead>;
+using Indices = std::vector<std::size_t>;
 
 constexpr std::size_t laid_whole = 5;     // pieces: 360 m of path
 constexpr std::size_t pairs_tried = 128;  // matched pairs of keyframes, the rarest and nearest first
@@ -23,6 +24,26 @@ constexpr double place_radius_m = 25;
 double by_promise(const Lead& lead) { return lead.promise; }
 double by_coherence(const Lead& lead) { return lead.fit.strict(); }
 double by_score(const Lead& lead) { return lead.fit.score(); }
+
+Indices all_of(const Leads& leads) {
+  Indices out(leads.size());
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+Leads at(const Leads& leads, const Indices& which) {
+  Leads out(which.size());
+  std::transform(which.begin(), which.end(), out.begin(), [&](std::size_t i) { return leads[i]; });
+  return out;
+}
+
+Indices either(Indices some, Indices others) {
+  std::sort(some.begin(), some.end());
+  std::sort(others.begin(), others.end());
+  Indices out;
+  std::set_union(some.begin(), some.end(), others.begin(), others.end(), std::back_inserter(out));
+  return out;
+}
 
 WallMatch flat(const Pose& T) { return {yaw_rad(T), T.translation().head<2>(), 0}; }
 
@@ -36,29 +57,29 @@ void add_best_parts(const SessionWalls::Level& a, const SessionWalls::Level& b, 
                     bool second, Leads& out) {
   const WallMatch match = a_on_b ? inverse(placement) : placement;
   const SessionWalls::Part *by_score = nullptr, *by_walls = nullptr;
-  double best_score = std::numeric_limits<double>::lowest();
-  int most_walls = std::numeric_limits<int>::lowest();
+  WallFit best, most;  // of them
   for (const auto& part : (a_on_b ? a : b).parts) {
     const WallFit fit = (a_on_b ? b : a).field.fit(part.map, match);
-    if (fit.score() > best_score) {
+    if (!by_score || fit.score() > best.score()) {
       by_score = &part;
-      best_score = fit.score();
+      best = fit;
     }
-    if (fit.lenient() > most_walls) {
+    if (!by_walls || fit.lenient() > most.lenient()) {
       by_walls = &part;
-      most_walls = fit.lenient();
+      most = fit;
     }
   }
-  if (by_score) out.push_back({&a, &b, by_score, a_on_b, match, {}});
-  if (second && by_walls != by_score) out.push_back({&a, &b, by_walls, a_on_b, match, {}});
+  if (by_score) out.push_back({&a, &b, by_score, a_on_b, match, best});
+  if (second && by_walls != by_score) out.push_back({&a, &b, by_walls, a_on_b, match, most});
 }
 
 /// A placement proposed by descriptors may fit no walls nearby; then it stays where it is instead of moving to where
 /// there are none.
-void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agreement, int threads) {
-  for_blocks(leads.size(), 4, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+void refine(Leads& leads, const Indices& which, WallField::Step step, const DescriptorAgreement& agreement,
+            int threads) {
+  for_blocks(which.size(), 4, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
-      Lead& lead = leads[i];
+      Lead& lead = leads[which[i]];
       const WallField& field = lead.field();
       const WallMap& part = lead.part->map;
       const WallMatch refined = field.refine(part, lead.match, step, lead.around);
@@ -74,23 +95,33 @@ void refine(Leads& leads, WallField::Step step, const DescriptorAgreement& agree
   });
 }
 
-/// The best of those that differ, best first.
+/// Of some, the best that differ, best first.
 template <class Rank>
-Leads best_of(const Leads& leads, std::size_t most, Rank&& rank) {
+Indices best_of(const Leads& leads, const Indices& of, std::size_t most, Rank&& rank) {
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < leads.size(); ++i) order.emplace_back(-rank(leads[i]), i);
+  for (const std::size_t i : of) order.emplace_back(-rank(leads[i]), i);
   std::sort(order.begin(), order.end());
-  Leads kept;
+  Indices kept;
   for (const auto& [worth, i] : order) {
     if (kept.size() == most) break;
     const Lead& lead = leads[i];
     const Pose T = lead.T_a_b();
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Lead& k) {
-      return k.a == lead.a && same_placement(k.T_a_b(), T, middle_of(lead), same_hypothesis);
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](std::size_t k) {
+      return leads[k].a == lead.a && same_placement(leads[k].T_a_b(), T, middle_of(lead), same_hypothesis);
     });
-    if (!known) kept.push_back(lead);
+    if (!known) kept.push_back(i);
   }
   return kept;
+}
+
+/// Appends those that fit best; half a cell off, a right placement has many contradictions.
+void append_best(Leads leads, std::size_t most, Leads& out) {
+  if (leads.size() > most) {
+    std::stable_sort(leads.begin(), leads.end(),
+                     [](const Lead& l, const Lead& m) { return l.fit.lenient() > m.fit.lenient(); });
+    leads.resize(most);
+  }
+  out.insert(out.end(), leads.begin(), leads.end());
 }
 
 /// Placements from the coarse search with the parts of b that support them; and, if both_orders, with those of a.
@@ -104,7 +135,9 @@ std::vector<Leads> search(const SessionWalls& a, const SessionWalls& b, const Le
       for (std::size_t i = begin; i < end; ++i)
         add_best_parts(level_a, level_b, a_on_b, matches[i], seats.second_part, best[i]);
     });
-    for (const Leads& leads : best) found[a_on_b].insert(found[a_on_b].end(), leads.begin(), leads.end());
+    Leads all;
+    for (const Leads& leads : best) all.insert(all.end(), leads.begin(), leads.end());
+    append_best(std::move(all), seats.refined, found[a_on_b]);
   };
   for (const auto& level_a : a.levels)
     for (const auto& level_b : b.levels) {
@@ -118,7 +151,8 @@ std::vector<Leads> search(const SessionWalls& a, const SessionWalls& b, const Le
       for (const auto& part : level_b.parts) {
         const auto matches =
             search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads);
-        for (const WallMatch& m : matches) found.front().push_back({&level_a, &level_b, &part, false, m, {}});
+        for (const WallMatch& m : matches)
+          found.front().push_back({&level_a, &level_b, &part, false, m, level_a.field.fit(part.map, m)});
         if (seats.both_orders) add(level_a, level_b, matches, true);
       }
     }
@@ -177,15 +211,17 @@ std::vector<Lead> wall_leads(const SessionWalls& a, const SessionWalls& b, const
                              const LeadSeats& seats, int threads) {
   Leads out;
   for (Leads& found : search(a, b, seats, threads)) {
-    refine(found, WallField::Step::coarse, agreement, threads);
+    const Indices all = all_of(found);
+    refine(found, all, WallField::Step::coarse, agreement, threads);
     // Half a cell off, a right placement contradicts in many cells: until it is refined, the score tells more.
-    Leads coherent = best_of(found, seats.spare / 2 * seats.coherent, by_score),
-          likely = best_of(found, seats.spare * seats.walls, by_promise);
-    refine(coherent, WallField::Step::fine, agreement, threads);
-    refine(likely, WallField::Step::fine, agreement, threads);
-    for (Lead& lead : coherent) lead.source = ProposalSource::coherent_walls;
-    for (const Lead& lead : best_of(likely, seats.walls, by_promise)) out.push_back(lead);
-    for (const Lead& lead : best_of(coherent, seats.coherent, by_coherence)) out.push_back(lead);
+    const Indices coherent = best_of(found, all, seats.spare / 2 * seats.coherent, by_score),
+                  likely = best_of(found, all, seats.spare * seats.walls, by_promise);
+    refine(found, either(coherent, likely), WallField::Step::fine, agreement, threads);
+    for (const std::size_t i : best_of(found, likely, seats.walls, by_promise)) out.push_back(found[i]);
+    for (const std::size_t i : best_of(found, coherent, seats.coherent, by_coherence)) {
+      out.push_back(found[i]);
+      out.back().source = ProposalSource::coherent_walls;
+    }
   }
   return out;
 }
@@ -203,10 +239,11 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
     lead.height_m = pair.T_a_b.translation().z();
     found.push_back(lead);
   }
-  refine(found, WallField::Step::coarse, agreement, threads);
-  Leads best = best_of(found, seats.spare * seats.places, by_coherence);
-  refine(best, WallField::Step::fine, agreement, threads);
-  return best_of(best, seats.places, by_coherence);
+  const Indices all = all_of(found);
+  refine(found, all, WallField::Step::coarse, agreement, threads);
+  const Indices best = best_of(found, all, seats.spare * seats.places, by_coherence);
+  refine(found, best, WallField::Step::fine, agreement, threads);
+  return at(found, best_of(found, best, seats.places, by_coherence));
 }
 
 std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,
@@ -230,8 +267,8 @@ std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::
     for (const auto& level_a : a.levels)
       for (const auto& level_b : b.levels) add_best_parts(level_a, level_b, false, flat(T), seats.second_part, out);
   for (Lead& lead : out) lead.source = ProposalSource::votes;
-  refine(out, WallField::Step::coarse, agreement, threads);
-  refine(out, WallField::Step::fine, agreement, threads);
+  for (const auto step : {WallField::Step::coarse, WallField::Step::fine})
+    refine(out, all_of(out), step, agreement, threads);
   return out;
 }
 
