@@ -43,6 +43,28 @@ TEST(Hypotheses, WallMapsFindTheTurnAndTheShift) {
               found[i - 1].score * std::pow(found[i - 1].descriptors.cautious(), 2));
 }
 
+TEST(Hypotheses, OfTheCoarsePlacementsThoseThatFitBestAreRefined) {
+  const BoxMine mine({BoxMine::drift(0, 0, 80, 0), BoxMine::drift(30, 0, 30, 40), BoxMine::drift(60, -25, 60, 0, 6)});
+  const auto a = drive(mine, {{0, 0}, {30, 0}, {30, 38}}, 0, 1), b = drive(mine, {{75, 0}, {30, 0}, {30, 20}}, 2.0, 2);
+  const Pose truth = a.T_mine_local.inverse() * b.T_mine_local;
+  const SessionWalls walls_a(a.keyframes), walls_b(b.keyframes);
+  const auto leads = [&](std::size_t refined) {
+    LeadSeats seats;
+    seats.both_orders = seats.second_part = false;
+    seats.refined = refined;
+    return wall_leads(walls_a, walls_b, DescriptorAgreement({}, b.keyframes), seats, 1);
+  };
+  EXPECT_TRUE(leads(0).empty());
+  EXPECT_EQ(leads(1).size(), 2U) << "by either rule the same";
+  const std::vector<Lead> few = leads(20);  // half a cell off, the right one is not the first
+  EXPECT_LE(few.size(), 40U);
+  EXPECT_TRUE(std::any_of(few.begin(), few.end(), [&](const Lead& lead) {
+    const Eigen::Vector3d at(lead.middle_b().x(), lead.middle_b().y(), 0);
+    return (lead.T_a_b() * at - truth * at).norm() < 1 &&
+           rotation_angle_rad(lead.T_a_b().inverse() * truth) < 3 * rad_per_deg;
+  }));
+}
+
 TEST(Hypotheses, APieceThatHardlyMeetsTheMapDoesNotHideTheOneThatFits) {
   const BoxMine mine({BoxMine::drift(0, 0, 90, 0), BoxMine::drift(30, 0, 30, 40), BoxMine::drift(60, -25, 60, 0, 6),
                       BoxMine::drift(90, 0, 90, 120), BoxMine::drift(90, 60, 130, 60)});
