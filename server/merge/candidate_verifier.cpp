@@ -287,8 +287,9 @@ bool CandidateVerifier::ask_for_more(const OrderedPair& pair, const Verdicts& ve
     const auto asks = std::find_if(all.begin(), all.end(), [](const Verdict& v) { return !v.wanted.empty(); });
     if (asks != all.end())
       attempt.want(asks->wanted);
-    else if (only_likeness_speaks_against(pair, all.front()))
-      return ask_for_all(pair, attempt);
+    else if (worth_all_clouds(pair, all.front()))
+      return ask_for_all(pair, attempt) &&
+             all.front().judgement.evidence.probability_if_unique >= config_.accept_probability;
     else if (awaited == 0)
       attempt.want(verdicts.another_look);
     return false;
@@ -312,10 +313,12 @@ bool CandidateVerifier::ask_for_all(const OrderedPair& pair, const Attempt& atte
   return !wanted.empty();
 }
 
-/// Whether the pair has ended and only the mine's likeness to itself speaks against the placement: few clouds show more
-/// copies than there are, and a shorter overlap.
-bool CandidateVerifier::only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const {
-  return sessions_.have_ended(pair) && best.judgement.evidence.probability_if_unique >= config_.accept_probability;
+/// Whether the pair has ended and the placement is a candidate, or would be accepted if the mine were not like itself:
+/// few clouds show more copies than there are, less rock, and a shorter overlap.
+bool CandidateVerifier::worth_all_clouds(const OrderedPair& pair, const Verdict& best) const {
+  const Evidence& e = best.judgement.evidence;
+  return sessions_.have_ended(pair) &&
+         (e.probability >= config_.candidate_probability || e.probability_if_unique >= config_.accept_probability);
 }
 
 }  // namespace headframe

@@ -63,8 +63,9 @@ class CandidateVerifier {
   /// The same, with the aliases and look-alikes that each session has within itself.
   Judgement judge_placement(const OrderedPair& pair, const Pose& T_a_b, CloudSource& clouds);
 
-  /// Requests the clouds that the verdicts want; if none wants any, those for another look. Returns true if the best
-  /// would be accepted but has to wait for them. awaited: the number of cases that already wait for clouds.
+  /// Requests the clouds that the verdicts want; if none wants any, all of both sessions if these have ended and the
+  /// best may be right, or those for another look. Returns true if the best would be accepted but has to wait for them.
+  /// awaited: the number of cases that already wait for clouds.
   bool ask_for_more(const OrderedPair& pair, const Verdicts& verdicts, std::size_t awaited,
                     const Attempt& attempt) const;
 
@@ -84,7 +85,7 @@ class CandidateVerifier {
   std::vector<KeyframeRef> clouds_for_another_look(const OrderedPair& pair, const std::vector<Case>& cases,
                                                    const std::vector<ScreeningResult>& screened) const;
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;
-  bool only_likeness_speaks_against(const OrderedPair& pair, const Verdict& best) const;
+  bool worth_all_clouds(const OrderedPair& pair, const Verdict& best) const;
   std::set<KeyframeRef> look_farther(const OrderedPair& pair, const Case& c, Verdict& verdict, CloudSource& clouds);
   void weigh_among(const std::vector<Judged>& all, const OrderedPair& pair, const Case& c, Verdict& verdict,
                    CloudSource& clouds);

@@ -107,6 +107,25 @@ TEST_F(ScreeningBehindDust, OnlyTheThreeLikeliestAskForAnotherPlace) {
   }
 }
 
+TEST_F(ScreeningBehindDust, OfACandidateWhoseSessionsHaveEndedAllCloudsAreAskedFor) {
+  for (const auto& [ref, cloud] : shelf_.clouds) shelf_.on_robots.insert(ref);
+  HypothesisFinder finder(finder_config(config_));
+  SessionSubmaps submaps(config_, sessions_);
+  SelfSimilarity self(config_, sessions_, finder, submaps, requests_);
+  const CandidateVerifier verifier(config_, sessions_, submaps, self, requests_);
+  for (const double off : {-0.01, 0.01}) {
+    Verdicts doubted{{Verdict{}}}, alike = doubted;
+    doubted.judged.front().judgement.evidence.probability = config_.candidate_probability + off;
+    alike.judged.front().judgement.evidence.probability_if_unique = config_.accept_probability + off;
+    for (const Verdicts& verdicts : {doubted, alike}) {
+      const bool would_be_accepted = verdicts.judged.front().judgement.evidence.probability_if_unique > 0;
+      AttemptReport report;
+      EXPECT_EQ(verifier.ask_for_more({1, 2}, verdicts, 0, {shelf_, report}), off > 0 && would_be_accepted);
+      EXPECT_EQ(report.wanted.size(), off > 0 ? shelf_.clouds.size() : 0);
+    }
+  }
+}
+
 TEST_F(ScreeningBehindDust, OnlyTheFirstEightAreLookedAtTwice) {
   Hypothesis nowhere = right_;
   nowhere.T_a_b = Eigen::Translation3d(500, 0, 0) * right_.T_a_b;
