@@ -31,12 +31,6 @@ Indices all_of(const Leads& leads) {
   return out;
 }
 
-Leads at(const Leads& leads, const Indices& which) {
-  Leads out(which.size());
-  std::transform(which.begin(), which.end(), out.begin(), [&](std::size_t i) { return leads[i]; });
-  return out;
-}
-
 Indices either(Indices some, Indices others) {
   std::sort(some.begin(), some.end());
   std::sort(others.begin(), others.end());
@@ -114,7 +108,7 @@ Indices best_of(const Leads& leads, const Indices& of, std::size_t most, Rank&& 
   return kept;
 }
 
-/// Appends those that fit best; half a cell off, a right placement has many contradictions.
+/// Appends those that fit best. Contradictions count for little, because half a cell off, a right placement has many.
 void append_best(Leads leads, std::size_t most, Leads& out) {
   if (leads.size() > most) {
     std::stable_sort(leads.begin(), leads.end(),
@@ -151,8 +145,7 @@ std::vector<Leads> search(const SessionWalls& a, const SessionWalls& b, const Le
       for (const auto& part : level_b.parts) {
         const auto matches =
             search_walls(level_a.map, level_a.field, part.map, most / level_b.parts.size(), seats.steps, threads);
-        for (const WallMatch& m : matches)
-          found.front().push_back({&level_a, &level_b, &part, false, m, level_a.field.fit(part.map, m)});
+        for (const WallMatch& m : matches) found.front().push_back({&level_a, &level_b, &part, false, m, {}});
         if (seats.both_orders) add(level_a, level_b, matches, true);
       }
     }
@@ -243,7 +236,9 @@ std::vector<Lead> place_leads(const SessionWalls& a, const SessionWalls& b, std:
   refine(found, all, WallField::Step::coarse, agreement, threads);
   const Indices best = best_of(found, all, seats.spare * seats.places, by_coherence);
   refine(found, best, WallField::Step::fine, agreement, threads);
-  return at(found, best_of(found, best, seats.places, by_coherence));
+  Leads out;
+  for (const std::size_t i : best_of(found, best, seats.places, by_coherence)) out.push_back(found[i]);
+  return out;
 }
 
 std::vector<Lead> vote_leads(const SessionWalls& a, const SessionWalls& b, std::span<const Keyframe> of_b,

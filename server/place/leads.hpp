@@ -48,7 +48,9 @@ struct LeadSeats {
   /// rock was found only at rank 720 in
   /// cells of 1.5 m.
   std::size_t coarse_matches = 1000;
-  std::size_t refined = 500;  // of these, with the parts that support them: per pair of levels, those that fit best
+  /// Of these, each with the parts that support it, so many that fit best are refined, for each pair of levels; all, if
+  /// the session is so long that its pieces are searched one by one.
+  std::size_t refined = 500;
   WallSearchSteps steps = {};
   std::size_t spare = 8;    // refined to half a cell: this many times the quota, half as many of `coherent`
   bool both_orders = true;  // parts of a are laid on b, too, with seats of their own

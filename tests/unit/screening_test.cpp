@@ -59,6 +59,7 @@ class ScreeningBehindDust : public testing::Test {
     for (; !wanted.empty(); ++rounds) {
       for (const KeyframeRef& ref : wanted) shelf_.on_robots.erase(ref);
       std::vector<Case> cases;
+      cases.reserve(hypotheses.size());
       for (const Hypothesis& h : hypotheses) cases.push_back(requests_.make_case(1, 2, h, shelf_));
       AttemptReport report;
       Verdicts all = verifier.judge_cases({1, 2}, cases, false, {shelf_, report});
