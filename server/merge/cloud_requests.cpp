@@ -13,7 +13,7 @@ constexpr std::size_t cases_awaited = 1;   // number of cases that may wait for 
 constexpr std::size_t cases_asking = 10;   // only the best cases request clouds; others use the stored ones
 constexpr double settled_m = 3;            // a cloud this near to a place is enough for it; set by hand ...
 constexpr double drifted_m = 0.08;         // ... unless the places differ by more than this; set by hand
-constexpr double rival_share = 0.7;  // share of the support: weaker rivals of an accepted placement request no clouds
+constexpr double asking_share = 0.7;  // share of the support: weaker rivals of an accepted placement request no clouds
 
 std::vector<KeyframePosition> all_of(const NearbyKeyframes& n) {
   std::vector<KeyframePosition> out;
@@ -37,7 +37,7 @@ Candidates CloudRequests::cases_with_clouds(const OrderedPair& pair, const std::
   const bool accepted = known && known->evidence.probability >= config_.accept_probability;
   for (const Hypothesis& h : hypotheses) {
     Case made = make_case(pair.a, pair.b, h, attempt.clouds);
-    const bool weak_rival = accepted && h.score < rival_share * known->evidence.support;
+    const bool weak_rival = accepted && h.score < asking_share * known->evidence.support;
     std::vector<KeyframeRef> wanted;
     const bool may_ask = static_cast<std::size_t>(&h - hypotheses.data()) < cases_asking;
     if (may_ask && out.awaited < cases_awaited && !weak_rival) wanted = clouds_for_screening(pair, made);
@@ -121,9 +121,8 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_further_screening(const Order
   const auto meeting = first_meeting(a, b, T, c.hypothesis.place_b, JudgeConfig{});
   if (!meeting) return wanted;
   const Eigen::Vector3d first = sessions_.at(pair.b).keyframes[meeting->keyframe_b].T_local_sensor.translation();
-  std::size_t looked = 0;
-  for (const KeyframePosition& place : other_places(a, b, T, first, JudgeConfig{})) {
-    if (!wanted.empty() || looked++ == JudgeConfig{}.further_places) break;
+  for (const KeyframePosition& place : further_places(a, b, T, first, JudgeConfig{})) {
+    if (!wanted.empty()) break;
     ask_around(pair.a, c.a, nearest_to(a, T * place.p).position->keyframe, further_spot_m, wanted);
     ask_around(pair.b, c.b, place.keyframe, further_spot_m, wanted);
   }

@@ -57,8 +57,7 @@ std::vector<Meeting> further_of(const Case& c, const Meeting& first, const Judge
   const Pose& T = c.hypothesis.T_a_b;
   const auto at =
       std::find_if(b.begin(), b.end(), [&](const KeyframePosition& s) { return s.keyframe == first.keyframe_b; });
-  std::vector<KeyframePosition> places = other_places(a, b, T, at->p, judge);
-  if (places.size() > judge.further_places) places.resize(judge.further_places);
+  const std::vector<KeyframePosition> places = further_places(a, b, T, at->p, judge);
   std::vector<Meeting> out(places.size());
   std::transform(places.begin(), places.end(), out.begin(), [&](const KeyframePosition& place) {
     return Meeting{nearest_to(a, T * place.p).position->keyframe, place.keyframe};

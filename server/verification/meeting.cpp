@@ -140,4 +140,11 @@ std::vector<KeyframePosition> other_places(std::span<const KeyframePosition> a, 
   return chosen;
 }
 
+std::vector<KeyframePosition> further_places(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
+                                             const Pose& T_a_b, const Eigen::Vector3d& p_b, const JudgeConfig& config) {
+  std::vector<KeyframePosition> places = other_places(a, b, T_a_b, p_b, config);
+  if (places.size() > config.further_places) places.resize(config.further_places);
+  return places;
+}
+
 }  // namespace headframe

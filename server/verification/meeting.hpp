@@ -49,6 +49,10 @@ Overlapping overlapping(std::span<const KeyframePosition> a, std::span<const Key
 std::vector<KeyframePosition> other_places(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
                                            const Pose& T_a_b, const Eigen::Vector3d& p_b, const JudgeConfig& config);
 
+/// The first of them, JudgeConfig::further_places at most: where a placement is screened that failed at p_b.
+std::vector<KeyframePosition> further_places(std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,
+                                             const Pose& T_a_b, const Eigen::Vector3d& p_b, const JudgeConfig& config);
+
 /// Sets Evidence::pairs and overlap_m: how many keyframes of a and b come near the other path, and the length of path
 /// that they share.
 void measure_overlap(Evidence& evidence, std::span<const KeyframePosition> a, std::span<const KeyframePosition> b,

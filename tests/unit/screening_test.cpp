@@ -37,35 +37,39 @@ class ScreeningBehindDust : public testing::Test {
     }
     sessions_.complete(id);
   }
-  std::vector<ScreeningResult> screened(const std::vector<Hypothesis>& hypotheses, int threads = 1) {
+  std::vector<Case> cases_of(const std::vector<Hypothesis>& hypotheses) {
     std::vector<Case> cases;
     cases.reserve(hypotheses.size());
     for (const Hypothesis& h : hypotheses) cases.push_back(requests_.make_case(1, 2, h, shelf_));
+    return cases;
+  }
+  std::vector<ScreeningResult> screened(const std::vector<Hypothesis>& hypotheses, int threads = 1) {
     JudgeConfig judge = judge_config(config_);
     judge.threads = threads;
     SessionSubmaps submaps(config_, sessions_);
-    return screen({1, 2}, cases, submaps, shelf_, judge);
+    return screen({1, 2}, cases_of(hypotheses), submaps, shelf_, judge);
   }
 
+  /// The right one after others that lie nowhere.
+  std::vector<Hypothesis> right_after(std::size_t others) const {
+    Hypothesis nowhere = right_;
+    nowhere.T_a_b = Eigen::Translation3d(500, 0, 0) * right_.T_a_b;
+    std::vector<Hypothesis> all(others, nowhere);
+    all.push_back(right_);
+    return all;
+  }
   /// Clouds are with the robots and come as they are asked for; returns how often, until nothing more is wanted.
   int rounds_of_asking(const std::vector<Hypothesis>& hypotheses, std::vector<Verdict>& verdicts) {
     for (const auto& [ref, cloud] : shelf_.clouds) shelf_.on_robots.insert(ref);
-    HypothesisFinder finder(finder_config(config_));
-    SessionSubmaps submaps(config_, sessions_);
-    SelfSimilarity self(config_, sessions_, finder, submaps, requests_);
-    CandidateVerifier verifier(config_, sessions_, submaps, self, requests_);
     std::vector<KeyframeRef> wanted = requests_.clouds_for_screening({1, 2}, requests_.make_case(1, 2, right_, shelf_));
     int rounds = 0;
     for (; !wanted.empty(); ++rounds) {
       for (const KeyframeRef& ref : wanted) shelf_.on_robots.erase(ref);
-      std::vector<Case> cases;
-      cases.reserve(hypotheses.size());
-      for (const Hypothesis& h : hypotheses) cases.push_back(requests_.make_case(1, 2, h, shelf_));
       AttemptReport report;
-      Verdicts all = verifier.judge_cases({1, 2}, cases, false, {shelf_, report});
+      Verdicts all = verifier_.judge_cases({1, 2}, cases_of(hypotheses), false, {shelf_, report});
       verdicts = all.judged;
       if (all.judged.empty()) all.judged.emplace_back();
-      verifier.ask_for_more({1, 2}, all, 0, {shelf_, report});
+      verifier_.ask_for_more({1, 2}, all, 0, {shelf_, report});
       wanted = report.wanted;
     }
     return rounds;
@@ -74,6 +78,10 @@ class ScreeningBehindDust : public testing::Test {
   MergeConfig config_;
   SessionMap sessions_{config_};
   CloudRequests requests_{config_, sessions_};
+  HypothesisFinder finder_{finder_config(config_)};
+  SessionSubmaps submaps_{config_, sessions_};
+  SelfSimilarity self_{config_, sessions_, finder_, submaps_, requests_};
+  CandidateVerifier verifier_{config_, sessions_, submaps_, self_, requests_};
   test::Shelf shelf_;
   Pose T_a_mine_;
   Hypothesis right_;
@@ -98,22 +106,14 @@ TEST_F(ScreeningBehindDust, CloudsOfAnotherPlaceAreAskedForIfTheyAreWithTheRobot
 }
 
 TEST_F(ScreeningBehindDust, OnlyTheThreeLikeliestAskForAnotherPlace) {
-  Hypothesis nowhere = right_;
-  nowhere.T_a_b = Eigen::Translation3d(500, 0, 0) * right_.T_a_b;
   for (const std::size_t before : {2, 3}) {
-    std::vector<Hypothesis> all(before, nowhere);
-    all.push_back(right_);
     std::vector<Verdict> verdicts;
-    EXPECT_EQ(rounds_of_asking(all, verdicts) > 1, before < 3);
+    EXPECT_EQ(rounds_of_asking(right_after(before), verdicts) > 1, before < 3);
   }
 }
 
 TEST_F(ScreeningBehindDust, OfACandidateWhoseSessionsHaveEndedAllCloudsAreAskedFor) {
   for (const auto& [ref, cloud] : shelf_.clouds) shelf_.on_robots.insert(ref);
-  HypothesisFinder finder(finder_config(config_));
-  SessionSubmaps submaps(config_, sessions_);
-  SelfSimilarity self(config_, sessions_, finder, submaps, requests_);
-  const CandidateVerifier verifier(config_, sessions_, submaps, self, requests_);
   for (const double off : {-0.01, 0.01}) {
     Verdicts doubted{{Verdict{}}}, alike = doubted;
     doubted.judged.front().judgement.evidence.probability = config_.candidate_probability + off;
@@ -121,20 +121,14 @@ TEST_F(ScreeningBehindDust, OfACandidateWhoseSessionsHaveEndedAllCloudsAreAskedF
     for (const Verdicts& verdicts : {doubted, alike}) {
       const bool would_be_accepted = verdicts.judged.front().judgement.evidence.probability_if_unique > 0;
       AttemptReport report;
-      EXPECT_EQ(verifier.ask_for_more({1, 2}, verdicts, 0, {shelf_, report}), off > 0 && would_be_accepted);
+      EXPECT_EQ(verifier_.ask_for_more({1, 2}, verdicts, 0, {shelf_, report}), off > 0 && would_be_accepted);
       EXPECT_EQ(report.wanted.size(), off > 0 ? shelf_.clouds.size() : 0);
     }
   }
 }
 
 TEST_F(ScreeningBehindDust, OnlyTheFirstEightAreLookedAtTwice) {
-  Hypothesis nowhere = right_;
-  nowhere.T_a_b = Eigen::Translation3d(500, 0, 0) * right_.T_a_b;
-  for (const std::size_t before : {7, 8}) {
-    std::vector<Hypothesis> all(before, nowhere);
-    all.push_back(right_);
-    EXPECT_EQ(screened(all).back().hopeful, before < 8);
-  }
+  for (const std::size_t before : {7, 8}) EXPECT_EQ(screened(right_after(before)).back().hopeful, before < 8);
 }
 
 TEST_F(ScreeningBehindDust, WhatWasProposedAfterAHopefulOneIsNotLookedAtTwice) {
