@@ -29,6 +29,12 @@ std::string look_alikes(const Evidence& e) {
                    e.look_alikes, e.mine_look_alikes);
 }
 
+std::string similar_places(const Evidence& e) {
+  if (e.mine_similar_places < 0) return "whether other places are similar is not known";
+  return formatted("%.1f other places are similar to one of the two sessions; %.2f are to be expected in 100 m",
+                   e.similar_places, e.mine_similar_places);
+}
+
 /// Without what changes of the mine explain, which does not count.
 std::string violation(const Evidence& e) {
   std::string out = formatted(
@@ -67,7 +73,8 @@ std::array<std::string, verdict_term_count> words_of(const Evidence& e) {
   return {{formatted("%.0f m of path are shared", e.overlap_m), violation(e), farther_violation(e), scatter(e),
            formatted("places along the overlap, registered each by itself, would move by %.2f m", e.spread_m),
            formatted("%.0f of %.0f places along the overlap agree", e.places_agreeing, e.places), copies(e),
-           look_alikes(e), formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),
+           look_alikes(e), similar_places(e),
+           formatted("the walls hold the position along the tunnel by %.3f", e.weakest_hold),
            formatted("of the surfaces that face along the tunnel %.0f %% meet", 100 * e.end_on_match), descriptors(e),
            descriptors(e) + formatted(", over %.0f m", e.overlap_m),
            formatted("the maps would lean by %.2f deg against each other", e.tilt_deg), walls(e), rock(e)}};
@@ -93,6 +100,7 @@ std::array<Driver, verdict_term_count> drivers_of(const Evidence& e) {
            {&Evidence::places_agreeing, e.places, "%.1f places that agree would suffice"},
            {&Evidence::aliases, 0, "%.1f at most would suffice"},
            {&Evidence::look_alikes, 0, "%.1f look-alikes at most would suffice"},
+           {&Evidence::mine_similar_places, 0, "%.2f in 100 m at most would suffice"},
            {&Evidence::weakest_hold, 1. / 3, "a hold of %.3f would suffice"},
            {&Evidence::end_on_match, 1, "%.0f %% would suffice", 100},
            alike,

@@ -158,6 +158,7 @@ std::vector<CandidateVerifier::Judged> CandidateVerifier::judge_hopeful(const Or
     compare_with_itself(pair, c, T, e);
     e.look_alikes += count_alike(screened, T, likeness);
     e.similar_places += count_alike(screened, T, resemblance);
+    tell_similar_places(pair, e);
     const double aliases = std::exchange(e.aliases, 0);  // they weigh together with the other placements
     weigh(verdict.judgement);
     e.aliases = aliases;
@@ -175,6 +176,13 @@ void CandidateVerifier::compare_with_itself(const OrderedPair& pair, const Case&
   e.similar_places = self_.last(pair.a).similar_places + self_.last(pair.b).similar_places;
   self_.tell_of_mine(e);
   e.mine_look_alikes = expected_look_alikes(e.mine_look_alikes, a, b, e);
+  tell_similar_places(pair, e);
+}
+
+/// Raises Evidence::mine_similar_places to what the two sessions show.
+void CandidateVerifier::tell_similar_places(const OrderedPair& pair, Evidence& e) const {
+  const double of_both_m = searched_m(self_.last(pair.a)) + searched_m(self_.last(pair.b));
+  e.mine_similar_places = std::max(e.mine_similar_places, per_100_m(e.similar_places, of_both_m, well_known_m));
 }
 
 Judgement CandidateVerifier::judge_alone(const OrderedPair& pair, const Case& c, const ScreeningResult& screened,
@@ -247,6 +255,7 @@ Judgement CandidateVerifier::judge_contact(const OrderedPair& pair, const Case& 
   const double excused = excused_by_changes(known);
   out.evidence.freespace_explained *= excused;
   out.evidence.worst_place_explained *= excused;
+  out.evidence.mine_similar_places = known.mine_similar_places;
   // It is not looked at farther off, and little path by itself agrees with nothing.
   out.evidence.rock_in_common = hardly_any_rock;
   weigh(out);

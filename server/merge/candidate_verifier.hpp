@@ -82,6 +82,7 @@ class CandidateVerifier {
   /// Sets what the mine shows of itself, and each of the two sessions where T_a_b puts them on each other. Similar
   /// places count wherever they are, because they say that a mine may hold copies.
   void compare_with_itself(const OrderedPair& pair, const Case& c, const Pose& T_a_b, Evidence& e) const;
+  void tell_similar_places(const OrderedPair& pair, Evidence& e) const;
   std::vector<KeyframeRef> clouds_for_another_look(const OrderedPair& pair, const std::vector<Case>& cases,
                                                    const std::vector<ScreeningResult>& screened) const;
   bool ask_for_all(const OrderedPair& pair, const Attempt& attempt) const;

@@ -13,6 +13,7 @@ namespace headframe {
 struct JudgedOn {
   std::size_t search = 0;        // Found::version; 0: a published alignment was judged again at its placement
   int looks_like_itself_10 = 0;  // looks_like_itself(), in tenths
+  int similar_places_20 = 0;     // Evidence::mine_similar_places, as all sessions show, in twentieths up to a half
   bool copies_known = false;
   int complete = 0;                 // how many of the two sessions are
   std::vector<std::size_t> clouds;  // number of stored clouds, for each case

@@ -65,6 +65,12 @@ SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframeP
 
 double searched_m(const SelfLikeness& likeness) { return likeness.wanted.empty() ? std::max(0.0, likeness.path_m) : 0; }
 
+double expected_similar_places(double found, double path_m) {
+  constexpr double where_unknown = 0.5;  // per 100 m
+  const double missing_m = std::max(0.0, well_known_m - path_m);
+  return per_100_m(found + where_unknown * missing_m / 100, path_m, well_known_m);
+}
+
 double expected_look_alikes(double of_mine, const SelfLikeness& a, const SelfLikeness& b, const Evidence& e) {
   const double found = of_mine * mine_counts_m / 100 + a.look_alikes + b.look_alikes;
   const double here = 100 * found / (mine_counts_m + searched_m(a) + searched_m(b));

@@ -1,6 +1,7 @@
 #pragma once
 // Where a session is like itself, and what of it speaks against a placement.
 
+#include <algorithm>
 #include <set>
 #include <span>
 
@@ -28,6 +29,16 @@ SelfLikeness likeness_at(const SelfLikeness& likeness, std::span<const KeyframeP
 /// of the placement differ (fully from four on that agree to .72 and less, not from .76 on): a copy of 58 m of a cave,
 /// with twelve of .64, stood for 3.5 s in a live drive while little was known of it.
 double expected_look_alikes(double of_mine, const SelfLikeness& a, const SelfLikeness& b, const Evidence& descriptors);
+
+/// So many for each 100 m of path, taken over at least least_m.
+inline double per_100_m(double count, double path_m, double least_m) { return 100 * count / std::max(path_m, least_m); }
+
+/// Path from which on it is known whether the places of a mine are similar to each other.
+inline constexpr double well_known_m = 200;
+
+/// Similar places to be expected per 100 m of a mine of which all sessions have shown so many on so much path. What is
+/// missing from 200 m of path counts as if it held as many as equal tunnels do, half a one per 100 m.
+double expected_similar_places(double found, double path_m);
 
 /// The path that was searched for places alike; none before the clouds that allow it are there.
 double searched_m(const SelfLikeness& likeness);

@@ -206,6 +206,7 @@ JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Foun
   self.tell_of_mine(of_all);
   JudgedOn out{found.version,
                static_cast<int>(10 * looks_like_itself(of_all)),
+               static_cast<int>(20 * std::min(0.5, of_all.mine_similar_places)),
                of_all.repetition >= copies_known,
                static_cast<int>(sessions.at(pair.a).complete) + static_cast<int>(sessions.at(pair.b).complete),
                {}};
@@ -236,6 +237,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   e.aliases = published.evidence.aliases;  // known only from the search of the whole pair
   e.look_alikes = published.evidence.look_alikes;
   e.similar_places = published.evidence.similar_places;
+  e.mine_similar_places = published.evidence.mine_similar_places;
   e.farther_violation = published.evidence.farther_violation;
   e.farther_explained = published.evidence.farther_explained;
   e.rock_in_common = rock_as_dense(published.evidence, e);

@@ -134,17 +134,22 @@ std::set<std::size_t> SelfSimilarity::copies_within(SessionId id, const std::vec
 }
 
 void SelfSimilarity::tell_of_mine(Evidence& evidence) const {
-  evidence.repetition = per_100_m(&SelfLikeness::aliases, 500);
-  evidence.mine_look_alikes = per_100_m(&SelfLikeness::look_alikes, 200);
+  const OfMine all = of_mine();
+  evidence.repetition = per_100_m(all.aliases, all.searched_m, 500);
+  evidence.mine_look_alikes = per_100_m(all.look_alikes, all.searched_m, 200);
+  evidence.mine_similar_places =
+      std::max(evidence.mine_similar_places, expected_similar_places(all.similar_places, all.searched_m));
 }
 
-double SelfSimilarity::per_100_m(double SelfLikeness::*counted, double least_m) const {
-  double sum = 0, path_m = 0;
+SelfSimilarity::OfMine SelfSimilarity::of_mine() const {
+  OfMine all;
   for (const auto& [id, found] : known_) {
-    sum += found.*counted;
-    path_m += searched_m(found);
+    all.aliases += found.aliases;
+    all.look_alikes += found.look_alikes;
+    all.similar_places += found.similar_places;
+    all.searched_m += searched_m(found);
   }
-  return 100 * sum / std::max(path_m, least_m);
+  return all;
 }
 
 }  // namespace headframe

@@ -33,9 +33,10 @@ class SelfSimilarity {
   /// The last result; a default value for a session that was never searched.
   const SelfLikeness& last(SessionId id) const;
 
-  /// Sets Evidence::repetition and mine_look_alikes, from the results of all sessions so far. Rates are computed over
-  /// at least 500 m of path for copies and 200 m for look-alikes, so short paths count little. The path of a session
-  /// counts once it was searched and no clouds are wanted for it.
+  /// Sets Evidence::repetition and mine_look_alikes, from the results of all sessions so far, and raises
+  /// mine_similar_places to what they show. Rates are computed over at least 500 m of path for copies and 200 m for the
+  /// others, so short paths count little. The path of a session counts once it was searched and no clouds are wanted
+  /// for it.
   void tell_of_mine(Evidence& evidence) const;
 
   /// Restores results from before a restart; of() returns them while they are still valid.
@@ -49,8 +50,10 @@ class SelfSimilarity {
   }
 
  private:
-  /// A sum over all sessions for each 100 m of path, taken over at least least_m of path.
-  double per_100_m(double SelfLikeness::*counted, double least_m) const;
+  struct OfMine {
+    double aliases = 0, look_alikes = 0, similar_places = 0, searched_m = 0;
+  };
+  OfMine of_mine() const;
   /// The same placement of a session on itself, examined 15 m before and after along its path.
   std::vector<Case> beside(SessionId id, const Hypothesis& hypothesis, const CloudSource& clouds) const;
   /// Which of these placements of a session on itself, other than the identity, are copies at least 15 m long: they

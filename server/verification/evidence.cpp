@@ -9,7 +9,7 @@
 namespace headframe {
 namespace {
 
-constexpr std::array<EvidenceField, 36> fields{{
+constexpr std::array<EvidenceField, 37> fields{{
     {"probability", &Evidence::probability},
     {"pairs", &Evidence::pairs},
     {"places", &Evidence::places},
@@ -28,6 +28,7 @@ constexpr std::array<EvidenceField, 36> fields{{
     {"look_alikes", &Evidence::look_alikes},
     {"mine_look_alikes", &Evidence::mine_look_alikes},
     {"similar_places", &Evidence::similar_places},
+    {"mine_similar_places", &Evidence::mine_similar_places},
     {"overlap_a", &Evidence::overlap_a},
     {"overlap_b", &Evidence::overlap_b},
     {"seen_points", &Evidence::seen_points},

@@ -39,7 +39,10 @@ struct Evidence {
   /// Those to be expected of the overlap per 100 m of path: as many as all sessions of the database show of themselves,
   /// and the fewer, the more path these two drove without a place like it (expected_look_alikes()).
   double mine_look_alikes = 0;
-  double similar_places = 0;         // the same, with up to 1.2 % contradicted (resemblance())
+  double similar_places = 0;  // the same of both sessions as a whole, with up to 1.2 % contradicted (resemblance())
+  /// Similar places per 100 m of path, of the two sessions or of all in the database, whichever has more. Where less
+  /// than 200 m are known of the mine, the rest counts as if it held half a one per 100 m. Negative: not known.
+  double mine_similar_places = -1;
   double overlap_a = 0;              // share of a's points near the overlap that b's rays met
   double overlap_b = 0;              // the same for b's points and a's rays
   double seen_points = 0;            // points that support the placement, both ways

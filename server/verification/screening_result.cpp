@@ -63,6 +63,7 @@ Evidence ideal_evidence() {
   e.places = e.places_agreeing = e.inlier_fraction = e.matched_share = e.weakest_hold = e.end_on_match = 1;
   e.descriptors_alike = e.own_scatter_m = 1;
   e.descriptors_compared = e.pairs = e.overlap_m = std::numeric_limits<double>::max();
+  e.mine_similar_places = 0;
   e.rock_in_common = e.support = std::numeric_limits<double>::infinity();
   return e;
 }

@@ -43,6 +43,9 @@ double like_places(const Evidence& e) {
   return (1 - descriptors_tell(e)) * std::max(e.look_alikes, 3 * e.mine_look_alikes);
 }
 
+/// A mine of which no place is similar to another holds no copies either, so less has to speak for a placement.
+double similar(const Evidence& e) { return e.mine_similar_places >= 0 ? e.mine_similar_places : unknown; }
+
 /// Descriptors that are nearly equal hold it as if it were no straight tunnel (those hold by less than .05).
 double hold(const Evidence& e) { return std::max(e.weakest_hold, 0.05 * descriptors_tell(e)); }
 
@@ -94,6 +97,7 @@ std::array<VerdictTerm, verdict_term_count> verdict_measures(const Evidence& e) 
       {"places disagree", 1 - e.places_agreeing / std::max(1.0, e.places)},
       {"the mine repeats itself", copies(e)},
       {"places look alike", std::log2(1 + like_places(e))},
+      {"places are similar", similar(e)},
       {"walls hold it", hold(e)},
       {"surfaces across the tunnel match", e.end_on_match},
       {"descriptors agree", cautious_similarity(e)},

@@ -16,7 +16,7 @@ struct VerdictTerm {
   std::string_view name;
   double value = 0;
 };
-inline constexpr std::size_t verdict_term_count = 15;
+inline constexpr std::size_t verdict_term_count = 16;
 
 /// What each term measures, in the unit over which its curve is drawn. NaN: nothing is known, which says nothing.
 std::array<VerdictTerm, verdict_term_count> verdict_measures(const Evidence& evidence);

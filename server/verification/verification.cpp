@@ -267,7 +267,8 @@ void weigh(Judgement& judgement) {
   Evidence& e = judgement.evidence;
   e.probability = probability(judgement.status, e);
   Evidence unique = e;
-  unique.aliases = unique.repetition = unique.look_alikes = unique.mine_look_alikes = unique.similar_places = 0;
+  unique.aliases = unique.repetition = unique.look_alikes = unique.mine_look_alikes = unique.similar_places =
+      unique.mine_similar_places = 0;
   e.probability_if_unique = probability(judgement.status, unique);
 }
 

