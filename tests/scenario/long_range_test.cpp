@@ -44,7 +44,7 @@ TEST(LongRange, AWideDriftShowsMoreRockOverTheSamePath) {
 
 /// What no cloud shows may be open ground, through which rays may pass; what both clouds show is rock.
 TEST(LongRange, WhereCloudsAreMissingRockCountsAndNothingContradicts) {
-  const Drive ends = along_copies(94, 0, 5), goes_on = along_copies(110, 1.1, 6);
+  const Drive ends = along_copies(94, 0, 5, 8), goes_on = along_copies(110, 1.1, 6, 8);
   const Evidence all = evidence(ends, goes_on), lacking = evidence(ends, goes_on, 6);
   EXPECT_GT(all.farther_violation, 0.002) << "one of the mines ends";
   EXPECT_EQ(lacking.farther_violation, 0);
