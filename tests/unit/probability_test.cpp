@@ -146,6 +146,20 @@ double term(const Evidence& e, std::string_view name) {
   return std::ranges::find(all, name, &VerdictTerm::name)->value;
 }
 
+TEST(Probability, WhereCopiesAreKnownDescriptorsThatAreEqualTellNoPlaces) {
+  Evidence e = convincing();
+  e.look_alikes = 6, e.weakest_hold = 0.015, e.descriptors_alike = 0.96;
+  const double tells = term(e, "places look alike"), held = term(e, "walls hold it");
+  e.repetition = copies_known / 2;
+  EXPECT_EQ(term(e, "places look alike"), tells);
+  e.repetition = copies_known;
+  EXPECT_LT(term(e, "places look alike"), tells - 1);
+  EXPECT_LT(term(e, "walls hold it"), held);
+  const double as_known = term(e, "places look alike");
+  e.repetition = 0, e.descriptors_alike = 0.85;
+  EXPECT_EQ(term(e, "places look alike"), as_known) << "as if they were not equal";
+}
+
 TEST(Probability, WhatIsNotKnownSaysNothing) {
   Evidence e = convincing();
   EXPECT_GT(term(e, "walls match"), 0);
