@@ -155,6 +155,9 @@ TEST(Probability, WhereCopiesAreKnownDescriptorsThatAreEqualTellNoPlaces) {
   e.repetition = copies_known;
   EXPECT_LT(term(e, "places look alike"), tells - 1);
   EXPECT_LT(term(e, "walls hold it"), held);
+  e.descriptors_compared = 12;
+  EXPECT_EQ(term(e, "places look alike"), tells) << "so many of a copy would differ somewhere";
+  e.descriptors_compared = 8;
   const double as_known = term(e, "places look alike");
   e.repetition = 0, e.descriptors_alike = 0.85;
   EXPECT_EQ(term(e, "places look alike"), as_known) << "as if they were not equal";
