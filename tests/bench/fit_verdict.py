@@ -54,6 +54,7 @@ CURVES = {
     "walls match": ([0, 2, 4, 6, 9, 14], -1, "half-metre cells per metre"),
     "rock that both saw": ([2, 2.8, 3.3, 3.75, 4.15, 4.6, 5.2], -1, "log2 of cubes of a metre per metre"),
 }
+# Near by, .2 % cost at least 2.7, because with 2.3 all other curves at their best made up for a contradiction of 10 %.
 # Farther off, right placements show .12 % and less, but for one, and wrong ones .17 % and more (eleven mines of rounds 20
 # to 22 and generated ones, with the tolerance for drift); a drawn mine whose end alone differs, at .3 %, reached .903 over
 # 88 m while the fall to .1 % was .9. Copies: few rows show any, so the falls are those of the fit to 139 mines, and the
