@@ -31,8 +31,8 @@ std::string look_alikes(const Evidence& e) {
 
 std::string similar_places(const Evidence& e) {
   if (e.mine_similar_places < 0) return "whether other places are similar is not known";
-  return formatted("%.1f other places are similar to one of the two sessions; %.2f are to be expected in 100 m",
-                   e.similar_places, e.mine_similar_places);
+  return formatted("at %.1f other placements a place is similar; %.2f are to be expected in 100 m", e.similar_places,
+                   e.mine_similar_places);
 }
 
 /// Without what changes of the mine explain, which does not count.

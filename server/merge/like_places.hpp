@@ -37,7 +37,7 @@ inline double per_100_m(double count, double path_m, double least_m) { return 10
 inline constexpr double well_known_m = 200;
 
 /// Similar places to be expected per 100 m of a mine of which all sessions have shown so many on so much path. What is
-/// missing from 200 m of path counts as if it held as many as equal tunnels do, half a one per 100 m.
+/// missing from 200 m of path counts as if it held half a one per 100 m, at which the verdict's curve ends.
 double expected_similar_places(double found, double path_m);
 
 /// The path that was searched for places alike; none before the clouds that allow it are there.

@@ -34,7 +34,7 @@ double copies(const Evidence& e) {
 /// tell a place from those that look like it to the walls, and where it is along a straight tunnel: in recordings of
 /// one, right placements of 30 m agree to .96 and .97; of copies in equal tunnels few agree to .95. Where copies are
 /// known, twelve keyframes have to agree (eight tell nothing), because what is copied is described alike: a copy over
-/// 27 m agreed to .96 at seven.
+/// 27 m agreed to .96 at seven. Of 15 placements beside look-alikes with .94 and more at twelve, all were right.
 double descriptors_tell(const Evidence& e) {
   const double enough =
       std::max(ramp(e.repetition, copies_known, copies_known / 2), ramp(e.descriptors_compared, 8, 12));

@@ -17,7 +17,7 @@ def load(files, wanted, columns):
             missing = [c for c in columns if c not in (reader.fieldnames or [])]
             if missing:
                 sys.exit("%s: no column %r: not rows of ./run bench stages, merges, recordings or drawn-mines, or older ones, "
-                         "which ./run bench rejudge judges anew" % (name, missing[0]))
+                         "which ./run bench rejudge judges anew if they hold all evidence" % (name, missing[0]))
             for row in reader:
                 if None in row.values():
                     sys.exit("%s, line %d: cut short: run the bench again" % (name, reader.line_num))

@@ -60,8 +60,9 @@ struct Columns {
     const auto column = [&](std::string_view name) {
       const auto at = std::ranges::find(head, name);
       if (at == head.end())
-        throw std::runtime_error(file + " has no column " + std::string(name) +
-                                 ": it is no verdict*.csv of stages, merges, recordings or drawn-mines");
+        throw std::runtime_error(
+            file + " has no column " + std::string(name) +
+            ": it is no verdict*.csv of stages, merges, recordings or drawn-mines, or of another version");
       return static_cast<std::size_t>(at - head.begin());
     };
     source = column("source"), mine = column("mine"), a = column("a"), b = column("b");
