@@ -147,9 +147,10 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   const JudgeConfig judge;
   const Pose& T = judged.T_a_b;
   const auto a = all_of(c.a), b = all_of(c.b);
-  Judgement whole = judged;  // as if all of its overlap were as good and held it along the tunnel
+  Judgement whole = judged;  // as if all of its overlap were as good, held it along the tunnel and showed ample rock
   if (whole.status == RegistrationStatus::degenerate) whole.status = RegistrationStatus::converged;
   whole.evidence.weakest_hold = 1;
+  whole.evidence.rock_in_common = ideal_evidence().rock_in_common;
   measure_overlap(whole.evidence, a, b, T, judge);
   weigh(whole);
   constexpr double may_be_believed = 0.5;  // at 0.2, two that share nothing were asked for all their clouds

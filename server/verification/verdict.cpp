@@ -31,13 +31,15 @@ double copies(const Evidence& e) {
 }
 
 /// How far the descriptors are nearly equal, 0 to 1 (fully from .95 on over four keyframes, not up to .90). Then they
-/// tell a place from those that look like it to the walls, and where it is along a straight tunnel: in recordings of
-/// one, right placements of 30 m agree to .96 and .97; of copies in equal tunnels few agree to .95. Where copies are
-/// known, twelve keyframes have to agree (eight tell nothing), because what is copied is described alike: a copy over
-/// 27 m agreed to .96 at seven. Of 15 placements beside look-alikes with .94 and more at twelve, all were right.
+/// tell a place from those that look like it to the walls, and where it is along a straight tunnel: right placements
+/// over 30 m of one agree to .95 and .97. But what is copied is described alike: where copies are known, or 1.4
+/// look-alikes are to be expected in 100 m (not up to 1.15), twelve keyframes have to agree (eight tell nothing).
+/// Copies over 27 and 37 m of such mines agreed to .96 and .97 at seven and nine; of 34 placements beside look-alikes
+/// with .92 and more at twelve, one was wrong.
 double descriptors_tell(const Evidence& e) {
-  const double enough =
-      std::max(ramp(e.repetition, copies_known, copies_known / 2), ramp(e.descriptors_compared, 8, 12));
+  const double unique =
+      std::min(ramp(e.repetition, copies_known, copies_known / 2), ramp(e.mine_look_alikes, 1.4, 1.15));
+  const double enough = std::max(unique, ramp(e.descriptors_compared, 8, 12));
   return ramp(e.descriptors_alike, 0.9, 0.95) * std::min({1.0, e.descriptors_compared / 4, enough});
 }
 
@@ -64,10 +66,14 @@ double differ_over_little_path(const Evidence& e) {
 }
 
 /// Half-metre cells of wall that match, per metre of shared path: a copy of a few tiles matches less far to its sides.
-/// Not known if the placement came from no search.
+/// Over little path (10 m and less; not from 14 m on), those of a straight tunnel (that hold it by .03 and less; not
+/// from .05 on) do not count, because they match in any such tunnel: one placement over 5 m was 57 m off. Not known if
+/// the placement came from no search.
 double walls_per_metre(const Evidence& e) {
   constexpr double least_m = 10;
-  return e.support > 0 ? e.support / std::max(e.overlap_m, least_m) : unknown;
+  if (!(e.support > 0)) return unknown;
+  const double of_any_tunnel = ramp(e.overlap_m, 14, least_m) * ramp(hold(e), 0.05, 0.03);
+  return (1 - of_any_tunnel) * e.support / std::max(e.overlap_m, least_m);
 }
 
 /// How much farther the points of each session lie off the other's surfaces than off its own: rough rock scatters in
