@@ -28,7 +28,7 @@ from fit_rows import calibration_error, load, log_loss, made_from, run
 
 ACCEPTED = 0.9
 WRONG_WEIGHT = 1.25  # with 1, seven more right ones of 726 in mines left out, and three more wrong ones, two of them copies over 25 and 45 m of equal tunnels
-RECORDED, RECORDED_WEIGHT = ("tunnel", "nclt"), 10  # right placements in recordings are few, and the only ones of real lidars and odometry; with 3, two in a tunnel that is similar to itself everywhere would wait
+RECORDED, RECORDED_WEIGHT = ("tunnel", "nclt"), 10  # right placements in recordings are few, and robots of them have to get one map; with 5, one in a tunnel that is similar to itself everywhere would wait
 PULL = 4  # strength with which falls are drawn to those in place: with 4, as many right placements of mines left out are believed as with 8 or 16, and one or two wrong ones fewer
 STEEPEST = 20  # most a curve may fall if it fell like that over all its range: then 1 % of it moves no probability by over .05
 MOST_ROCK = 7  # log2 of cubes per metre: no median is as high; until 2026-11-30 rows held the log2 of all cubes, 8 to 11

@@ -163,6 +163,31 @@ TEST(Probability, WhereCopiesAreKnownDescriptorsThatAreEqualTellNoPlaces) {
   EXPECT_EQ(term(e, "places look alike"), as_known) << "as if they were not equal";
 }
 
+TEST(Probability, InAMineOfManyLookAlikesFewEqualDescriptorsTellNoPlaces) {
+  Evidence e = convincing();
+  e.look_alikes = 6, e.weakest_hold = 0.015, e.descriptors_alike = 0.96, e.descriptors_compared = 8;
+  e.mine_look_alikes = 1.15;
+  const double tells = term(e, "places look alike");
+  e.mine_look_alikes = 1.4;
+  EXPECT_LT(term(e, "places look alike"), tells - 1);
+  e.descriptors_compared = 12;
+  EXPECT_EQ(term(e, "places look alike"), tells);
+}
+
+TEST(Probability, OverLittlePathTheWallsOfAStraightTunnelDoNotCount) {
+  const auto walls = [](double overlap_m, double hold) {
+    Evidence e = convincing();
+    e.overlap_m = overlap_m, e.weakest_hold = hold, e.support = 140;
+    e.descriptors_compared = e.descriptors_alike = 0;
+    const auto all = verdict_measures(e);
+    return std::ranges::find(all, "walls match", &VerdictTerm::name)->value;
+  };
+  EXPECT_NEAR(walls(10, 0.03), 0, 1e-9);
+  EXPECT_NEAR(walls(14, 0.03), 10, 1e-9);
+  EXPECT_NEAR(walls(5, 0.05), 14, 1e-9) << "not straight";
+  EXPECT_NEAR(walls(5, 0.04), 7, 1e-9);
+}
+
 TEST(Probability, WhatIsNotKnownSaysNothing) {
   Evidence e = convincing();
   EXPECT_GT(term(e, "walls match"), 0);
@@ -277,6 +302,12 @@ TEST(Probability, CopiesOfMinesThatWereMeasuredWait) {
       << "equal tunnels, none alike";
   EXPECT_LT(p(measured(9, 95, 57, 0, 0.35, 0.06, 0.059, 0.57, 0, 0, 100, 0.54)), accepted)
       << "a crossing, no descriptors";
+  EXPECT_LT(p(measured(37, 108, 72, 0, 6.84, 1.43, 0.035, 0.38, 9, 0.972, 332, 4.18)), accepted)
+      << "equal descriptors in a mine of many look-alikes";
+  EXPECT_LT(p(measured(46, 76, 59, 0, 7.76, 1.08, 0.083, 0.60, 9, 0.933, 275, 3.57)), accepted)
+      << "one of equal tunnels, not so equal descriptors";
+  EXPECT_LT(p(measured(5, 124, 65, 0, 0, 0, 0.029, 0.07, 0, 0, 133, 0.03)), accepted)
+      << "a straight piece among others, no descriptors";
 }
 
 }  // namespace
