@@ -33,12 +33,12 @@ double copies(const Evidence& e) {
 /// How far the descriptors are nearly equal, 0 to 1 (fully from .95 on over four keyframes, not up to .90). Then they
 /// tell a place from those that look like it to the walls, and where it is along a straight tunnel: right placements
 /// over 30 m of one agree to .95 and .97. But what is copied is described alike: where copies are known, or 1.4
-/// look-alikes are to be expected in 100 m (not up to 1.15), twelve keyframes have to agree (eight tell nothing).
+/// look-alikes are to be expected in 100 m (not up to 1.25), twelve keyframes have to agree (eight tell nothing).
 /// Copies over 27 and 37 m of such mines agreed to .96 and .97 at seven and nine; of 34 placements beside look-alikes
 /// with .92 and more at twelve, one was wrong.
 double descriptors_tell(const Evidence& e) {
   const double unique =
-      std::min(ramp(e.repetition, copies_known, copies_known / 2), ramp(e.mine_look_alikes, 1.4, 1.15));
+      std::min(ramp(e.repetition, copies_known, copies_known / 2), ramp(e.mine_look_alikes, 1.4, 1.25));
   const double enough = std::max(unique, ramp(e.descriptors_compared, 8, 12));
   return ramp(e.descriptors_alike, 0.9, 0.95) * std::min({1.0, e.descriptors_compared / 4, enough});
 }

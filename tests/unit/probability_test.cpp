@@ -166,7 +166,7 @@ TEST(Probability, WhereCopiesAreKnownDescriptorsThatAreEqualTellNoPlaces) {
 TEST(Probability, InAMineOfManyLookAlikesFewEqualDescriptorsTellNoPlaces) {
   Evidence e = convincing();
   e.look_alikes = 6, e.weakest_hold = 0.015, e.descriptors_alike = 0.96, e.descriptors_compared = 8;
-  e.mine_look_alikes = 1.15;
+  e.mine_look_alikes = 1.25;
   const double tells = term(e, "places look alike");
   e.mine_look_alikes = 1.4;
   EXPECT_LT(term(e, "places look alike"), tells - 1);
