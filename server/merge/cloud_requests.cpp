@@ -150,11 +150,9 @@ std::vector<KeyframeRef> CloudRequests::clouds_for_verdict(const OrderedPair& pa
   Judgement whole = judged;  // as if all of its overlap were as good, held it along the tunnel and showed ample rock
   if (whole.status == RegistrationStatus::degenerate) whole.status = RegistrationStatus::converged;
   whole.evidence.weakest_hold = 1;
-  whole.evidence.rock_in_common = ideal_evidence().rock_in_common;
   measure_overlap(whole.evidence, a, b, T, judge);
-  weigh(whole);
   constexpr double may_be_believed = 0.5;  // at 0.2, two that share nothing were asked for all their clouds
-  if (whole.evidence.probability < may_be_believed) return wanted;
+  if (probability_with_ample_rock(whole) < may_be_believed) return wanted;
   const std::size_t most = more * static_cast<std::size_t>(config_.clouds_requested);
   ask(pair.a, near_other(b, c.a.obtainable, T.inverse(), judge.meet_m), T * p_b, most, wanted);
   ask(pair.b, near_other(a, c.b.obtainable, T, judge.meet_m), p_b, most, wanted);

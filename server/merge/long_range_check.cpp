@@ -108,12 +108,6 @@ void LongRange::tell(Evidence& e) const {
   e.rock_in_common = rock_in_common;
 }
 
-double probability_with_ample_rock(const Judgement& judgement) {
-  Evidence e = judgement.evidence;
-  e.rock_in_common = ideal_evidence().rock_in_common;
-  return probability(judgement.status, e);
-}
-
 LongRange check_long_range(const OrderedPair& pair, const Case& c, const Judgement& judged,
                            const Eigen::Vector3d& first_b, const SessionMap& sessions, SessionSubmaps& submaps,
                            CloudSource& clouds, const JudgeConfig& judge) {

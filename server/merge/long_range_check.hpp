@@ -19,9 +19,6 @@ struct LongRange {
   void tell(Evidence& e) const;
 };
 
-/// How probable the placement would be if both sessions had seen any amount of rock.
-double probability_with_ample_rock(const Judgement& judgement);
-
 /// Looks for contradictions and for rock in common along the shared path, or where two paths that never meet come
 /// nearest, at spots for which all clouds within 25 m of path are stored; with incomplete surroundings distant walls
 /// prove nothing, and where no spot has all of them, rock in common is all that is looked for. Looks at all such spots

@@ -32,7 +32,7 @@ double copies(const Evidence& e) {
 
 /// How far the descriptors are nearly equal, 0 to 1 (fully from .95 on over four keyframes, not up to .90). Then they
 /// tell a place from those that look like it to the walls, and where it is along a straight tunnel: right placements
-/// over 30 m of one agree to .95 and .97. But what is copied is described alike: where copies are known, or 1.4
+/// over some 30 m of one agree to .95 and .97. But what is copied is described alike: where copies are known, or 1.4
 /// look-alikes are to be expected in 100 m (not up to 1.25), twelve keyframes have to agree (eight tell nothing).
 /// Copies over 27 and 37 m of such mines agreed to .96 and .97 at seven and nine; of 34 placements beside look-alikes
 /// with .92 and more at twelve, one was wrong.

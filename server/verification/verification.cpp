@@ -272,4 +272,10 @@ void weigh(Judgement& judgement) {
   e.probability_if_unique = probability(judgement.status, unique);
 }
 
+double probability_with_ample_rock(const Judgement& judgement) {
+  Evidence e = judgement.evidence;
+  e.rock_in_common = ideal_evidence().rock_in_common;
+  return probability(judgement.status, e);
+}
+
 }  // namespace headframe

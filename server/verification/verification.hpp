@@ -38,4 +38,7 @@ double violation_at(const Scene& scene, const Pose& T_a_b, const JudgeConfig& co
 /// Sets the probabilities of a judgement from its other evidence.
 void weigh(Judgement& judgement);
 
+/// How probable the placement would be if both sessions had seen any amount of rock.
+double probability_with_ample_rock(const Judgement& judgement);
+
 }  // namespace headframe

@@ -156,7 +156,7 @@ TEST(Probability, WhereCopiesAreKnownDescriptorsThatAreEqualTellNoPlaces) {
   EXPECT_LT(term(e, "places look alike"), tells - 1);
   EXPECT_LT(term(e, "walls hold it"), held);
   e.descriptors_compared = 12;
-  EXPECT_EQ(term(e, "places look alike"), tells) << "so many of a copy would differ somewhere";
+  EXPECT_EQ(term(e, "places look alike"), tells) << "twelve that agree still tell";
   e.descriptors_compared = 8;
   const double as_known = term(e, "places look alike");
   e.repetition = 0, e.descriptors_alike = 0.85;
