@@ -131,9 +131,6 @@ Component component_from(const Frames& frames, std::span<const SessionId> anchor
   return component;
 }
 
-/// Alignments in doubt, and the pairs of sessions that would contradict each other.
-using Doubts = std::map<std::size_t, Pair>;
-
 /// Takes the usable alignments one after another. Those in doubt come last and are only checked, not taken, so that
 /// what contradicts them keeps doing so.
 class Merging {
@@ -204,15 +201,14 @@ class Merging {
   /// Of the alignments that bring the two contradicting sessions together, one is wrong: a copy as long as the overlap
   /// that it was found on. Only those with a clearly longer overlap are trusted.
   void doubt_between(std::size_t i, const Pair& by) {
-    constexpr double clearly = 1.5;  // set by hand on drawn mines of copies, seeds from 70000 on
     const std::vector<std::size_t> way = way_between(i, by);
     const double shared_m = alignments_[i].evidence.overlap_m;
     bool equals = false;
     for (const std::size_t k : way) {
       const double other_m = alignments_[k].evidence.overlap_m;
-      if (k == i || alignments_[k].ruling == Ruling::confirmed || other_m >= clearly * shared_m) continue;
+      if (k == i || alignments_[k].ruling == Ruling::confirmed || other_m >= clearly_longer * shared_m) continue;
       doubts_.emplace(k, by);
-      equals |= shared_m < clearly * other_m;
+      equals |= shared_m < clearly_longer * other_m;
     }
     if (equals) doubts_.emplace(i, by);
   }
@@ -259,8 +255,7 @@ bool agrees(const Pose& T_loop, const Pose& T, const LoopTolerance& tolerance) {
 
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance, std::span<const SessionId> anchors, const Contacts& contacts,
-                           const FrozenSessions& frozen, const Meetings& meet) {
-  Doubts doubts;
+                           const FrozenSessions& frozen, const Meetings& meet, Doubts doubts) {
   for (;;) {
     const std::size_t before = doubts.size();
     Merging merging(sessions, alignments, tolerance, contacts, doubts);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -36,12 +37,21 @@ enum class Contact {
 };
 using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a_b)>;  // a < b
 
+/// Alignments in doubt, by index, each with two sessions that would contradict each other; nullopt while that is not
+/// known.
+using Doubts = std::map<std::size_t, std::optional<std::pair<SessionId, SessionId>>>;
+
+/// An overlap this many times as long as another is not taken for its copy. Set by hand on drawn mines of copies, seeds
+/// from 70000 on.
+inline constexpr double clearly_longer = 1.5;
+
 /// Sequential merging under the overlap constraint. Verified alignments are taken strongest first. One that joins two
 /// components merges them, unless a session of one contradicts a session of the other there. One that closes a loop is
 /// published if it agrees with the loop. All others are held back: verified, or retracted if they had been published.
 /// If two sessions contradict each other, one of the alignments that connect them is wrong: a copy as long as its
 /// overlap. So all of these alignments wait as verified, except those with an overlap at least 1.5 times as long as the
-/// others'. While a contact is unknown, published alignments stay and others wait as verified.
+/// others'. So do those in `doubts` (rivals.hpp). While a contact is unknown, published alignments stay and others wait
+/// as verified.
 /// Strongest are those that the operator confirmed; then those that close more triangles with others than they fail to
 /// close; then the more probable ones (not counting aliases) with the less probable runner-up. The published alignments
 /// are finally made consistent by least squares over the session frames (relax.hpp).
@@ -52,6 +62,7 @@ using Contacts = std::function<Contact(SessionId a, SessionId b, const Pose& T_a
 /// places (T_frame_session, between the same frames as T_a_b).
 MergeResult merge_sessions(std::span<const SessionId> sessions, std::span<const Alignment> alignments,
                            const LoopTolerance& tolerance = {}, std::span<const SessionId> anchors = {},
-                           const Contacts& contacts = {}, const FrozenSessions& frozen = {}, const Meetings& meet = {});
+                           const Contacts& contacts = {}, const FrozenSessions& frozen = {}, const Meetings& meet = {},
+                           Doubts doubts = {});
 
 }  // namespace headframe

@@ -10,7 +10,7 @@
 namespace headframe {
 namespace {
 
-tl::unexpected<Error> refused(const std::string& why) { return failure(ErrorCode::bad_input, "the survey: " + why); }
+tl::unexpected<Error> no_survey(const std::string& why) { return failure(ErrorCode::bad_input, "the survey: " + why); }
 
 std::string fixed(const char* format, double value) {
   std::array<char, 64> text;
@@ -37,31 +37,31 @@ struct Centred {
 Result<Pose> upright(const Pose& T, const SurveyRules& rules) {
   const double tilt = tilt_rad(T);
   if (tilt <= rules.most_tilt_rad) return T;
-  return refused("it would tilt the level session by " + fixed("%.0f", tilt * 180 / M_PI) +
-                 " deg; are easting and northing swapped, or is z not up?");
+  return no_survey("it would tilt the level session by " + fixed("%.0f", tilt * 180 / M_PI) +
+                   " deg; are easting and northing swapped, or is z not up?");
 }
 
 Result<void> check_numbers(std::span<const ControlPoint> points, const SurveyRules& rules) {
   for (const ControlPoint& point : points)
     for (const auto& p : {point.p_session_m, point.p_grid_m})
       if (!p.allFinite() || p.cwiseAbs().maxCoeff() > rules.most_coordinate_m)
-        return refused("point \"" + point.name + "\" has a coordinate beyond " +
-                       fixed("%.0f", rules.most_coordinate_m) + " m");
+        return no_survey("point \"" + point.name + "\" has a coordinate beyond " +
+                         fixed("%.0f", rules.most_coordinate_m) + " m");
   if (points.size() < rules.least_points || points.size() > rules.most_points)
-    return refused(std::to_string(points.size()) + " points; give " + std::to_string(rules.least_points) + " to " +
-                   std::to_string(rules.most_points));
+    return no_survey(std::to_string(points.size()) + " points; give " + std::to_string(rules.least_points) + " to " +
+                     std::to_string(rules.most_points));
   return {};
 }
 
 Result<void> check_shape(const Centred& session, const Centred& grid, const SurveyRules& rules) {
   const double width_m = std::min(session.width(), grid.width());
   if (width_m < rules.least_width_m)
-    return refused("the points lie in a line, to within " + fixed("%.2f", width_m) +
-                   " m: the turn about it is open; add a point at least a few metres beside it");
+    return no_survey("the points lie in a line, to within " + fixed("%.2f", width_m) +
+                     " m: the turn about it is open; add a point at least a few metres beside it");
   const double scale = grid.rms() / session.rms();
   if (std::abs(scale - 1) > rules.scale_tolerance)
-    return refused("distances in the grid are " + fixed("%.4f", scale) +
-                   " times those in the session; are both in metres, and does each point have its own name?");
+    return no_survey("distances in the grid are " + fixed("%.4f", scale) +
+                     " times those in the session; are both in metres, and does each point have its own name?");
   return {};
 }
 
@@ -89,13 +89,14 @@ Result<Pose> fit_survey(std::span<const ControlPoint> points, const SurveyRules&
 
 Result<Pose> checked_survey(const Eigen::Matrix4d& matrix, const SurveyRules& rules) {
   if (!matrix.allFinite() || matrix.topRightCorner<3, 1>().cwiseAbs().maxCoeff() > rules.most_coordinate_m)
-    return refused("T_grid_session has a number that is not finite, or a place beyond " +
-                   fixed("%.0f", rules.most_coordinate_m) + " m");
+    return no_survey("T_grid_session has a number that is not finite, or a place beyond " +
+                     fixed("%.0f", rules.most_coordinate_m) + " m");
   const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
   const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   const bool last_row = matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1));
   if (off > rules.orthonormal_within || R.determinant() < 0 || !last_row)
-    return refused("T_grid_session is no rigid transform (16 numbers, row-major, a rotation without scale or mirror)");
+    return no_survey(
+        "T_grid_session is no rigid transform (16 numbers, row-major, a rotation without scale or mirror)");
   Pose T;
   T.matrix() = matrix;
   return upright(orthonormalised(T), rules);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/atlas/rivals.hpp"
 #include "server/merge/alignment_edges.hpp"
 #include "server/merge/frozen_places.hpp"
 #include "server/session/same_placement.hpp"
@@ -199,9 +200,11 @@ MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Con
   }
   FrozenSessions frozen;
   for (const auto& [id, held] : sessions_.frozen()) frozen[id] = local(held, sessions_.frames());
-  return merge_sessions(ids, spoken, {}, anchors_, contacts, frozen, [this](const Alignment& k) {
+  const auto meet = [this](const Alignment& k) {
     return where_they_meet(sessions_.at(k.a), sessions_.at(k.b), k.T_a_b);
-  });
+  };
+  return merge_sessions(ids, spoken, {}, anchors_, contacts, frozen, meet,
+                        rivalled(spoken, config_.look_alikes, {ids.begin(), ids.end()}, contacts));
 }
 
 MergeResult AlignmentBook::merge(const Contacts& contacts, Waiting waiting) const {
