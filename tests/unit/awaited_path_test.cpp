@@ -248,5 +248,45 @@ TEST_F(AwaitedPath, NothingIsToldThatContradictsWhatWaitsForClouds) {
   EXPECT_EQ(state_beside(AlignmentState::candidate, 3), AlignmentState::published);
 }
 
+// A copy of the place that a third session fits nearly as well: as long as that one is a candidate, neither is told.
+TEST_F(AwaitedPath, ACopyIsNotToldWhileACandidateContradictsItThatWaitsForNothing) {
+  grow(3, 61);
+  sessions_.complete(3);
+  sessions_.set_looked_at(3, true);
+  Contact met = Contact::contradicts;
+  const auto contacts = [&](SessionId a, SessionId b, const Pose&) { return a == 2 && b == 3 ? met : Contact::none; };
+  AlignmentBook book(config_, sessions_);
+  AttemptReport report;
+  Judgement judged;
+  judged.evidence.inlier_fraction = 1;
+  judged.evidence.overlap_m = 30;
+  judged.evidence.similar_places = 3;
+  judged.evidence.probability = 0.95;
+  book.record({1, 2}, judged, std::nullopt, false, report);
+  judged.evidence.probability = 0.8;
+  book.record({1, 3}, judged, std::nullopt, false, report);
+  ASSERT_EQ(book.find(1, 3)->state, AlignmentState::candidate);
+  const auto state = [&] {
+    book.update_atlas(
+        contacts,
+        [](const auto& pair) {
+          return Objection{pair.first, pair.second, 0.03};
+        },
+        report);
+    return book.find(1, 2)->state;
+  };
+  EXPECT_EQ(state(), AlignmentState::verified);
+  ASSERT_TRUE(book.find(1, 2)->objection);
+  EXPECT_EQ(book.find(1, 2)->objection->a, 2);
+  EXPECT_EQ(book.find(1, 2)->objection->b, 3);
+  met = Contact::unknown;
+  EXPECT_EQ(state(), AlignmentState::verified) << "until somebody has looked";
+  EXPECT_FALSE(book.find(1, 2)->objection);
+  met = Contact::none;
+  EXPECT_EQ(state(), AlignmentState::published);
+  met = Contact::contradicts;
+  EXPECT_EQ(state(), AlignmentState::verified) << "it is taken back";
+}
+
 }  // namespace
 }  // namespace headframe
