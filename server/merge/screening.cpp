@@ -25,11 +25,12 @@ struct Look {
   std::size_t of = 0;  // the case
   Meeting where = {};
   SubmapPair at = {};
-  Pose T_a_b = Pose::Identity();  // registered coarsely
+  Pose T_a_b = Pose::Identity();  // where a full registration starts
   double worth = 0;
 };
 
-/// The looks registered coarsely, the likeliest first, then as given.
+/// The looks registered coarsely, the likeliest first, then as given. Where the keyframes are far apart, that goes
+/// astray (see register_submaps()), and the walls know the place better.
 std::vector<Look> by_coarse_fit(std::vector<Look> looks, const OrderedPair& pair, const std::vector<Case>& cases,
                                 SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge) {
   std::vector<Meeting> where;
@@ -40,8 +41,10 @@ std::vector<Look> by_coarse_fit(std::vector<Look> looks, const OrderedPair& pair
     Look& look = looks[i];
     const Hypothesis& h = cases[look.of].hypothesis;
     look.at = at[i];
-    look.T_a_b = h.T_a_b;
-    look.worth = coarse_fit(*look.at.a, *look.at.b, look.T_a_b) / (1 + contradicted * h.contradiction);
+    Pose T_coarse = h.T_a_b;
+    look.worth = coarse_fit(*look.at.a, *look.at.b, T_coarse) / (1 + contradicted * h.contradiction);
+    const bool beside = (h.T_a_b * look.at.b->p - look.at.a->p).norm() <= judge.place.beside_m;
+    look.T_a_b = beside ? T_coarse : h.T_a_b;
   });
   std::stable_sort(looks.begin(), looks.end(), [](const Look& l, const Look& m) { return l.worth > m.worth; });
   return looks;

@@ -38,6 +38,16 @@ double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vect
   return static_cast<double>(*middle);
 }
 
+/// Maps that share only a part of their rock are pulled onto each other by cubes of 2 m, so the coarsest level is left
+/// out there. Of eight places of simulated mines whose keyframes were 9 to 23 m apart, six went 1.2 to 2.8 m astray
+/// from the truth by all levels; by the finest alone, all eight moved by .2 to 1 m. Nearer keyframes need the coarsest,
+/// because odometry may have drifted by 2 m between two places.
+VgicpConfig vgicp_between(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config) {
+  VgicpConfig out;
+  if ((T_a_b * b.p - a.p).norm() > config.beside_m) out.levels.erase(out.levels.begin());
+  return out;
+}
+
 /// PCL finds the placement; the finest level of VGICP then refines it and computes its information.
 Registration by_pcl(const Submap& a, const Submap& b, const Pose& T_a_b) {
   VgicpConfig finest;
@@ -73,9 +83,9 @@ Visibility SubmapCheck::between() const {
 SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config) {
   SubmapCheck out;
   out.p_b = b.p;
-  out.registration = config.engine == RegistrationEngine::pcl_gicp
-                         ? by_pcl(a, b, T_a_b)
-                         : align(a.target, b.source.points, b.source.normals, T_a_b);
+  out.registration = config.engine == RegistrationEngine::pcl_gicp ? by_pcl(a, b, T_a_b)
+                                                                   : align(a.target, b.source.points, b.source.normals,
+                                                                           T_a_b, vgicp_between(a, b, T_a_b, config));
   const Pose& T = out.registration.T_target_source;
   out.p_a = T * out.p_b;
   if (out.registration.status == RegistrationStatus::too_little_overlap) return out;

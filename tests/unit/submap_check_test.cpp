@@ -40,5 +40,18 @@ TEST(SubmapCheck, DriftAcrossATunnelIsNotAContradictionThoughThePlaceSlidAlongIt
   EXPECT_NEAR(moved_across(alone, T_drifted).translation().norm(), 3, 0.05) << "what slides does not move it";
 }
 
+TEST(SubmapCheck, OnlyKeyframesThatAreNearAreRegisteredByTheCoarsestLevel) {
+  const Submap rock = drawn_submap();
+  const Pose off = pose_from_yaw(0, {0, 3, 0});  // across the tunnel
+  const double apart_m = (off * rock.p - rock.p).norm();
+  const auto error_m = [&](double beside_m) {
+    SubmapConfig config;
+    config.beside_m = beside_m;
+    return (register_submaps(rock, rock, off, config).p_a - rock.p).norm();
+  };
+  EXPECT_LT(error_m(apart_m + 0.01), 0.05);
+  EXPECT_GT(error_m(apart_m - 0.01), 0.5) << "too far for the finer levels";
+}
+
 }  // namespace
 }  // namespace headframe
