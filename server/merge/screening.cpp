@@ -29,8 +29,8 @@ struct Look {
   double worth = 0;
 };
 
-/// The looks registered coarsely, the likeliest first, then as given. Where the keyframes are far apart, that goes
-/// astray (see register_submaps()), and the walls know the place better.
+/// The looks registered coarsely, the likeliest first, then as given. Where the keyframes stand far apart, a coarse
+/// registration goes astray (verification/submap_check), so only its worth is used: the walls know the place better.
 std::vector<Look> by_coarse_fit(std::vector<Look> looks, const OrderedPair& pair, const std::vector<Case>& cases,
                                 SessionSubmaps& submaps, CloudSource& clouds, const JudgeConfig& judge) {
   std::vector<Meeting> where;

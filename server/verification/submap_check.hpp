@@ -31,7 +31,8 @@ struct SubmapCheck {
 /// At T_a_b.
 Matched matched(const Submap& a, const Submap& b, const Pose& T_a_b);
 
-/// Registers b's submap on a's from T_a_b with config.engine. Pure.
+/// Registers b's submap on a's from T_a_b with config.engine. Where the keyframes stand farther apart than
+/// config.beside_m, the coarsest level is left out, and T_a_b has to be right to within a metre or two. Pure.
 SubmapCheck register_submaps(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config);
 
 /// Sets the visibilities at T_a_b and, if the two were not recorded within the same hour, the changes.
