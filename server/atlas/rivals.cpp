@@ -5,17 +5,15 @@
 namespace headframe {
 namespace {
 
-constexpr double weak = 0.1;  // share of an alignment's odds below which a candidate is no rival
-
 bool in_question(const Alignment& k, double look_alikes) {
   const bool merges = k.state == AlignmentState::verified || k.state == AlignmentState::published;
   return merges && k.ruling == Ruling::none && k.evidence.similar_places >= look_alikes;
 }
 
 /// Whether the candidate is good enough to be taken for the right one of the two.
-bool rivals(const Alignment& candidate, const Alignment& k) {
+bool rivals(const Alignment& candidate, const Alignment& k, const VerdictThresholds& thresholds) {
   return candidate.state == AlignmentState::candidate && candidate.ruling == Ruling::none && has_placement(candidate) &&
-         odds(candidate.evidence.probability) >= weak * odds(k.evidence.probability) &&
+         odds(candidate.evidence.probability) >= thresholds.runner_up_share * odds(k.evidence.probability) &&
          k.evidence.overlap_m < clearly_longer * candidate.evidence.overlap_m;
 }
 
@@ -25,15 +23,16 @@ Pose T_shared_other(SessionId shared, const Alignment& k) { return k.a == shared
 
 }  // namespace
 
-Doubts rivalled(std::span<const Alignment> alignments, double look_alikes, const std::set<SessionId>& present,
-                const Contacts& contacts) {
+Doubts rivalled(std::span<const Alignment> alignments, const VerdictThresholds& thresholds, double look_alikes,
+                const std::set<SessionId>& present, const Contacts& contacts) {
   Doubts doubts;
   if (!contacts) return doubts;
   for (std::size_t i = 0; i < alignments.size(); ++i) {
     const Alignment& k = alignments[i];
     if (!in_question(k, look_alikes)) continue;
     for (const Alignment& candidate : alignments) {
-      if (!rivals(candidate, k) || !present.contains(candidate.a) || !present.contains(candidate.b)) continue;
+      if (!rivals(candidate, k, thresholds) || !present.contains(candidate.a) || !present.contains(candidate.b))
+        continue;
       for (const SessionId shared : {k.a, k.b}) {
         if (shared != candidate.a && shared != candidate.b) continue;
         const SessionId one = other_than(shared, k), other = other_than(shared, candidate);

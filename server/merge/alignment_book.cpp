@@ -204,7 +204,7 @@ MergeResult AlignmentBook::merge_spoken(std::vector<Alignment> spoken, const Con
     return where_they_meet(sessions_.at(k.a), sessions_.at(k.b), k.T_a_b);
   };
   return merge_sessions(ids, spoken, {}, anchors_, contacts, frozen, meet,
-                        rivalled(spoken, config_.look_alikes, {ids.begin(), ids.end()}, contacts));
+                        rivalled(spoken, config_, config_.look_alikes, {ids.begin(), ids.end()}, contacts));
 }
 
 MergeResult AlignmentBook::merge(const Contacts& contacts, Waiting waiting) const {

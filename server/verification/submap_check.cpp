@@ -39,7 +39,7 @@ double median_residual_m(const VoxelMap& a, const VoxelMap& b, const Eigen::Vect
 }
 
 /// Maps that share only a part of their rock are pulled onto each other by cubes of 2 m, so the coarsest level is left
-/// out there. Of eight places of simulated mines whose keyframes were 9 to 23 m apart, six went 1.2 to 2.8 m astray
+/// out there. Of eight places of simulated mines whose keyframes were 8 to 23 m apart, six went 1.2 to 2.8 m astray
 /// from the truth by all levels; by the finest alone, all eight moved by .2 to 1 m. Nearer keyframes need the coarsest,
 /// because odometry may have drifted by 2 m between two places.
 VgicpConfig vgicp_between(const Submap& a, const Submap& b, const Pose& T_a_b, const SubmapConfig& config) {

@@ -13,11 +13,12 @@ namespace {
 class AwaitedPath : public testing::Test {
  protected:
   void SetUp() override {
-    for (const SessionId id : {1, 2}) {
-      grow(id, 61);
-      sessions_.complete(id);
-      sessions_.set_looked_at(id, true);
-    }
+    for (const SessionId id : {1, 2}) add_ended(id);
+  }
+  void add_ended(SessionId id) {
+    grow(id, 61);
+    sessions_.complete(id);
+    sessions_.set_looked_at(id, true);
   }
   void grow(SessionId id, int metres) {
     sessions_.add(id, {"test", 1});
@@ -217,9 +218,7 @@ TEST_F(AwaitedPath, WhatWaitsForCloudsTooIsJudgedAnewAndNotReleased) {
 
 // Two tiles that look alike, and the clouds of the right one come a second later than those of the copy.
 TEST_F(AwaitedPath, NothingIsToldThatContradictsWhatWaitsForClouds) {
-  grow(3, 61);
-  sessions_.complete(3);
-  sessions_.set_looked_at(3, true);
+  add_ended(3);
   Contact met = Contact::contradicts;
   const auto contacts = [&](SessionId a, SessionId b, const Pose&) { return a == 2 && b == 3 ? met : Contact::none; };
   const auto state_beside = [&](AlignmentState other, double similar_places) {
@@ -250,9 +249,7 @@ TEST_F(AwaitedPath, NothingIsToldThatContradictsWhatWaitsForClouds) {
 
 // A copy of the place that a third session fits nearly as well: as long as that one is a candidate, neither is told.
 TEST_F(AwaitedPath, ACopyIsNotToldWhileACandidateContradictsItThatWaitsForNothing) {
-  grow(3, 61);
-  sessions_.complete(3);
-  sessions_.set_looked_at(3, true);
+  add_ended(3);
   Contact met = Contact::contradicts;
   const auto contacts = [&](SessionId a, SessionId b, const Pose&) { return a == 2 && b == 3 ? met : Contact::none; };
   AlignmentBook book(config_, sessions_);

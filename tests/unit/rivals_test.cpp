@@ -38,7 +38,7 @@ Contacts all_say(Contact contact) {
 }
 
 Doubts doubts(const std::vector<Alignment>& alignments, Contact contact = Contact::contradicts) {
-  return rivalled(alignments, look_alikes, {1, 2, 3}, all_say(contact));
+  return rivalled(alignments, {}, look_alikes, {1, 2, 3}, all_say(contact));
 }
 
 TEST(Rivals, OneThatCannotBeRightTogetherWithACandidateIsInDoubt) {
@@ -47,7 +47,7 @@ TEST(Rivals, OneThatCannotBeRightTogetherWithACandidateIsInDoubt) {
   EXPECT_TRUE(doubts(both, Contact::none).empty());
   EXPECT_TRUE(doubts(both, Contact::agrees).empty());
   EXPECT_EQ(doubts(both, Contact::unknown), (Doubts{{0, std::nullopt}})) << "until they are compared";
-  EXPECT_TRUE(rivalled(both, look_alikes, {1, 2, 3}, {}).empty()) << "nobody can be asked";
+  EXPECT_TRUE(rivalled(both, {}, look_alikes, {1, 2, 3}, {}).empty()) << "nobody can be asked";
 }
 
 TEST(Rivals, APublishedOneStaysUntilThereIsAContradiction) {
@@ -70,7 +70,7 @@ TEST(Rivals, TheOtherTwoSessionsAreAskedWhereBothAlignmentsBringThem) {
       return Contact::contradicts;
     };
     const std::vector<Alignment> both{accepted(one, shared), candidate(shared, other)};
-    EXPECT_EQ(rivalled(both, look_alikes, {1, 2, 3}, contacts).size(), 1U);
+    EXPECT_EQ(rivalled(both, {}, look_alikes, {1, 2, 3}, contacts).size(), 1U);
     EXPECT_EQ(asked, 1);
   } while (std::next_permutation(ids.begin(), ids.end()));
 }
@@ -91,6 +91,12 @@ TEST(Rivals, AWeakOrShortCandidateIsNone) {
   const double tenth = 1.9 / 2.9;  // a tenth of the odds of .95
   EXPECT_TRUE(in_doubt_after([&](Alignment&, Alignment& c) { c.evidence.probability = tenth + 0.001; }));
   EXPECT_FALSE(in_doubt_after([&](Alignment&, Alignment& c) { c.evidence.probability = tenth - 0.001; }));
+  VerdictThresholds stricter;
+  stricter.runner_up_share = 0.3;
+  EXPECT_TRUE(rivalled(std::vector{accepted(1, 2), candidate(2, 3)}, stricter, look_alikes, {1, 2, 3},
+                       all_say(Contact::contradicts))
+                  .empty())
+      << "it has a fifth of the odds";
   EXPECT_TRUE(in_doubt_after([](Alignment& k, Alignment&) { k.evidence.overlap_m = 59; }));
   EXPECT_FALSE(in_doubt_after([](Alignment& k, Alignment&) { k.evidence.overlap_m = 60; })) << "clearly longer";
   EXPECT_FALSE(in_doubt_after([](Alignment&, Alignment& c) { c.evidence.inlier_fraction = 0; })) << "no placement";
@@ -108,7 +114,7 @@ TEST(Rivals, WhatTheOperatorDecidedOrWhatDoesNotMergeIsLeftAlone) {
 
 TEST(Rivals, ACandidateOfASessionThatIsSetAsideHasNoSay) {
   const std::vector<Alignment> both{accepted(1, 2), candidate(2, 3)};
-  EXPECT_TRUE(rivalled(both, look_alikes, {1, 2}, all_say(Contact::contradicts)).empty());
+  EXPECT_TRUE(rivalled(both, {}, look_alikes, {1, 2}, all_say(Contact::contradicts)).empty());
 }
 
 TEST(Rivals, OneInDoubtWaitsButALoopOfOthersProvesIt) {
