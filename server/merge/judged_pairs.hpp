@@ -9,7 +9,9 @@
 
 namespace headframe {
 
-/// What the verdict on a pair depends on. While none of it changes, the verdict would not change either.
+/// What the verdict on a pair depends on. While none of it changes, the verdict would not change either. (Where a
+/// published alignment is judged again, it also depends on the placement, which each judgement moves a little: once for
+/// the same clouds while a session is driven, and once when both have ended, which decides where the merge lies.)
 struct JudgedOn {
   std::size_t search = 0;        // Found::version; 0: a published alignment was judged again at its placement
   int looks_like_itself_10 = 0;  // looks_like_itself(), in tenths

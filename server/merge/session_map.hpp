@@ -78,8 +78,9 @@ class SessionMap {
   /// A few metres of path look like many other places, so a growing session waits until it is longer.
   bool may_merge(SessionId id) const { return at(id).complete || at(id).path_m() >= config_.least_path_m; }
   bool may_merge(const OrderedPair& pair) const { return may_merge(pair.a) && may_merge(pair.b); }
-  /// Whether no further keyframe of either is expected.
-  bool have_ended(const OrderedPair& pair) const { return at(pair.a).complete && at(pair.b).complete; }
+  /// Of how many of the two no further keyframe is expected.
+  int complete(const OrderedPair& pair) const { return int{at(pair.a).complete} + int{at(pair.b).complete}; }
+  bool have_ended(const OrderedPair& pair) const { return complete(pair) == 2; }
   /// Whether the pair, of one site, is tried at all: both may merge, or one may merge and the other's robot asks where
   /// it is.
   bool worth_a_look(const OrderedPair& pair) const {

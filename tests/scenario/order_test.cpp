@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/session/same_placement.hpp"
 #include "tests/bench/pipeline_run.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -85,6 +86,48 @@ TEST(Order, OfRobotsInADrawnMineDoesNotMatter) {
   EXPECT_LT(expect_any_order_gives_the_same(sessions).components.size(), 3U) << "something merged";
   sessions.pop_back();
   expect_any_order_gives_the_same(sessions);
+}
+
+/// Where the second session lies on the first. It was attempted when these shares of its keyframes had come; then once
+/// more, when its robot had said goodbye.
+Pose end_of(const std::vector<DrivenSession>& sessions, const std::vector<double>& attempted_at) {
+  PipelineRun run;
+  run.add(sessions[0]);
+  const SessionId id = run.begin(sessions[1]);
+  std::size_t told = 0;
+  const auto tell = [&](double share) {
+    for (; static_cast<double>(told) < share * static_cast<double>(sessions[1].keyframes.size()); ++told)
+      run.add_keyframe(id, told);
+  };
+  for (const double share : attempted_at) {
+    tell(share);
+    run.attempt(id);
+  }
+  tell(1);
+  run.pipeline.complete_session(id);
+  run.attempt(id);
+  EXPECT_EQ(run.pipeline.alignments().size(), 1U);
+  EXPECT_EQ(run.pipeline.alignments().at(0).state, AlignmentState::published);
+  return run.pipeline.alignments().at(0).T_a_b;
+}
+
+/// Where odometry drifts by metres, a merge lies where it is judged when both have ended. (One that had been judged
+/// again with all clouds before the goodbye was not settled after it, and lay 4 cm elsewhere.)
+TEST(Order, OfAttemptsAndTheGoodbyeDoesNotMatter) {
+  mine::Request request;
+  request.kind = mine::Kind::junctions;
+  request.seed = 5;
+  request.length_m = 150;
+  request.overlap_pct = 50;
+  request.scan_spacing_m = 1;
+  request.drift = 5;
+  request.sensors = {"os1-32", "vlp16-hires"};
+  std::vector<DrivenSession> sessions = drive_mine(request).sessions;
+  std::swap(sessions[0], sessions[1]);
+  const Pose at_once = end_of(sessions, {}), on_the_way = end_of(sessions, {0.7, 0.9, 1, 1});
+  const Keyframe& middle = sessions[1].keyframes[sessions[1].keyframes.size() / 2];
+  EXPECT_TRUE(same_placement(at_once, on_the_way, position(middle), same_when_settled))
+      << (at_once.inverse() * on_the_way).matrix();
 }
 
 TEST(Order, OfTwoRecordedRobotsDoesNotMatter) {
