@@ -15,8 +15,8 @@ struct Agreement {
   double sum = 0, count = 0;
 
   double mean() const { return count > 0 ? sum / count : 0; }
-  /// The mean with one more keyframe of similarity 0.5, because few keyframes say little; 0.5 if there are none.
-  double cautious() const { return (sum + 0.5) / (count + 1); }
+  /// The mean with so many more keyframes of similarity 0.5, because few keyframes say little; 0.5 if there are none.
+  double cautious(double more = 1) const { return (sum + 0.5 * more) / (count + more); }
   /// Grows with the overlap if the mean is above 0.5.
   double support() const { return sum - 0.5 * count; }
 };

@@ -41,6 +41,14 @@ TEST(DescriptorAgreement, IsGreatWhereThePathsTrulyLieAndTheUnitDoesNotMatter) {
   EXPECT_NEAR(DescriptorAgreement(a_scaled, b_scaled).at(moved(3)).mean(), agreement.at(moved(3)).mean(), 1e-5);
 }
 
+TEST(DescriptorAgreement, OfOneKeyframeSaysTheLessTheMoreCautiousOneIs) {
+  const Agreement one{0.1, 1}, many{2, 20};
+  EXPECT_NEAR(one.cautious(), 0.3, 1e-12);
+  EXPECT_NEAR(one.cautious(3), 0.4, 1e-12);
+  EXPECT_LT(many.cautious(3), 0.16) << "twenty that are as unlike do say it";
+  EXPECT_EQ(Agreement().cautious(3), 0.5);
+}
+
 TEST(DescriptorAgreement, MeetsTheNearestAsBruteForceDoes) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<double> place(-20, 20);
