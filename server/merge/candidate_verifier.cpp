@@ -60,8 +60,9 @@ bool hopeless_rival(double most_probable, const Verdict& judged) {
 /// single place of a mine that repeats itself fits at many others. The descriptors of one keyframe decide nothing: of a
 /// right placement over 44 m, whose paths lay over 3 m apart but for one keyframe, that one was similar to .09.
 double promise(const ScreeningResult& screened, const DescriptorAgreement& agreement) {
+  constexpr double more = 3;  // keyframes, as the verdict adds; with 1 that placement was not judged
   const Registration& r = screened.place.registration;
-  const double alike = agreement.at(r.T_target_source).cautious(3);
+  const double alike = agreement.at(r.T_target_source).cautious(more);
   return std::max(0.0, r.inlier_fraction - 20 * screened.place.unexplained()) * alike * alike;
 }
 

@@ -208,7 +208,7 @@ JudgedOn MergePipeline::State::what_there_is(const OrderedPair& pair, const Foun
                static_cast<int>(10 * looks_like_itself(of_all)),
                static_cast<int>(20 * std::min(0.5, of_all.mine_similar_places)),
                of_all.repetition >= copies_known,
-               sessions.complete(pair),
+               sessions.how_many_ended(pair),
                {}};
   for (const Case& c : cases) out.clouds.push_back(c.a.stored.size() + c.b.stored.size());
   return out;
@@ -230,7 +230,7 @@ bool MergePipeline::State::still_holds(const OrderedPair& pair, Alignment& publi
   if (now.a.any_let_go || now.b.any_let_go) return true;  // clouds that supported it have been deleted
   const bool ended = sessions.have_ended(pair);
   if (ended) attempt.want(requests.clouds_to_settle(pair, now, published.evidence.spread_m));
-  const JudgedOn at_its_placement{.complete = sessions.complete(pair),
+  const JudgedOn at_its_placement{.complete = sessions.how_many_ended(pair),
                                   .clouds = {now.a.stored.size(), now.b.stored.size()}};
   if (judged.judged_on(pair, at_its_placement)) return true;
   const Stopwatch watch(attempt.report.times.verification_ms);

@@ -79,8 +79,8 @@ class SessionMap {
   bool may_merge(SessionId id) const { return at(id).complete || at(id).path_m() >= config_.least_path_m; }
   bool may_merge(const OrderedPair& pair) const { return may_merge(pair.a) && may_merge(pair.b); }
   /// Of how many of the two no further keyframe is expected.
-  int complete(const OrderedPair& pair) const { return int{at(pair.a).complete} + int{at(pair.b).complete}; }
-  bool have_ended(const OrderedPair& pair) const { return complete(pair) == 2; }
+  int how_many_ended(const OrderedPair& pair) const { return int{at(pair.a).complete} + int{at(pair.b).complete}; }
+  bool have_ended(const OrderedPair& pair) const { return how_many_ended(pair) == 2; }
   /// Whether the pair, of one site, is tried at all: both may merge, or one may merge and the other's robot asks where
   /// it is.
   bool worth_a_look(const OrderedPair& pair) const {

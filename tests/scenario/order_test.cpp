@@ -73,14 +73,19 @@ Seen expect_any_order_gives_the_same(const std::vector<DrivenSession>& sessions)
   return first;
 }
 
-TEST(Order, OfRobotsInADrawnMineDoesNotMatter) {
+mine::Request mine_with_junctions(double length_m) {
   mine::Request request;
   request.kind = mine::Kind::junctions;
   request.seed = 5;
-  request.robots = 3;
-  request.length_m = 100;
+  request.length_m = length_m;
   request.scan_spacing_m = 1;
   request.sensors = {"os1-32", "vlp16-hires", "os1-32"};
+  return request;
+}
+
+TEST(Order, OfRobotsInADrawnMineDoesNotMatter) {
+  mine::Request request = mine_with_junctions(100);
+  request.robots = 3;
   std::vector<DrivenSession> sessions = drive_mine(request).sessions;
   ASSERT_EQ(sessions.size(), 3U);
   EXPECT_LT(expect_any_order_gives_the_same(sessions).components.size(), 3U) << "something merged";
@@ -114,14 +119,9 @@ Pose end_of(const std::vector<DrivenSession>& sessions, const std::vector<double
 /// Where odometry drifts by metres, a merge lies where it is judged when both have ended. (One that had been judged
 /// again with all clouds before the goodbye was not settled after it, and lay 4 cm elsewhere.)
 TEST(Order, OfAttemptsAndTheGoodbyeDoesNotMatter) {
-  mine::Request request;
-  request.kind = mine::Kind::junctions;
-  request.seed = 5;
-  request.length_m = 150;
+  mine::Request request = mine_with_junctions(150);
   request.overlap_pct = 50;
-  request.scan_spacing_m = 1;
   request.drift = 5;
-  request.sensors = {"os1-32", "vlp16-hires"};
   std::vector<DrivenSession> sessions = drive_mine(request).sessions;
   std::swap(sessions[0], sessions[1]);
   const Pose at_once = end_of(sessions, {}), on_the_way = end_of(sessions, {0.7, 0.9, 1, 1});
